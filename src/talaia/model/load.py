@@ -1,0 +1,198 @@
+"""YAML text to `Site`; every error carries the path to the mistake."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import msgspec
+import yaml
+
+from talaia.model.errors import DescriptionError, NotReadable, UnknownWord
+from talaia.model.site import Site
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["dump_site", "load_site", "read_site"]
+
+MAX_BYTES = 4 * 1024 * 1024
+_Base = yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader
+
+
+class _Loader(_Base):  # type: ignore[misc, valid-type]
+    """The safe loader, and a key written twice is an error instead of the last one winning."""
+
+
+def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[object, object]:
+    seen: set[object] = set()
+    for key_node, _ in node.value:
+        key = loader.construct_object(key_node, deep=True)
+        if not isinstance(key, str | int | float | bool):
+            raise yaml.constructor.ConstructorError(
+                None, None, "a key must be a plain word", key_node.start_mark
+            )
+        if key in seen:
+            raise yaml.constructor.ConstructorError(
+                None, None, f"the key {key!r} is written twice", key_node.start_mark
+            )
+        seen.add(key)
+    return dict(loader.construct_mapping(node, deep=True))
+
+
+_Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
+
+
+def read_site(path: Path) -> Site:
+    """Load a description from a file.
+
+    Raises:
+        DescriptionError: the file cannot be read, or `load_site` refuses what it says.
+
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise NotReadable(str(path), f"cannot be read: {reason}") from error
+    try:
+        text = data.decode()
+    except UnicodeDecodeError as error:
+        problem = f"is not UTF-8 text (byte {error.start})"
+        raise NotReadable(str(path), problem, "save it as UTF-8") from error
+    return load_site(text)
+
+
+def load_site(text: str) -> Site:
+    """Make a `Site` of YAML text.
+
+    The shape is checked here (keys, types); what does not fit together is `check`'s matter.
+
+    Raises:
+        DescriptionError: with the path to the mistake (``$.devices.base.signals.speed``),
+            what was expected and what was found.
+
+    """
+    if len(text) > MAX_BYTES:
+        raise NotReadable("$", f"the description is longer than {MAX_BYTES // 1024 // 1024} MiB")
+    try:
+        document = yaml.load(text, Loader=_Loader)  # noqa: S506 - _Loader is a SafeLoader
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = f"line {mark.line + 1}, column {mark.column + 1}" if mark else "$"
+        raise NotReadable(where, error.problem or "is not YAML") from error
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise NotReadable("$", f"is not YAML: {error}") from error
+    if not isinstance(document, dict):
+        raise DescriptionError(
+            "$", "expected a mapping with the keys talaia, site, name and devices"
+        )
+    version = document.get("talaia")
+    if version != 1:
+        found = "it is missing" if version is None else f"found {version!r}"
+        raise DescriptionError(
+            "$.talaia", f"expected the format version 1, {found}", "write: talaia: 1"
+        )
+    try:
+        return msgspec.convert(document, Site)
+    except msgspec.ValidationError as error:
+        raise _told(str(error), document) from error
+
+
+def dump_site(site: Site) -> str:
+    """Write a `Site` as YAML text that `load_site` reads back to an equal one."""
+    return yaml.safe_dump(msgspec.to_builtins(site), sort_keys=False, allow_unicode=True, width=100)
+
+
+_AT = re.compile(r"^(?P<problem>.*?)(?: - at `(?P<path>.*)`)?$", re.DOTALL)
+_UNKNOWN_FIELD = re.compile(r"unknown field `(.*)`")
+_UNKNOWN_ENUM = re.compile(r"Invalid enum value '(.*)'")
+
+
+def _told(message: str, document: object) -> DescriptionError:
+    """Turn msgspec's sentence into ours, with the names of the mapping's keys in the path."""
+    match = _AT.match(message)
+    problem, path = (match["problem"], match["path"] or "$") if match else (message, "$")
+    where, shape = _follow(path, document, problem)
+    unknown = _UNKNOWN_FIELD.search(problem)
+    if unknown:
+        return UnknownWord(f"{where}.{unknown[1]}", "key", unknown[1], _keys_of(shape))
+    enum = _UNKNOWN_ENUM.search(problem)
+    if enum:
+        return UnknownWord(where, "word", enum[1], _words_of(shape))
+    return DescriptionError(where, problem[:1].lower() + problem[1:].replace("`", ""))
+
+
+def _keys_of(shape: object) -> list[str]:
+    if isinstance(shape, msgspec.inspect.StructType):
+        return [field.encode_name for field in shape.fields]
+    return []
+
+
+def _words_of(shape: object) -> list[str]:
+    if isinstance(shape, msgspec.inspect.EnumType):
+        return [str(member.value) for member in shape.cls]
+    return []
+
+
+_STEP = re.compile(r"\.([A-Za-z_]\w*)|\[(\d+|\.\.\.)\]")
+
+
+def _follow(path: str, document: object, problem: str) -> tuple[str, object]:
+    """Walk msgspec's path, naming the mapping key it writes as ``[...]``.
+
+    msgspec knows the path of types, not of keys: ``$.devices[...].signals[...].unit``. Of the
+    keys at each ``[...]`` the first whose own value does not convert is the one it stopped at.
+    """
+    shape: object = msgspec.inspect.type_info(Site)
+    value, said = document, "$"
+    for name, index in _STEP.findall(path):
+        shape = _inner(shape, msgspec.inspect.StructType)
+        if name:
+            shape = _field_type(shape, name)
+            value = value.get(name) if isinstance(value, dict) else None
+            said += f".{name}"
+        elif index == "...":
+            shape = _value_type(shape)
+            key = _first_wrong(value, shape, problem)
+            value = value.get(key) if isinstance(value, dict) else None
+            said += f".{key}"
+        else:
+            shape = _value_type(shape)
+            value = value[int(index)] if isinstance(value, list) else None
+            said += f"[{index}]"
+    return said, _inner(shape, (msgspec.inspect.StructType, msgspec.inspect.EnumType))
+
+
+def _inner(shape: object, wanted: type | tuple[type, ...]) -> object:
+    """Look through ``X | None`` to the member that is wanted."""
+    if isinstance(shape, msgspec.inspect.UnionType):
+        return next((each for each in shape.types if isinstance(each, wanted)), shape)
+    return shape
+
+
+def _field_type(shape: object, name: str) -> object:
+    if isinstance(shape, msgspec.inspect.StructType):
+        return next((f.type for f in shape.fields if f.encode_name == name), None)
+    return None
+
+
+def _value_type(shape: object) -> object:
+    if isinstance(shape, msgspec.inspect.DictType):
+        return shape.value_type
+    if isinstance(shape, msgspec.inspect.VarTupleType):
+        return shape.item_type
+    return None
+
+
+def _first_wrong(value: object, shape: object, problem: str) -> str:
+    if not isinstance(value, dict):
+        return "…"
+    if isinstance(shape, msgspec.inspect.StructType):
+        for key, each in value.items():
+            try:
+                msgspec.convert(each, shape.cls)
+            except msgspec.ValidationError as error:
+                if str(error).startswith(problem):
+                    return str(key)
+    return "…"

@@ -1,0 +1,351 @@
+"""The site description as values: what one robot system has, and what may be asked of it.
+
+All shapes of the description stand here in one place, immutable and without behaviour beyond
+look-up. `load` makes them from YAML; `check` says what does not fit together.
+
+An address is ``<device>/<name>``, for example ``base/speed``. A signal that holds more than one
+number (a position) has one *channel* for each: ``base/pose.x``. Channels are what the wire and
+the history carry: a channel is a number or a text.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import msgspec
+
+__all__ = [
+    "Argument",
+    "ArgumentType",
+    "Channel",
+    "Command",
+    "CommandKind",
+    "Device",
+    "DeviceKind",
+    "Drive",
+    "DriveMessage",
+    "LinkLoss",
+    "PositionFrame",
+    "Ros2Settings",
+    "Signal",
+    "SignalType",
+    "Site",
+    "Source",
+    "Stop",
+    "Stream",
+    "Visibility",
+    "parts_of",
+]
+
+
+class SignalType(StrEnum):
+    """What a signal holds. The list is closed: every part downstream knows each."""
+
+    NUMBER = "number"
+    STATE = "state"
+    TEXT = "text"
+    POSITION = "position"
+
+
+class PositionFrame(StrEnum):
+    """How a position is given: metres in a local frame (REP-105), or WGS 84 degrees."""
+
+    LOCAL = "local"
+    WGS84 = "wgs84"
+
+
+class DeviceKind(StrEnum):
+    """What a device is, so that its page can look the part."""
+
+    VEHICLE = "vehicle"
+    DOME = "dome"
+    TELESCOPE = "telescope"
+    CAMERA = "camera"
+    WEATHER = "weather"
+    POWER = "power"
+    OTHER = "other"
+
+
+class Visibility(StrEnum):
+    """Who sees it: everyone (guests too), or those with the right to view."""
+
+    PUBLIC = "public"
+    VIEW = "view"
+
+
+class ArgumentType(StrEnum):
+    """What a command's argument may be."""
+
+    NUMBER = "number"
+    INTEGER = "integer"
+    BOOLEAN = "boolean"
+    TEXT = "text"
+
+
+class CommandKind(StrEnum):
+    """How a one-shot command reaches the robot."""
+
+    SERVICE = "service"
+    TOPIC = "topic"
+
+
+class DriveMessage(StrEnum):
+    """What a driven device listens to."""
+
+    TWIST = "geometry_msgs/msg/Twist"
+    TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
+    KEYS = "std_msgs/msg/String"
+
+
+class LinkLoss(StrEnum):
+    """What the gateway does with a device when the hub cannot be reached."""
+
+    STOP = "stop"
+    NOTHING = "nothing"
+
+
+class _Shape(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """Immutable, and a key we do not know is an error, not a silence."""
+
+
+class Source(_Shape, frozen=True, kw_only=True):
+    """Where a signal or a picture comes from.
+
+    Attributes:
+        topic: the ROS topic, absolute (``/odom``).
+        type: the ROS type, ``package/msg/Name``.
+        field: the path of the field in the message: ``pose.pose.position.x``, ``ranges[0]``.
+        name: for a topic that carries many sensors by name (CloudConnect's ``/metric``): which.
+
+    """
+
+    topic: str
+    type: str
+    field: str = ""
+    name: str = ""
+
+
+class Signal(_Shape, frozen=True, kw_only=True):
+    """Something that can be read.
+
+    Attributes:
+        unit: a symbol of `model.unit`; numbers only.
+        minimum: lowest value that makes sense, in ``unit``; the chart's lower end.
+        maximum: highest value that makes sense, in ``unit``.
+        decimals: digits after the point on screen; -1 takes the unit's own.
+        max_rate: at most so many samples a second are kept; 0 sets no limit (Hz).
+        deadband: a change up to this is not news, in ``unit``.
+        max_age: older than this the value is stale (s).
+        states: for a state: what each whole number means, in order.
+        frame: for a position: metres or degrees.
+        yaw_from: for a local position: ``quaternion`` path of the orientation, or empty.
+        primary: shown on the first page.
+
+    """
+
+    name: str
+    source: Source
+    type: SignalType = SignalType.NUMBER
+    unit: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    decimals: int = -1
+    scale: float = 1.0
+    max_rate: float = 0.0
+    deadband: float = 0.0
+    max_age: float = 5.0
+    states: tuple[str, ...] = ()
+    frame: PositionFrame = PositionFrame.LOCAL
+    yaw_from: str = ""
+    primary: bool = True
+    visibility: Visibility = Visibility.VIEW
+
+
+class Stream(_Shape, frozen=True, kw_only=True):
+    """A camera.
+
+    Attributes:
+        max_rate: pictures a second at the most (Hz).
+        quality: JPEG quality, 1 to 95.
+        width: pictures wider than this are made smaller (px); 0 leaves them.
+
+    """
+
+    name: str
+    source: Source
+    max_rate: float = 30.0
+    quality: int = 70
+    width: int = 0
+    visibility: Visibility = Visibility.VIEW
+
+
+class Stop(_Shape, frozen=True, kw_only=True):
+    """How STOP (software) reaches a device, beside zero velocity.
+
+    Attributes:
+        topic: a ``std_msgs/msg/Bool`` topic that is true while stopped; empty if there is none.
+        confirmed_by: addresses of number signals that must all be within ``below`` of zero
+            for the robot to count as stopped.
+        below: see ``confirmed_by``, in the signals' units.
+
+    """
+
+    topic: str = ""
+    confirmed_by: tuple[str, ...] = ()
+    below: float = 0.02
+
+
+class Drive(_Shape, frozen=True, kw_only=True):
+    """Continuous control of a device (teleoperation), under a lease.
+
+    Attributes:
+        max_speed: forward limit (m/s).
+        max_reverse: backward limit, given positive (m/s).
+        max_turn: turning limit (rad/s).
+        max_acceleration: (m/s²); a demand for zero is never ramped.
+        max_turn_acceleration: (rad/s²).
+        rate: control rate to the robot, and of explicit zeros (Hz).
+        ttl: a driving frame older than this is refused (s).
+        zeros_for: how long explicit zeros are published after the last frame (s).
+        lease: a lease ends so long after its last renewal (s).
+        picture: name of the stream the driver looks at; empty for none.
+        position: name of the position signal for the map; empty for none.
+
+    """
+
+    topic: str
+    message: DriveMessage = DriveMessage.TWIST
+    max_speed: float
+    max_reverse: float | None = None
+    max_turn: float
+    max_acceleration: float = 1.0
+    max_turn_acceleration: float = 6.0
+    rate: float = 20.0
+    ttl: float = 0.25
+    zeros_for: float = 1.0
+    lease: float = 3.0
+    link_loss: LinkLoss = LinkLoss.STOP
+    stop: Stop = msgspec.field(default_factory=Stop)
+    picture: str = ""
+    position: str = ""
+
+
+class Argument(_Shape, frozen=True, kw_only=True):
+    """One typed argument of a command, with the field of the request it fills."""
+
+    type: ArgumentType
+    field: str
+    name: str = ""
+    unit: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    max_length: int = 200
+    default: float | int | bool | str | None = None
+
+
+class Command(_Shape, frozen=True, kw_only=True):
+    """Something a device can be asked to do once.
+
+    Attributes:
+        target: the ROS service or topic.
+        type: ``package/srv/Name`` or ``package/msg/Name``.
+        fixed: request fields with values that the asker does not choose, by path.
+        arguments: by argument name.
+        ttl: not accepted within this time, it is refused (s).
+        timeout: accepted but without an answer for this long, its state is unknown (s).
+        confirm: ask the person once more before it is sent.
+
+    """
+
+    name: str
+    target: str
+    type: str
+    kind: CommandKind = CommandKind.SERVICE
+    description: str = ""
+    fixed: dict[str, float | int | bool | str] = {}
+    arguments: dict[str, Argument] = {}
+    ttl: float = 5.0
+    timeout: float = 10.0
+    confirm: bool = False
+
+
+class Device(_Shape, frozen=True, kw_only=True):
+    """A part of a site that people think of as one thing."""
+
+    name: str
+    kind: DeviceKind = DeviceKind.OTHER
+    signals: dict[str, Signal] = {}
+    streams: dict[str, Stream] = {}
+    commands: dict[str, Command] = {}
+    drive: Drive | None = None
+    visibility: Visibility = Visibility.VIEW
+
+
+class Ros2Settings(_Shape, frozen=True, kw_only=True):
+    """How the gateway joins ROS 2.
+
+    Attributes:
+        domain: the ROS domain id; none takes ROS_DOMAIN_ID or 0.
+        node: the gateway's node name.
+
+    """
+
+    domain: int | None = None
+    node: str = "talaia_gateway"
+
+
+class Channel(msgspec.Struct, frozen=True):
+    """One column of the wire and of the history: a number or a text of a signal."""
+
+    address: str
+    device: str
+    signal: str
+    part: str
+    text: bool
+
+
+class Site(_Shape, frozen=True, kw_only=True):
+    """One robot system behind one gateway.
+
+    Attributes:
+        talaia: version of the description's format; 1.
+        site: short name, for addresses and files.
+        name: what people call it.
+        zone: the site's time zone, by its IANA name.
+
+    """
+
+    talaia: int
+    site: str
+    name: str
+    zone: str = "UTC"
+    ros2: Ros2Settings | None = None
+    devices: dict[str, Device] = {}
+
+    def channels(self) -> tuple[Channel, ...]:
+        """List every channel, in the order of the description. The order is the wire's index."""
+        return tuple(
+            Channel(
+                f"{device_id}/{signal_id}" + (f".{part}" if part else ""),
+                device_id,
+                signal_id,
+                part,
+                signal.type is SignalType.TEXT,
+            )
+            for device_id, device in self.devices.items()
+            for signal_id, signal in device.signals.items()
+            for part in parts_of(signal)
+        )
+
+
+def parts_of(signal: Signal) -> tuple[str, ...]:
+    """Name the numbers a signal holds; a single one has the empty name.
+
+    A local position has ``x``, ``y`` (m, REP-103: east/forward and north/left) and ``yaw``
+    (rad, counter-clockwise); a WGS 84 position has ``lat``, ``lon`` (°) and ``alt`` (m).
+    """
+    if signal.type is not SignalType.POSITION:
+        return ("",)
+    if signal.frame is PositionFrame.WGS84:
+        return ("lat", "lon", "alt")
+    return ("x", "y", "yaw")

@@ -1,0 +1,92 @@
+"""Samples as columns: the cheapest form to send, to store and to draw.
+
+A batch holds for each sample a channel index (u16), a time as microseconds from the batch's base
+(i32, so a batch spans at most 35 minutes either way), and a value (f64), each column as
+little-endian bytes. Texts are few: they stand aside by position, with NaN in the value column.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
+
+from talaia.wire.errors import PeerError
+
+__all__ = ["MAX_SAMPLES", "Columns", "pack", "unpack"]
+
+MAX_SAMPLES = 65_536
+MAX_SPAN_US = 2**31 - 1
+
+
+class Columns(NamedTuple):
+    """Samples side by side; all arrays have the shape (n,).
+
+    Attributes:
+        channel: index into a list of channels both sides know.
+        time_us: microseconds since the epoch, UTC.
+        value: the reading; NaN where it is a text (or where the robot said NaN).
+        texts: position in the batch to text.
+
+    """
+
+    channel: NDArray[np.uint16]
+    time_us: NDArray[np.int64]
+    value: NDArray[np.float64]
+    texts: dict[int, str]
+
+    def __len__(self) -> int:
+        """Count the samples, not the columns."""
+        return int(self.channel.size)
+
+
+def pack(columns: Columns) -> tuple[int, bytes, bytes, bytes]:
+    """Give base (µs), channel bytes, offset bytes and value bytes.
+
+    Raises:
+        ValueError: more samples than `MAX_SAMPLES`, or times further apart than the offset holds;
+            the caller cuts the batch.
+
+    """
+    count = len(columns)
+    if count > MAX_SAMPLES:
+        raise ValueError(f"{count} samples do not fit a batch of {MAX_SAMPLES}")
+    base = int(columns.time_us[0]) if count else 0
+    offset = columns.time_us - base
+    if count and (offset.max() > MAX_SPAN_US or offset.min() < -MAX_SPAN_US):
+        raise ValueError("the batch spans more time than its offsets hold")
+    return (
+        base,
+        columns.channel.astype("<u2", copy=False).tobytes(),
+        offset.astype("<i4").tobytes(),
+        columns.value.astype("<f8", copy=False).tobytes(),
+    )
+
+
+def unpack(
+    base_us: int, channel: bytes, offset: bytes, value: bytes, texts: dict[int, str]
+) -> Columns:
+    """Turn a batch's bytes back into columns. The arrays are read-only views where possible.
+
+    Raises:
+        PeerError: the columns are not of one length, or are too long.
+
+    """
+    count = len(channel) // 2
+    if len(channel) != 2 * count or len(offset) != 4 * count or len(value) != 8 * count:
+        raise PeerError(
+            f"columns of unequal length: {len(channel)}, {len(offset)} and {len(value)} bytes"
+        )
+    if count > MAX_SAMPLES:
+        raise PeerError(f"{count} samples in one batch; at most {MAX_SAMPLES}", 1009)
+    if any(not 0 <= position < count for position in texts):
+        raise PeerError("a text stands outside its batch")
+    if not -(2**62) < base_us < 2**62:
+        raise PeerError("the batch's base time is out of range")
+    return Columns(
+        np.frombuffer(channel, "<u2"),
+        np.frombuffer(offset, "<i4").astype(np.int64) + base_us,
+        np.frombuffer(value, "<f8"),
+        texts,
+    )

@@ -1,0 +1,24 @@
+"""The other side broke the protocol."""
+
+from __future__ import annotations
+
+from talaia.errors import TalaiaError
+
+__all__ = ["PeerError"]
+
+
+class PeerError(TalaiaError):
+    """A frame that cannot be accepted; the connection is closed with `code`.
+
+    Codes are WebSocket close codes (RFC 6455 section 7.4): 1002 for a frame that is not in the
+    protocol, 1009 for one that is too large, 4000 and above for our own reasons.
+    """
+
+    def __init__(self, problem: str, code: int = 1002) -> None:
+        """Keep the sentence and the close code."""
+        super().__init__(problem, code)
+        self.problem = problem
+        self.code = code
+
+    def __str__(self) -> str:
+        return f"{self.problem} (close code {self.code})"

@@ -1,0 +1,67 @@
+"""What every message has in common: a tag, a closed list, limits, two encodings.
+
+A message is a map with the key ``t`` for its kind. Fields a reader does not know are ignored
+and fields it misses take their defaults, so that version N talks with N-1. MessagePack is what
+the programs speak; JSON (bytes as base64) says the same to a person with a console.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+import msgspec
+
+from talaia.wire.errors import PeerError
+
+if TYPE_CHECKING:
+    from types import UnionType
+
+__all__ = ["MAX_FRAME", "PROTOCOL", "Codec", "Message"]
+
+PROTOCOL = 1
+MAX_FRAME = 4 * 1024 * 1024
+
+
+class Message(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="t"):
+    """Base of every message."""
+
+
+M = TypeVar("M")
+
+
+class Codec(Generic[M]):
+    """Encode and decode one closed list of messages."""
+
+    def __init__(self, union: UnionType | type, max_frame: int = MAX_FRAME) -> None:
+        """Take the messages that may be met, as a union of `Message` classes."""
+        self.max_frame = max_frame
+        self._binary: msgspec.msgpack.Decoder[M] = msgspec.msgpack.Decoder(union)
+        self._text: msgspec.json.Decoder[M] = msgspec.json.Decoder(union)
+        self._pack = msgspec.msgpack.Encoder()
+        self._json = msgspec.json.Encoder()
+
+    def decode(self, data: bytes | str) -> M:
+        """Read one frame: MessagePack from bytes, JSON from text.
+
+        Raises:
+            PeerError: too large, not in the list, a field of the wrong type, or too deep.
+
+        """
+        if len(data) > self.max_frame:
+            raise PeerError(
+                f"a frame of {len(data)} bytes is over the limit of {self.max_frame}", 1009
+            )
+        try:
+            if isinstance(data, str):
+                return self._text.decode(data)
+            return self._binary.decode(data)
+        except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
+            raise PeerError(f"a frame that is not in the protocol: {error}") from error
+
+    def encode(self, message: M) -> bytes:
+        """Write MessagePack."""
+        return self._pack.encode(message)
+
+    def encode_text(self, message: M) -> str:
+        """Write JSON."""
+        return self._json.encode(message).decode()
