@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from typing import TYPE_CHECKING, NamedTuple
 from zoneinfo import available_timezones
 
@@ -253,8 +254,15 @@ def _id(where: str, word: str) -> Iterator[Finding]:
 
 
 def _name(where: str, name: str) -> Iterator[Finding]:
-    if not name.strip() or len(name) > _MAX_NAME or any(ord(each) < 32 for each in name):
-        yield Finding(where, f"expected a name of 1 to {_MAX_NAME} characters", "without line ends")
+    if not name.strip() or len(name) > _MAX_NAME or any(map(_is_unseen, name)):
+        yield Finding(
+            where, f"expected a name of 1 to {_MAX_NAME} characters", "that can all be seen"
+        )
+
+
+def _is_unseen(letter: str) -> bool:
+    """Control and format characters, line ends and lone surrogates: not seen, yet they mislead."""
+    return unicodedata.category(letter) in {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def _topic(where: str, topic: str) -> Iterator[Finding]:
