@@ -15,9 +15,12 @@ import socket
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
 
 from talaia.sim.errors import BadDomain, NoFreeDomain
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from types import TracebackType
 
 __all__ = ["FIRST", "LAST", "Reservation", "environment", "profile", "reserve"]
 
@@ -94,8 +97,6 @@ def environment(domain: int) -> dict[str, str]:
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
         "FASTDDS_DEFAULT_PROFILES_FILE": str(profile()),
-        # The name of the same variable before Fast DDS 3.
-        "FASTRTPS_DEFAULT_PROFILES_FILE": str(profile()),
     }
 
 

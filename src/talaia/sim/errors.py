@@ -37,7 +37,7 @@ class NoRenderer(SimError):
         return (
             f"the camera of the simulated vehicle cannot be drawn here ({tried}). "
             "Install one of Debian's software renderers, `apt install libosmesa6` or "
-            "`apt install libegl1 libegl-mesa0 libgl1-mesa-dri`, or go without pictures: --no-camera"
+            "`apt install libegl1 libegl-mesa0 libgl1-mesa-dri`, or run with --no-camera"
         )
 
 

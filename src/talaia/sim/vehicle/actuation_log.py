@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
-from talaia.clock import Clock
-from talaia.sim.vehicle.base import Change
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from talaia.sim.vehicle.base import Change
+    from talaia.clock import Clock
+    from pathlib import Path
 
 __all__ = ["ActuationLog"]
 
 
 class ActuationLog:
-    """One JSON object a line: ``wall_ns``, ``monotonic_ns``, ``source``, ``v`` (m/s), ``w`` (rad/s).
+    """One JSON object a line: ``wall_ns``, ``monotonic_ns``, ``source``, ``v`` m/s, ``w`` rad/s.
 
     A line is in the file when `write` returns, so that another program may follow it.
 

@@ -11,7 +11,7 @@ import math
 import os
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -20,7 +20,9 @@ import numpy.typing as npt
 from talaia.sim.errors import NoRenderer
 from talaia.sim.vehicle.stage import LOOK_GROUP
 from talaia.sim.vehicle.vehicle import CAMERA, CAMERA_FIELD
-from talaia.sim.vehicle.world import World
+
+if TYPE_CHECKING:
+    from talaia.sim.vehicle.world import World
 
 __all__ = ["HEIGHT", "WAYS", "WIDTH", "Camera", "open_context"]
 
@@ -32,7 +34,7 @@ UNSEEN_GROUP = 5
 Open = Callable[[str], Any]
 
 
-def open_context(way: str) -> Any:  # noqa: ANN401 - MuJoCo ships no types
+def open_context(way: str) -> Any:
     """Open an OpenGL context that draws into memory.
 
     Raises:
@@ -56,7 +58,7 @@ def _first_that_works(open_way: Open) -> tuple[str, Any]:
     for way in (asked,) if asked in WAYS else WAYS:
         try:
             return way, open_way(way)
-        except Exception as error:  # noqa: BLE001 - graphics libraries raise anything at all
+        except Exception as error:
             reasons[way] = (str(error).strip() or type(error).__name__).splitlines()[0]
     raise NoRenderer(reasons)
 

@@ -15,7 +15,6 @@ Metres; the vehicle starts at the origin and looks along x. The rooms, seen from
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +22,10 @@ import numpy as np
 from talaia.sim.vehicle import furniture, living
 from talaia.sim.vehicle.stage import Finish, Hull, Place, Stage
 from talaia.sim.vehicle.textures import Picture, parquet, plaster, shade, tiles
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["CEILING", "DOOR", "ROOMS", "Room", "build"]
 
@@ -157,7 +160,9 @@ def _wall(
 
 def _door_frame(place: Place, low: float, high: float) -> None:
     for y in (low, high):
-        place.box("white wood", (-0.01, y - 0.035, 0.0), (WALL + 0.015, y + 0.035, DOOR + 0.03), 0.008)
+        place.box(
+            "white wood", (-0.01, y - 0.035, 0.0), (WALL + 0.015, y + 0.035, DOOR + 0.03), 0.008
+        )
     place.box("white wood", (-0.01, low, DOOR - 0.03), (WALL + 0.015, high, DOOR + 0.04), 0.008)
 
 
@@ -241,7 +246,9 @@ def _outline(hull: Hull) -> list[tuple[float, float]]:
 def _floor_and_ceiling(stage: Stage, room: Room) -> None:
     (x0, y0), (x1, y1) = room.low, room.high
     size = (x1 - x0, y1 - y0)
-    standing = [h for h in stage.hulls if h.centre[2] - h.half[2] < 0.1 and h.half[2] < CEILING / 2 - 0.1]
+    standing = [
+        h for h in stage.hulls if h.centre[2] - h.half[2] < 0.1 and h.half[2] < CEILING / 2 - 0.1
+    ]
     outlines = [[(x - x0, y - y0) for x, y in _outline(hull)] for hull in standing]
 
     def picture(rng: np.random.Generator) -> Picture:

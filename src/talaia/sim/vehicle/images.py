@@ -9,15 +9,18 @@ import math
 import os
 import threading
 import time
-from collections.abc import Callable
 
-from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CameraInfo, Image
 
 from talaia.sim.vehicle.camera import HEIGHT, WIDTH, Camera
 from talaia.sim.vehicle.vehicle import CAMERA_FIELD
-from talaia.sim.vehicle.world import Motion, World
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from talaia.sim.vehicle.world import Motion, World
+    from rclpy.node import Node
+    from collections.abc import Callable
 
 __all__ = ["Images"]
 
@@ -87,7 +90,7 @@ class Images:
             camera = Camera(self._world)
             motion = self._where()
             camera.draw(motion.x, motion.y, motion.yaw)
-        except Exception as error:  # noqa: BLE001 - handed to the thread that waits in start
+        except Exception as error:
             self._failure = error
             self._opened.set()
             return

@@ -5,24 +5,26 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
 from geometry_msgs.msg import Twist
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.node import Node
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 
-from talaia.clock import Clock
-from talaia.sim.vehicle.actuation_log import ActuationLog
 from talaia.sim.vehicle.base import Base, Change, Ramp
 from talaia.sim.vehicle.reports import RELIABLE, Reports
 from talaia.sim.vehicle.sensors import Battery
 from talaia.sim.vehicle.wander import Wander
-from talaia.sim.vehicle.world import Motion, World
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+    from talaia.sim.vehicle.actuation_log import ActuationLog
+    import numpy as np
+    import numpy.typing as npt
+    from talaia.sim.vehicle.world import Motion, World
+    from talaia.clock import Clock
+    from collections.abc import Callable
 
 __all__ = ["TICK_S", "Inputs", "Loop"]
 
@@ -88,18 +90,18 @@ class Inputs:
         with self._lock:
             self._log.write(change())
 
-    def _twist(self, message: Any) -> None:  # noqa: ANN401 - ROS messages carry no types
+    def _twist(self, message: Any) -> None:
         now = self._clock.monotonic_ns()
         self._apply(lambda: self._base.command(now, message.linear.x, message.angular.z))
 
-    def _key(self, message: Any) -> None:  # noqa: ANN401
+    def _key(self, message: Any) -> None:
         now = self._clock.monotonic_ns()
         self._apply(lambda: self._base.key(now, message.data))
 
-    def _stop(self, message: Any) -> None:  # noqa: ANN401
+    def _stop(self, message: Any) -> None:
         self._apply(lambda: self._base.stop(engaged=message.data))
 
-    def _wander(self, request: Any, response: Any) -> Any:  # noqa: ANN401
+    def _wander(self, request: Any, response: Any) -> Any:
         with self._lock:
             accepted, change = self._base.wander(on=request.data)
             self._log.write(change)

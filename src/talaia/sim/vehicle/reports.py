@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import array
 import math
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
-import numpy as np
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
-from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import (
     BatteryState,
@@ -25,6 +23,10 @@ from std_msgs.msg import Bool, Float64, String
 
 from talaia.sim.vehicle.sensors import Battery, on_earth, temperature
 from talaia.sim.vehicle.world import LIDAR_RANGE, SONAR_FIELD, SONAR_RANGE, Motion, World
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+    import numpy as np
 
 try:  # not on PyPI; there where ROS itself is installed
     from tf2_msgs.msg import TFMessage

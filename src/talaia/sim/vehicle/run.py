@@ -10,13 +10,16 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
 from talaia.clock import SystemClock
 from talaia.sim.domain import environment, reserve
 from talaia.sim.errors import RosMissing, SimError
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 __all__ = ["arguments", "main"]
 
@@ -34,8 +37,12 @@ def arguments() -> argparse.ArgumentParser:
         "without it a free one is reserved and named in the line that says ready",
     )
     parser.add_argument("--seed", type=int, default=0, help="the house and its noise (default 0)")
-    parser.add_argument("--log", type=Path, metavar="FILE", help="write every actuation as JSON lines")
-    parser.add_argument("--no-camera", action="store_true", help="no pictures, and no renderer needed")
+    parser.add_argument(
+        "--log", type=Path, metavar="FILE", help="write every actuation as JSON lines"
+    )
+    parser.add_argument(
+        "--no-camera", action="store_true", help="no pictures, and no renderer needed"
+    )
     parser.add_argument(
         "--camera-rate", type=float, default=30.0, help="pictures a second at most (default 30)"
     )
@@ -57,6 +64,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     if not 0.1 <= options.camera_rate <= 60.0:
         arguments().error("--camera-rate: expected a number from 0.1 to 60")
     logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(name)s: %(message)s")
+    # It reports at length which accelerators it does without.
+    logging.getLogger("OpenGL").setLevel(logging.WARNING)
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.set())
@@ -80,18 +89,18 @@ def _run(
     began = time.monotonic()
     try:
         # Wheels of ROS need their library path before anything of ROS is imported.
-        import ros_wheels_bootstrapper  # noqa: F401, PLC0415
+        import ros_wheels_bootstrapper
     except ImportError:
         pass  # a ROS installation of the machine brings its own
     try:
-        import rclpy  # noqa: PLC0415
-        from rclpy.signals import SignalHandlerOptions  # noqa: PLC0415
+        import rclpy
+        from rclpy.signals import SignalHandlerOptions
 
-        from talaia.sim.vehicle import node as shell  # noqa: PLC0415
-        from talaia.sim.vehicle.actuation_log import ActuationLog  # noqa: PLC0415
-        from talaia.sim.vehicle.base import Base  # noqa: PLC0415
-        from talaia.sim.vehicle.images import Images  # noqa: PLC0415
-        from talaia.sim.vehicle.world import World  # noqa: PLC0415
+        from talaia.sim.vehicle import node as shell
+        from talaia.sim.vehicle.actuation_log import ActuationLog
+        from talaia.sim.vehicle.base import Base
+        from talaia.sim.vehicle.images import Images
+        from talaia.sim.vehicle.world import World
     except ImportError as error:
         raise RosMissing(str(error)) from error
 

@@ -8,15 +8,17 @@ so that the same physics runs with and without pictures, and fast.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from talaia.sim.vehicle.textures import Picture
+
+if TYPE_CHECKING:
+    from talaia.sim.vehicle.textures import Picture
+    from collections.abc import Callable
 
 __all__ = ["HULL_GROUP", "LOOK_GROUP", "Finish", "Hull", "Place", "Stage"]
 
@@ -30,7 +32,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Hull:
-    """Something solid: a box (``half`` sizes) or a cylinder (``half`` = radius, radius, half height)."""
+    """Something solid: a box of ``half`` sizes, or a cylinder (radius, radius, half height)."""
 
     round: bool
     centre: Vector
@@ -73,7 +75,7 @@ class Stage:
 
     def __init__(
         self,
-        spec: Any,  # noqa: ANN401 - MuJoCo ships no types
+        spec: Any,
         rng: np.random.Generator,
         finishes: dict[str, Finish],
         *,
@@ -128,7 +130,7 @@ class Stage:
             mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
         return name
 
-    def look(self, finish: str, **geom: Any) -> None:  # noqa: ANN401 - handed on to MuJoCo
+    def look(self, finish: str, **geom: Any) -> None:
         """Add something only a camera sees."""
         if self.looks:
             self.spec.worldbody.add_geom(
@@ -155,7 +157,9 @@ class Stage:
         if finish.picture is not None:
             # OpenGL counts texture rows from below.
             pixels = np.ascontiguousarray(finish.picture(self.rng)[::-1])
-            kind = mujoco.mjtTexture.mjTEXTURE_CUBE if finish.cube else mujoco.mjtTexture.mjTEXTURE_2D
+            kind = (
+                mujoco.mjtTexture.mjTEXTURE_CUBE if finish.cube else mujoco.mjtTexture.mjTEXTURE_2D
+            )
             texture = self.spec.add_texture(
                 name=name, type=kind, width=pixels.shape[1], height=pixels.shape[0], nchannel=3
             )
@@ -189,14 +193,16 @@ class Place:
 
     def solid(self, low: Vector, high: Vector) -> None:
         """Add a hull between two corners."""
-        centre = self.world(((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2))
+        centre = self.world(
+            ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
+        )
         half = ((high[0] - low[0]) / 2, (high[1] - low[1]) / 2, (high[2] - low[2]) / 2)
-        self.stage.hull(Hull(False, centre, half, self.yaw))
+        self.stage.hull(Hull(round=False, centre=centre, half=half, yaw=self.yaw))
 
     def post(self, x: float, y: float, radius: float, height: float) -> None:
         """Add an upright round hull that stands on the floor."""
         centre = self.world((x, y, height / 2))
-        self.stage.hull(Hull(True, centre, (radius, radius, height / 2), 0.0))
+        self.stage.hull(Hull(round=True, centre=centre, half=(radius, radius, height / 2), yaw=0.0))
 
     def box(
         self, finish: str, low: Vector, high: Vector, radius: float = 0.01, *, solid: bool = False
@@ -217,7 +223,9 @@ class Place:
             quat=_turned(self.yaw),
         )
 
-    def rod(self, finish: str, start: Vector, end: Vector, radius: float, *, blunt: bool = False) -> None:
+    def rod(
+        self, finish: str, start: Vector, end: Vector, radius: float, *, blunt: bool = False
+    ) -> None:
         """Add a capsule, or a cylinder if ``blunt``, from one point to another."""
         kind = mujoco.mjtGeom.mjGEOM_CYLINDER if blunt else mujoco.mjtGeom.mjGEOM_CAPSULE
         self.stage.look(
@@ -258,7 +266,10 @@ def _rounded_box(
     """
     half = np.asarray(size) / 2
     core = half - radius
-    points, normals, uvs, faces = [], [], [], []
+    points: list[Array] = []
+    normals: list[Array] = []
+    uvs: list[Array] = []
+    faces: list[tuple[int, int, int]] = []
     # For each side: the axis it faces, its sign, and the axes of u and v.
     sides = ((0, 1, 1, 2), (0, -1, 1, 2), (1, 1, 0, 2), (1, -1, 0, 2), (2, 1, 0, 1), (2, -1, 0, 1))
     for axis, sign, a, b in sides:

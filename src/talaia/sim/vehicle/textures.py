@@ -76,7 +76,10 @@ def fur(rng: np.random.Generator, colour: Colour, size: int = 64) -> Picture:
 
 
 def plaster(
-    rng: np.random.Generator, colour: Colour, metres: tuple[float, float], corners: tuple[bool, bool]
+    rng: np.random.Generator,
+    colour: Colour,
+    metres: tuple[float, float],
+    corners: tuple[bool, bool],
 ) -> Picture:
     """A painted wall ``metres`` wide and high, darker towards ceiling, floor and inner corners."""
     width, height = (max(8, int(64 * m)) for m in metres)
@@ -95,7 +98,7 @@ def plaster(
 def parquet(
     rng: np.random.Generator, colour: Colour, metres: tuple[float, float], scale: int
 ) -> Picture:
-    """Boards 14 cm by 1.2 m, each of its own tone, joints between them; ``scale`` pixels a metre."""
+    """Boards of 14 cm by 1.2 m, each of its own tone, with joints; ``scale`` pixels a metre."""
     width, height = int(metres[0] * scale), int(metres[1] * scale)
     rows, columns = np.indices((height, width))
     board = max(2, int(0.14 * scale))
@@ -129,7 +132,9 @@ def tiles(
     return picture
 
 
-def rug(rng: np.random.Generator, colours: tuple[Colour, Colour], width: int, height: int) -> Picture:
+def rug(
+    rng: np.random.Generator, colours: tuple[Colour, Colour], width: int, height: int
+) -> Picture:
     """A woven rug: border, stripes and a row of diamonds."""
     rows, columns = np.indices((height, width))
     x = np.minimum(columns, width - 1 - columns)
@@ -137,7 +142,9 @@ def rug(rng: np.random.Generator, colours: tuple[Colour, Colour], width: int, he
     edge = np.minimum(x, y)
     unit = max(6, height // 12)
     diamond = (np.abs(columns % (4 * unit) - 2 * unit) + np.abs(rows - height // 2)) < 1.6 * unit
-    border = ((edge > unit * 0.6) & (edge < unit * 1.1)) | ((edge > unit * 1.4) & (edge < unit * 1.6))
+    border = ((edge > unit * 0.6) & (edge < unit * 1.1)) | (
+        (edge > unit * 1.4) & (edge < unit * 1.6)
+    )
     picture = cloth(rng, colours[0], 64)
     picture = np.tile(picture, (height // 64 + 1, width // 64 + 1, 1))[:height, :width].copy()
     other = cloth(rng, colours[1], 64)
@@ -233,7 +240,9 @@ def photograph(name: str, *, frame: Colour | None = (0.16, 0.13, 0.11)) -> Pictu
         image = stored.convert("RGB")
     if frame is not None:
         edge = max(image.size) // 26
-        mounted = Image.new("RGB", (image.width + 4 * edge, image.height + 4 * edge), (246, 244, 238))
+        mounted = Image.new(
+            "RGB", (image.width + 4 * edge, image.height + 4 * edge), (246, 244, 238)
+        )
         mounted.paste(image, (2 * edge, 2 * edge))
         colour = tuple(int(255 * c) for c in frame)
         ImageDraw.Draw(mounted).rectangle(

@@ -78,4 +78,5 @@ class Wander:
         wide = RADIUS + CLEARANCE
         touch = along - np.sqrt(np.maximum(wide * wide - aside * aside, 0.0))
         in_way = (aside < wide) & (along > 0.0)
-        return np.maximum(np.where(in_way, touch, 8.0).min(axis=1), 0.0)
+        free: Array = np.maximum(np.where(in_way, touch, 8.0).min(axis=1), 0.0)
+        return free

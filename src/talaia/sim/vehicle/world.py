@@ -91,7 +91,7 @@ class World:
         self._wheels = [0.0, 0.0]
         self._acceleration = 0.0
         self._touching = False
-        self._lidar_angles = np.arange(360) * (2 * math.pi / 360)
+        self._lidar_angles: Array = np.arange(360) * (2 * math.pi / 360)
         self._groups = np.zeros(6, dtype=np.uint8)
         self._groups[HULL_GROUP] = 1
         mujoco.mj_forward(self.model, self._data)
@@ -164,8 +164,10 @@ class World:
 
     def sonars(self) -> tuple[float, float, float]:
         """Measure left, front and right: the nearest thing in each cone (m), 4.0 for nothing."""
-        spread = np.linspace(-SONAR_FIELD / 2, SONAR_FIELD / 2, 5)
-        angles = np.concatenate([bearing + spread for bearing in SONAR_BEARINGS])
+        spread: Array = np.linspace(-SONAR_FIELD / 2, SONAR_FIELD / 2, 5)
+        angles: Array = np.concatenate([spread + bearing for bearing in SONAR_BEARINGS]).astype(
+            np.float64
+        )
         distances = self._rays(angles, SONAR_RANGE[1]).reshape(3, 5).min(axis=1) - RADIUS
         distances += self._noise.normal(0.0, 0.005, 3)
         left, front, right = np.clip(distances, *SONAR_RANGE)
@@ -185,7 +187,7 @@ class World:
         found = np.zeros(count, dtype=np.int32)
         distances = np.zeros(count)
         mujoco.mj_multiRay(
-            self.model, self._data, origin, vectors.ravel(), self._groups, True, self._body,
+            self.model, self._data, origin, vectors.ravel(), self._groups, 1, self._body,
             found, distances, None, count, cutoff,
         )  # fmt: skip
         distances[found < 0] = math.inf
@@ -197,7 +199,7 @@ class World:
         return math.cos(yaw) * vx + math.sin(yaw) * vy
 
 
-def _empty() -> Any:  # noqa: ANN401 - MuJoCo ships no types
+def _empty() -> Any:
     """Give a model with light and nothing else."""
     spec = mujoco.MjSpec()
     spec.option.timestep = STEP_S
@@ -207,16 +209,16 @@ def _empty() -> Any:  # noqa: ANN401 - MuJoCo ships no types
     spec.visual.global_.offheight = 480
     spec.visual.global_.fovy = CAMERA_FIELD
     spec.visual.quality.offsamples = 0
-    spec.visual.quality.numslices = 14
-    spec.visual.quality.numstacks = 8
+    spec.visual.quality.numslices = 10
+    spec.visual.quality.numstacks = 6
     spec.visual.map.znear = 0.005
-    spec.visual.headlight.ambient = (0.42, 0.41, 0.40)
+    spec.visual.headlight.ambient = (0.48, 0.47, 0.46)
     spec.visual.headlight.diffuse = (0.10, 0.10, 0.10)
     spec.visual.headlight.specular = (0.05, 0.05, 0.05)
     for direction, strength in (
         ((0.35, 0.60, -0.75), 0.36),
         ((-0.70, -0.25, -0.40), 0.24),
-        ((0.2, -0.1, 1.0), 0.32),
+        ((0.2, -0.1, 1.0), 0.40),
     ):
         spec.worldbody.add_light(
             type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
