@@ -15,9 +15,9 @@ import socket
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from talaia.sim.errors import BadDomain, NoFreeDomain
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from types import TracebackType

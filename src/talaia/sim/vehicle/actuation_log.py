@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from talaia.sim.vehicle.base import Change
-    from talaia.clock import Clock
     from pathlib import Path
+
+    from talaia.clock import Clock
+    from talaia.sim.vehicle.base import Change
 
 __all__ = ["ActuationLog"]
 

@@ -11,7 +11,7 @@ import math
 import os
 import sys
 from collections.abc import Callable
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
@@ -31,10 +31,12 @@ HEIGHT = 480
 WAYS = ("egl", "osmesa")
 UNSEEN_GROUP = 5
 
-Open = Callable[[str], Any]
+Context = Any
+"""MuJoCo ships no types."""
+Open = Callable[[str], Context]
 
 
-def open_context(way: str) -> Any:
+def open_context(way: str) -> Context:
     """Open an OpenGL context that draws into memory.
 
     Raises:
@@ -52,13 +54,13 @@ def open_context(way: str) -> Any:
     return context
 
 
-def _first_that_works(open_way: Open) -> tuple[str, Any]:
+def _first_that_works(open_way: Open) -> tuple[str, Context]:
     asked = os.environ.get("MUJOCO_GL", "").strip().lower()
     reasons: dict[str, str] = {}
     for way in (asked,) if asked in WAYS else WAYS:
         try:
             return way, open_way(way)
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001 - graphics libraries raise anything at all
             reasons[way] = (str(error).strip() or type(error).__name__).splitlines()[0]
     raise NoRenderer(reasons)
 

@@ -16,13 +16,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from talaia.sim.vehicle import furniture, living
 from talaia.sim.vehicle.stage import Finish, Hull, Place, Stage
 from talaia.sim.vehicle.textures import Picture, parquet, plaster, shade, tiles
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -112,15 +112,15 @@ def _walls(stage: Stage, room: Room) -> None:
     """Four walls from the inside: for each a place in the corner whose y runs along the wall."""
     (x0, y0), (x1, y1) = room.low, room.high
     # Standing before each wall and looking into the room: where y starts, and which way it runs.
-    sides = {
-        "w": (stage.at(x0, y0, 0.0), y1 - y0, lambda at: at - y0),
-        "n": (stage.at(x0, y1, -math.pi / 2), x1 - x0, lambda at: at - x0),
-        "e": (stage.at(x1, y1, math.pi), y1 - y0, lambda at: y1 - at),
-        "s": (stage.at(x1, y0, math.pi / 2), x1 - x0, lambda at: x1 - at),
-    }
-    for side, (place, length, along) in sides.items():
+    sides = (
+        ("w", stage.at(x0, y0, 0.0), y1 - y0, y0, 1),
+        ("n", stage.at(x0, y1, -math.pi / 2), x1 - x0, x0, 1),
+        ("e", stage.at(x1, y1, math.pi), y1 - y0, y1, -1),
+        ("s", stage.at(x1, y0, math.pi / 2), x1 - x0, x1, -1),
+    )
+    for side, place, length, corner, way in sides:
         gaps = sorted(
-            (along(middle) - width / 2, along(middle) + width / 2)
+            (way * (middle - corner) - width / 2, way * (middle - corner) + width / 2)
             for where, middle, width in room.doors
             if where == side
         )

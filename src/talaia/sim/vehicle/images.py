@@ -9,18 +9,20 @@ import math
 import os
 import threading
 import time
+from typing import TYPE_CHECKING
 
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CameraInfo, Image
 
 from talaia.sim.vehicle.camera import HEIGHT, WIDTH, Camera
 from talaia.sim.vehicle.vehicle import CAMERA_FIELD
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from talaia.sim.vehicle.world import Motion, World
-    from rclpy.node import Node
     from collections.abc import Callable
+
+    from rclpy.node import Node
+
+    from talaia.sim.vehicle.world import Motion, World
 
 __all__ = ["Images"]
 
@@ -90,7 +92,7 @@ class Images:
             camera = Camera(self._world)
             motion = self._where()
             camera.draw(motion.x, motion.y, motion.yaw)
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001 - handed to the thread that waits in start
             self._failure = error
             self._opened.set()
             return

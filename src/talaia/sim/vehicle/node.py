@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import Twist
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -18,13 +18,15 @@ from talaia.sim.vehicle.sensors import Battery
 from talaia.sim.vehicle.wander import Wander
 
 if TYPE_CHECKING:
-    from rclpy.node import Node
-    from talaia.sim.vehicle.actuation_log import ActuationLog
+    from collections.abc import Callable
+
     import numpy as np
     import numpy.typing as npt
-    from talaia.sim.vehicle.world import Motion, World
+    from rclpy.node import Node
+
     from talaia.clock import Clock
-    from collections.abc import Callable
+    from talaia.sim.vehicle.actuation_log import ActuationLog
+    from talaia.sim.vehicle.world import Motion, World
 
 __all__ = ["TICK_S", "Inputs", "Loop"]
 
@@ -32,6 +34,9 @@ TICK_S = 0.02
 """Control period: odometry and inertia are published as often."""
 LATE_S = 0.25
 """A machine that was away for longer does not make the world catch up."""
+
+Message = Any
+"""ROS messages carry no types."""
 
 logger = logging.getLogger(__name__)
 
@@ -90,18 +95,18 @@ class Inputs:
         with self._lock:
             self._log.write(change())
 
-    def _twist(self, message: Any) -> None:
+    def _twist(self, message: Message) -> None:
         now = self._clock.monotonic_ns()
         self._apply(lambda: self._base.command(now, message.linear.x, message.angular.z))
 
-    def _key(self, message: Any) -> None:
+    def _key(self, message: Message) -> None:
         now = self._clock.monotonic_ns()
         self._apply(lambda: self._base.key(now, message.data))
 
-    def _stop(self, message: Any) -> None:
+    def _stop(self, message: Message) -> None:
         self._apply(lambda: self._base.stop(engaged=message.data))
 
-    def _wander(self, request: Any, response: Any) -> Any:
+    def _wander(self, request: Message, response: Message) -> Message:
         with self._lock:
             accepted, change = self._base.wander(on=request.data)
             self._log.write(change)

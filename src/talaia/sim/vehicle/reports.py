@@ -1,10 +1,10 @@
-"""What the vehicle publishes about itself, but for pictures: ROS messages made once, filled again."""
+"""What the vehicle publishes about itself, but for pictures."""
 
 from __future__ import annotations
 
 import array
 import math
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
@@ -25,8 +25,8 @@ from talaia.sim.vehicle.sensors import Battery, on_earth, temperature
 from talaia.sim.vehicle.world import LIDAR_RANGE, SONAR_FIELD, SONAR_RANGE, Motion, World
 
 if TYPE_CHECKING:
-    from rclpy.node import Node
     import numpy as np
+    from rclpy.node import Node
 
 try:  # not on PyPI; there where ROS itself is installed
     from tf2_msgs.msg import TFMessage
@@ -46,7 +46,7 @@ Message = Any
 
 
 class Reports:
-    """Publishers and their messages. Each method publishes one kind of news.
+    """Publishers and their messages, made once and filled again. A method for each kind of news.
 
     Args:
         node: publishes.

@@ -10,13 +10,13 @@ import signal
 import sys
 import threading
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
 from talaia.sim.domain import environment, reserve
 from talaia.sim.errors import RosMissing, SimError
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -87,11 +87,10 @@ def _run(
 ) -> None:
     """Build every part, last built first ended."""
     began = time.monotonic()
-    try:
-        # Wheels of ROS need their library path before anything of ROS is imported.
-        import ros_wheels_bootstrapper
-    except ImportError:
-        pass  # a ROS installation of the machine brings its own
+    # Wheels of ROS need their library path before anything of ROS is imported; a ROS installation
+    # of the machine brings its own.
+    with suppress(ImportError):
+        import ros_wheels_bootstrapper  # noqa: F401
     try:
         import rclpy
         from rclpy.signals import SignalHandlerOptions

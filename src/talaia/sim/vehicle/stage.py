@@ -9,16 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-
 if TYPE_CHECKING:
-    from talaia.sim.vehicle.textures import Picture
     from collections.abc import Callable
+
+    from talaia.sim.vehicle.textures import Picture
 
 __all__ = ["HULL_GROUP", "LOOK_GROUP", "Finish", "Hull", "Place", "Stage"]
 
@@ -27,6 +27,8 @@ HULL_GROUP = 3
 
 Vector = tuple[float, float, float]
 Colour = tuple[float, float, float]
+Model = Any
+"""MuJoCo ships no types."""
 Array = npt.NDArray[np.float64]
 
 
@@ -75,7 +77,7 @@ class Stage:
 
     def __init__(
         self,
-        spec: Any,
+        spec: Model,
         rng: np.random.Generator,
         finishes: dict[str, Finish],
         *,
@@ -130,7 +132,7 @@ class Stage:
             mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
         return name
 
-    def look(self, finish: str, **geom: Any) -> None:
+    def look(self, finish: str, **geom: Model) -> None:
         """Add something only a camera sees."""
         if self.looks:
             self.spec.worldbody.add_geom(

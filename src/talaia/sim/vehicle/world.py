@@ -34,6 +34,8 @@ SONAR_FIELD = 0.26
 """Opening of an ultrasonic cone (rad)."""
 
 Array = npt.NDArray[np.float64]
+Model = Any
+"""MuJoCo ships no types."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,7 @@ class World:
         self._wheels = [0.0, 0.0]
         self._acceleration = 0.0
         self._touching = False
-        self._lidar_angles: Array = np.arange(360) * (2 * math.pi / 360)
+        self._lidar_angles: Array = np.radians(np.arange(360.0))
         self._groups = np.zeros(6, dtype=np.uint8)
         self._groups[HULL_GROUP] = 1
         mujoco.mj_forward(self.model, self._data)
@@ -199,7 +201,7 @@ class World:
         return math.cos(yaw) * vx + math.sin(yaw) * vy
 
 
-def _empty() -> Any:
+def _empty() -> Model:
     """Give a model with light and nothing else."""
     spec = mujoco.MjSpec()
     spec.option.timestep = STEP_S
