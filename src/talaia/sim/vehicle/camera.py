@@ -54,12 +54,14 @@ def open_context(way: str) -> Context:
     return context
 
 
-def _first_that_works(open_way: Open) -> tuple[str, Context]:
+def _first_that_works(open_way: Open, model: Context) -> tuple[str, Context, Context]:
+    """Give the way, its OpenGL context, and MuJoCo's own with textures and shapes loaded."""
     asked = os.environ.get("MUJOCO_GL", "").strip().lower()
     reasons: dict[str, str] = {}
     for way in (asked,) if asked in WAYS else WAYS:
         try:
-            return way, open_way(way)
+            context = open_way(way)
+            return way, context, mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         except Exception as error:  # noqa: BLE001 - graphics libraries raise anything at all
             reasons[way] = (str(error).strip() or type(error).__name__).splitlines()[0]
     raise NoRenderer(reasons)
@@ -84,8 +86,8 @@ class Camera:
         """Open the renderer and load textures and shapes into it."""
         # One drawing thread costs least in all; the picture takes a little longer.
         os.environ.setdefault("LP_NUM_THREADS", "1")
-        self.way, self._context = _first_that_works(open_way)
         self._model = world.model
+        self.way, self._context, self._drawing = _first_that_works(open_way, self._model)
         self._data = mujoco.MjData(self._model)
         mujoco.mj_forward(self._model, self._data)
         self._scene = mujoco.MjvScene(model=self._model, maxgeom=2000)
@@ -99,7 +101,6 @@ class Camera:
         self._view = mujoco.MjvCamera()
         self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._view.fixedcamid = self._model.camera(CAMERA).id
-        self._drawing = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
         self._rect = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
         self._pixels = np.zeros((HEIGHT, WIDTH, 3), dtype=np.uint8)
