@@ -30,7 +30,7 @@ class History(Protocol):
         """Store samples for good; durable on return, and twice the same changes nothing."""
         ...
 
-    async def record_gap(  # noqa: PLR0913 - a gap has that many sides
+    async def record_gap(
         self,
         site: str,
         boot: str,

@@ -19,9 +19,12 @@ class ClockOffset:
         """Start without an estimate."""
         self._seen: deque[tuple[int, int]] = deque(maxlen=_KEPT)
         self.loop_us = 0
+        # Beats that came back, so that the one who sends them sees how many did not.
+        self.heard = 0
 
     def beat(self, sent_us: int, received_us: int, peer_us: int) -> None:
         """Take a beat sent and received on our clock, answered at ``peer_us`` on theirs."""
+        self.heard += 1
         loop = received_us - sent_us
         if loop < 0:
             return

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from numpy.typing import NDArray
 
 from talaia.wire.columns import MAX_SAMPLES, MAX_SPAN_US, Columns, pack
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 __all__ = ["EMPTY", "conflate", "frames_of", "join", "newest", "pick", "weight"]
 
@@ -54,7 +58,7 @@ def join(pieces: list[Columns]) -> Columns:
 
 def conflate(columns: Columns) -> Columns:
     """Keep of each channel the first, the least, the greatest and the last sample, in order."""
-    if not len(columns) or np.bincount(columns.channel).max() <= 4:  # noqa: PLR2004 - the four kept
+    if not len(columns) or np.bincount(columns.channel).max() <= 4:
         return columns
     channel, value = columns.channel, columns.value
     keep = np.zeros(len(columns), bool)

@@ -84,13 +84,14 @@ class Fanout:
         for member in [each for each in self._of if each[0] is browser]:
             self.unsubscribe(*member)
 
-    def subscribed(self, browser: Browser) -> int:
-        """Count the channels that a browser has asked for, over all its subscriptions."""
-        return sum(
+    def held(self, browser: Browser) -> tuple[int, int]:
+        """Count a browser's subscriptions, and the channels in all of them."""
+        sizes = [
             len(group.members[member].channels)
             for member, group in self._of.items()
             if member[0] is browser
-        )
+        ]
+        return len(sizes), sum(sizes)
 
     def redescribed(self, live: LiveSite) -> None:
         """Start every subscription of a site anew, after its channels changed."""
@@ -141,14 +142,10 @@ class Fanout:
             group = of_site[key] = _Group(live.name, selection, every_ms)
         return group
 
-    def _send_known(
-        self, browser: Browser, sub: int, live: LiveSite, selection: Selection
-    ) -> None:
+    def _send_known(self, browser: Browser, sub: int, live: LiveSite, selection: Selection) -> None:
         granted = selection.channels >= 0
         places = granted.nonzero()[0]
-        columns, ages = live.latest.of(
-            selection.channels[places], self._clock.monotonic_ns()
-        )
+        columns, ages = live.latest.of(selection.channels[places], self._clock.monotonic_ns())
         columns = columns._replace(channel=places[columns.channel].astype("u2"))
         at = 0
         for message in values_of(sub, columns):

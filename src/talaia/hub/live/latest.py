@@ -35,7 +35,9 @@ class Latest:
         for at, text in columns.texts.items():
             self.texts[int(channel[at])] = text
 
-    def remember(self, channel: int, time_us: int, value: float, text: str, arrived_ns: int) -> None:
+    def remember(
+        self, channel: int, time_us: int, value: float, text: str, arrived_ns: int
+    ) -> None:
         """Take a sample from the history, unless one is there."""
         if self.arrived_ns[channel] == _NEVER:
             self.value[channel] = value

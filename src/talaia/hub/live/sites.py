@@ -105,9 +105,7 @@ class Sites:
         return live
 
 
-def _moved(
-    latest: Latest, before: tuple[Channel, ...], channels: tuple[Channel, ...]
-) -> Latest:
+def _moved(latest: Latest, before: tuple[Channel, ...], channels: tuple[Channel, ...]) -> Latest:
     """Carry the newest values over to another list of channels."""
     moved = Latest(len(channels))
     number = {channel.address: at for at, channel in enumerate(before)}

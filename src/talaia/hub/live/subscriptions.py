@@ -9,7 +9,6 @@ import numpy as np
 
 from talaia.hub.auth.permissions import sees_signal
 from talaia.hub.live.conflate import pick
-from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.auth.permissions import Grants
     from talaia.model.site import Channel, Site
+    from talaia.wire.columns import Columns
 
 __all__ = ["Selection", "select_channels"]
 
