@@ -1,4 +1,4 @@
-"""The hub's own certificate: made at the first start where none is given, renewed before its end."""
+"""The hub's own certificate: made at the first start where none is given, and renewed."""
 
 from __future__ import annotations
 
@@ -90,6 +90,7 @@ def _is_good(own: Certificate, names: Iterable[str], now: dt.datetime) -> bool:
 def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "Talaia hub")])
+    alternatives = [_alternative(each) for each in sorted(names)]
     cert = (
         x509.CertificateBuilder()
         .subject_name(name)
@@ -99,9 +100,7 @@ def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
         # A clock that is a little slow must not take it for one of the future.
         .not_valid_before(now - dt.timedelta(days=1))
         .not_valid_after(now + _LIFE)
-        .add_extension(
-            x509.SubjectAlternativeName([_alternative(n) for n in sorted(names)]), critical=False
-        )
+        .add_extension(x509.SubjectAlternativeName(alternatives), critical=False)
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .add_extension(x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH]), critical=False)
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)

@@ -161,6 +161,7 @@ def allows(need: Need, grants: Grants | None, site: Site | None = None, device: 
     """Tell whether a person meets a need.
 
     Args:
+        need: what it takes, by the table.
         grants: the person's; None when nobody is signed in.
         site: the site it is about; None when it is about none, or there is no such site.
         device: the device it is about; empty when it is about the whole site.

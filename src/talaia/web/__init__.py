@@ -1,4 +1,4 @@
-"""Where the built pages are; the browser's sources live in ``web/`` at the root of the repository."""
+"""Where the built pages are; their sources live in ``web/`` at the root of the repository."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class SitePages:
         """Give the routes."""
         router = APIRouter()
         router.get("/api/health")(self.health)
-        router.get("/api/sites")(self.list)
+        router.get("/api/sites")(self.overview)
         router.get("/api/sites/{site}")(self.one)
         router.get("/api/sites/{site}/history", response_model=HistoryAnswer)(self.history)
         router.get("/api/sites/{site}/events")(self.events)
@@ -58,7 +58,7 @@ class SitePages:
         """Say that the hub answers; no more, since nobody has to be signed in."""
         return Health(ok=True)
 
-    async def list(self, request: Request) -> list[SiteSummary]:
+    async def overview(self, request: Request) -> list[SiteSummary]:
         """List the sites that are open to you."""
         grants = who_of(request).grants
         now = self._clock.monotonic_ns()

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.media import Media
     from talaia.hub.live.seats import Seats
     from talaia.hub.live.sites import Sites
+    from talaia.wire.browser import FromBrowser, Subscribe
 
 __all__ = ["Sockets"]
 
@@ -131,7 +132,7 @@ class Sockets:
             await socket.accept()
             await self._gateways.serve_media(socket, site)
 
-    def _handle(self, browser: Browser, message: page.FromBrowser) -> None:
+    def _handle(self, browser: Browser, message: FromBrowser) -> None:
         """Lead a message, which the gate has let pass, to its part."""
         match message:
             case page.Subscribe():
@@ -149,7 +150,7 @@ class Sockets:
             case _:
                 self._commanding.ask(browser, message)
 
-    def _subscribe(self, browser: Browser, asked: page.Subscribe) -> None:
+    def _subscribe(self, browser: Browser, asked: Subscribe) -> None:
         subscriptions, channels = self._fanout.held(browser)
         if subscriptions >= MOST_SUBSCRIPTIONS or channels + len(asked.channels) > MOST_CHANNELS:
             browser.tell(

@@ -118,8 +118,9 @@ def sees_device(grants: Grants, site: Site, device: str) -> bool:
         return False
     if described.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device):
         return True
-    parts = (*described.signals.values(), *described.streams.values())
-    return any(part.visibility is Visibility.PUBLIC for part in parts)
+    signals = (signal.visibility for signal in described.signals.values())
+    streams = (stream.visibility for stream in described.streams.values())
+    return Visibility.PUBLIC in {*signals, *streams}
 
 
 def sees_site(grants: Grants, site: Site) -> bool:

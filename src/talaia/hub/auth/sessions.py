@@ -13,7 +13,7 @@ from talaia.hub.store.tables import permissions, role_permissions, roles, sessio
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from sqlalchemy import ColumnElement, Row
+    from sqlalchemy import ColumnElement
     from sqlalchemy.ext.asyncio import AsyncConnection
 
     from talaia.clock import Clock
@@ -99,7 +99,10 @@ class Sessions:
         )
         people = rows.all()
         held = await _grants(connection, {row.role_id for row in people})
-        return {row.token_hash: _who(row, held) for row in people}
+        return {
+            row.token_hash: Who(row.token_hash, row.id, row.name, row.role, held[row.role_id])
+            for row in people
+        }
 
     async def _untouched(self, connection: AsyncConnection, found: dict[str, Who]) -> list[str]:
         rows = await connection.execute(
@@ -143,7 +146,3 @@ async def _grants(connection: AsyncConnection, role_ids: Collection[int]) -> dic
     for row in rows:
         held[row.role_id].add(Permission(Right(row.right_name), row.site, row.device))
     return {role: Grants(frozenset(each)) for role, each in held.items()}
-
-
-def _who(row: Row[tuple[str, int, str, int, str]], held: dict[int, Grants]) -> Who:
-    return Who(row.token_hash, row.id, row.name, row.role, held[row.role_id])

@@ -73,5 +73,5 @@ def _wait(tries: _Tries | None, rule: _Rule, now_ns: int) -> int:
     if tries is None or tries.wrong < rule.free or now_ns - tries.last_ns > _FORGET_NS:
         return 0
     doublings = min(tries.wrong - rule.free, 16)
-    wait = min(2**doublings, rule.longest_s) * SECOND
+    wait = min(1 << doublings, rule.longest_s) * SECOND
     return max(0, tries.last_ns + wait - now_ns)
