@@ -11,6 +11,7 @@ from talaia.hub.live.conflate import conflate, join
 from talaia.hub.live.outbox import values_of
 from talaia.hub.live.subscriptions import select_channels
 from talaia.wire.browser import Subscribed, Values
+from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.live.subscriptions import Selection
     from talaia.wire.browser import Subscribe
-    from talaia.wire.columns import Columns
 
 __all__ = ["Fanout"]
 
@@ -146,7 +146,9 @@ class Fanout:
         granted = selection.channels >= 0
         places = granted.nonzero()[0]
         columns, ages = live.latest.of(selection.channels[places], self._clock.monotonic_ns())
-        columns = columns._replace(channel=places[columns.channel].astype("u2"))
+        columns = Columns(
+            places[columns.channel].astype("<u2"), columns.time_us, columns.value, columns.texts
+        )
         at = 0
         for message in values_of(sub, columns):
             count = len(message.channel) // 2

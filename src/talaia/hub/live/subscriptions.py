@@ -9,6 +9,7 @@ import numpy as np
 
 from talaia.hub.auth.permissions import sees_signal
 from talaia.hub.live.conflate import pick
+from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
     from talaia.hub.auth.permissions import Grants
     from talaia.model.site import Channel, Site
-    from talaia.wire.columns import Columns
 
 __all__ = ["Selection", "select_channels"]
 
@@ -45,7 +45,7 @@ class Selection:
         keep = place >= 0
         if not keep.all():
             columns, place = pick(columns, keep), place[keep]
-        return columns._replace(channel=place.astype(np.uint16))
+        return Columns(place.astype(np.uint16), columns.time_us, columns.value, columns.texts)
 
 
 def select_channels(
