@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from talaia.wire.browser import EventNews, Greeting, SiteNews, Subscribe, Subscribed, Values
 from talaia.wire.columns import unpack
-from talaia.wire.frames import Ack, Bye, Gap
+from talaia.wire.frames import Ack, Bye, Gap, Hello
 
 NOW = 1_700_000_000_000_000
 
@@ -131,16 +131,8 @@ async def test_of_two_gateways_with_one_key_the_newest_wins(hub, gateway) -> Non
 
 async def test_description_with_a_mistake_is_refused_with_the_path_to_it(hub) -> None:
     gateway = await hub.gateway()
-    await gateway.connection.send(
-        gateway._speaks.encode(
-            __import__("talaia.wire.frames", fromlist=["Hello"]).Hello(
-                site="agv",
-                boot="b",
-                catalogue="c",
-                description="talaia: 1\nsite: agv\nname: X\ndevices: {base: {nam: B}}",
-            )
-        )
-    )
+    mistaken = "talaia: 1\nsite: agv\nname: X\ndevices: {base: {nam: B}}"
+    await gateway.say(Hello(site="agv", boot="b", catalogue="c", description=mistaken))
     assert "$.devices.base" in (await gateway.hear(Bye)).reason
     assert await gateway.closed() == 4400
 
