@@ -335,3 +335,9 @@ async def gateway(hub):
     gateway = await hub.gateway()
     await gateway.hello()
     return gateway
+
+
+@pytest.fixture
+def hub_parts(settings, history):
+    """A hub that is put together and not started."""
+    return build(settings, SystemClock(), history)

@@ -282,9 +282,7 @@ async def test_guest_sees_no_stream_that_is_not_public(hub, gateway) -> None:
         await hub.viewer("guest", "camera/front")
 
 
-async def test_twenty_viewers_that_never_answer_do_not_hold_up_one_that_does(
-    hub, gateway
-) -> None:
+async def test_twenty_viewers_that_never_answer_do_not_hold_up_one_that_does(hub, gateway) -> None:
     idle = [await hub.viewer("operator", "camera/front") for _ in range(20)]
     viewer = await hub.viewer("operator", "camera/front")
     camera = await hub.camera()
