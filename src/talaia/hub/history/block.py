@@ -105,9 +105,7 @@ def cut(samples: Samples) -> Iterator[Samples]:
         size = past - first
         pieces = max(1, round(size / BLOCK))
         for piece in range(pieces):
-            yield samples.part(
-                first + size * piece // pieces, first + size * (piece + 1) // pieces
-            )
+            yield samples.part(first + size * piece // pieces, first + size * (piece + 1) // pieces)
 
 
 def encode(samples: Samples) -> bytes:

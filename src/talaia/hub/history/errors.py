@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from talaia.errors import TalaiaError
+from talaia.hub.errors import HubError
 
 __all__ = ["HistoryError"]
 
 
-class HistoryError(TalaiaError):
+class HistoryError(HubError):
     """A batch was not stored, or a window could not be read.
 
     Nothing that `append` raised this for counts as stored: the gateway keeps it and sends it
     again, and what was stored after all is recognised by its sequence numbers.
     """
 
-    def __init__(self, problem: str, remedy: str = "") -> None:
-        """Keep what went wrong and what to do about it."""
-        super().__init__(problem, remedy)
-        self.problem = problem
-        self.remedy = remedy
-
     def __str__(self) -> str:
-        return f"history: {self.problem}" + (f"; {self.remedy}" if self.remedy else "")
+        return f"history: {super().__str__()}"

@@ -17,7 +17,17 @@ from talaia.hub.history.thin import extremes, groups
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["WIDTHS", "Cells", "finest_width", "join", "merge", "summarise", "tier_for"]
+__all__ = [
+    "WIDTHS",
+    "Cells",
+    "Piece",
+    "cover",
+    "finest_width",
+    "join",
+    "merge",
+    "summarise",
+    "tier_for",
+]
 
 SECOND = 1_000_000
 # Chosen so that a day, a week, a month and a year at 1000 pixels take 3 000 to 9 000 rows.
@@ -66,7 +76,9 @@ def summarise(time_us: NDArray[np.int64], value: NDArray[np.float64], width_us: 
     """Sum up samples in order of time; width 0 makes one cell of all that begins at the first."""
     starts = groups(time_us, width_us)
     if not starts.size:
-        return Cells(*(np.empty(0, np.float64 if i in (3, 4, 6, 8) else np.int64) for i in range(10)))
+        return Cells(
+            *(np.empty(0, np.float64 if i in (3, 4, 6, 8) else np.int64) for i in range(10))
+        )
     ends = np.append(starts[1:], time_us.size)
     finite = np.isfinite(value)
     low, high = extremes(value, starts)
@@ -130,6 +142,28 @@ def tier_for(pixel_us: int) -> int:
     """Give the widest buckets a pixel of this width can be made of; 0 if they are all too wide."""
     fitting = (w for w in reversed(WIDTHS) if -(-pixel_us // w) * w <= COARSER * pixel_us)
     return next(fitting, 0)
+
+
+class Piece(NamedTuple):
+    """A stretch of time that buckets of one width fill exactly; width 0: the samples themselves."""
+
+    width_us: int
+    from_us: int
+    past_us: int
+
+
+def cover(from_us: int, past_us: int, width_us: int) -> list[Piece]:
+    """Cover a half-open window with buckets of ``width_us``, and its ends with narrower ones."""
+    if from_us >= past_us:
+        return []
+    if not width_us:
+        return [Piece(0, from_us, past_us)]
+    finer = max((w for w in WIDTHS if w < width_us), default=0)
+    first, past = -(-from_us // width_us) * width_us, past_us // width_us * width_us
+    if first >= past:
+        return cover(from_us, past_us, finer)
+    middle = Piece(width_us, first, past)
+    return [*cover(from_us, first, finer), middle, *cover(past, past_us, finer)]
 
 
 def _take(cells: Cells, order: NDArray[np.intp]) -> Cells:
