@@ -12,11 +12,11 @@ type Row = "first" | "last" | "min" | "max" | "sum" | "count" | "broken";
 const ROWS: readonly Row[] = ["first", "last", "min", "max", "sum", "count", "broken"];
 
 export class Columns {
-  #rows = Object.fromEntries(ROWS.map((row) => [row, new Float64Array(SMALLEST)])) as Record<Row, Float64Array>;
-  #start = 0;
-  #end = 0;
-  #bucket = NaN;
-  #pause = false;
+  private rows = Object.fromEntries(ROWS.map((row) => [row, new Float64Array(SMALLEST)])) as Record<Row, Float64Array>;
+  private start = 0;
+  private end = 0;
+  private bucket = NaN;
+  private pause = false;
 
   /** @param widthUs the time one column stands for (µs) */
   constructor(readonly widthUs: number) {
@@ -24,33 +24,33 @@ export class Columns {
   }
 
   get length(): number {
-    return this.#end - this.#start;
+    return this.end - this.start;
   }
 
   /** Time of column `i`: the middle of its samples (µs), so a lone sample stands where it was taken. */
   time(i: number): number {
-    return (this.#at("first", i) + this.#at("last", i)) / 2;
+    return (this.at("first", i) + this.at("last", i)) / 2;
   }
 
   min(i: number): number {
-    return this.#at("min", i);
+    return this.at("min", i);
   }
 
   max(i: number): number {
-    return this.#at("max", i);
+    return this.at("max", i);
   }
 
   mean(i: number): number {
-    return this.#at("sum", i) / this.#at("count", i);
+    return this.at("sum", i) / this.at("count", i);
   }
 
   count(i: number): number {
-    return this.#at("count", i);
+    return this.at("count", i);
   }
 
   /** Whether the line must not be drawn from column `i - 1` to column `i`. */
   broken(i: number): boolean {
-    return this.#at("broken", i) !== 0;
+    return this.at("broken", i) !== 0;
   }
 
   /**
@@ -61,16 +61,16 @@ export class Columns {
   append(timeUs: number, value: number, allowedUs: number): void {
     if (!Number.isFinite(value)) {
       // The robot said "not a number": there is nothing to draw, and no line across it either.
-      this.#pause = true;
+      this.pause = true;
       return;
     }
-    const rows = this.#rows;
+    const rows = this.rows;
     const bucket = Math.floor(timeUs / this.widthUs);
-    const tail = this.#end - 1;
+    const tail = this.end - 1;
     const known = this.length > 0;
-    const broken = known && (this.#pause || timeUs - (rows.last[tail] ?? NaN) > allowedUs);
-    this.#pause = false;
-    if (known && bucket === this.#bucket && !broken) {
+    const broken = known && (this.pause || timeUs - (rows.last[tail] ?? NaN) > allowedUs);
+    this.pause = false;
+    if (known && bucket === this.bucket && !broken) {
       rows.last[tail] = timeUs;
       rows.min[tail] = Math.min(rows.min[tail] ?? NaN, value);
       rows.max[tail] = Math.max(rows.max[tail] ?? NaN, value);
@@ -78,49 +78,49 @@ export class Columns {
       rows.count[tail] = (rows.count[tail] ?? NaN) + 1;
       return;
     }
-    this.#bucket = bucket;
-    this.#open(timeUs, value, broken);
+    this.bucket = bucket;
+    this.open(timeUs, value, broken);
   }
 
   /** Forget the columns that end before `timeUs`. */
   dropBefore(timeUs: number): void {
-    this.#start += firstFrom(this.#rows.last.subarray(this.#start, this.#end), timeUs);
+    this.start += firstFrom(this.rows.last.subarray(this.start, this.end), timeUs);
   }
 
   /** First column that ends at or after `timeUs`. */
   firstFrom(timeUs: number): number {
-    return firstFrom(this.#rows.last.subarray(this.#start, this.#end), timeUs);
+    return firstFrom(this.rows.last.subarray(this.start, this.end), timeUs);
   }
 
-  #open(timeUs: number, value: number, broken: boolean): void {
-    if (this.#end === this.#rows.first.length) this.#makeRoom();
-    const at = this.#end;
-    this.#rows.first[at] = timeUs;
-    this.#rows.last[at] = timeUs;
-    this.#rows.min[at] = value;
-    this.#rows.max[at] = value;
-    this.#rows.sum[at] = value;
-    this.#rows.count[at] = 1;
-    this.#rows.broken[at] = broken ? 1 : 0;
-    this.#end += 1;
+  private open(timeUs: number, value: number, broken: boolean): void {
+    if (this.end === this.rows.first.length) this.makeRoom();
+    const at = this.end;
+    this.rows.first[at] = timeUs;
+    this.rows.last[at] = timeUs;
+    this.rows.min[at] = value;
+    this.rows.max[at] = value;
+    this.rows.sum[at] = value;
+    this.rows.count[at] = 1;
+    this.rows.broken[at] = broken ? 1 : 0;
+    this.end += 1;
   }
 
-  #at(row: Row, i: number): number {
-    return this.#rows[row][this.#start + i] ?? NaN;
+  private at(row: Row, i: number): number {
+    return this.rows[row][this.start + i] ?? NaN;
   }
 
-  #makeRoom(): void {
+  private makeRoom(): void {
     const held = this.length;
-    const size = this.#rows.first.length;
+    const size = this.rows.first.length;
     const room = held * 2 > size ? size * 2 : size;
     for (const row of ROWS) {
-      const old = this.#rows[row];
+      const old = this.rows[row];
       const next = room === size ? old : new Float64Array(room);
-      next.set(old.subarray(this.#start, this.#end));
-      this.#rows[row] = next;
+      next.set(old.subarray(this.start, this.end));
+      this.rows[row] = next;
     }
-    this.#start = 0;
-    this.#end = held;
+    this.start = 0;
+    this.end = held;
   }
 }
 

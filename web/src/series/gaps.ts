@@ -29,30 +29,31 @@ export function typicalInterval(times: ArrayLike<number>): number {
 
 /** Follows the usual interval of a channel as its samples come. */
 export class IntervalWatch {
-  readonly #recent: number[] = [];
-  #next = 0;
-  #typical = NaN;
-  #last = NaN;
+  private readonly recent: number[] = [];
+  private next = 0;
+  private typical = NaN;
+  private last = NaN;
 
   get typicalUs(): number {
-    return this.#typical;
+    return this.typical;
   }
 
   see(timeUs: number): void {
-    const pause = timeUs - this.#last;
-    this.#last = timeUs;
+    const pause = timeUs - this.last;
+    this.last = timeUs;
     if (!(pause > 0)) return;
-    this.#recent[this.#next % REMEMBERED] = pause;
-    this.#next += 1;
+    this.recent[this.next % REMEMBERED] = pause;
+    this.next += 1;
     // The median is taken now and then only: it moves slowly, and sorting is the dear part.
-    if (this.#next < REMEMBERED || this.#next % 16 === 0) this.#typical = median(this.#recent);
+    if (this.next < REMEMBERED || this.next % 16 === 0) this.typical = median(this.recent);
   }
 
-  clear(): void {
-    this.#recent.length = 0;
-    this.#next = 0;
-    this.#typical = NaN;
-    this.#last = NaN;
+  /** Go on from where another has come to. */
+  follow(other: IntervalWatch): void {
+    this.recent.splice(0, Infinity, ...other.recent);
+    this.next = other.next;
+    this.typical = other.typical;
+    this.last = other.last;
   }
 }
 

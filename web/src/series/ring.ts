@@ -9,10 +9,10 @@ import { firstFrom } from "./search.js";
 const SMALLEST = 256;
 
 export class Ring {
-  #time = new Float64Array(SMALLEST);
-  #value = new Float64Array(SMALLEST);
-  #start = 0;
-  #end = 0;
+  private time = new Float64Array(SMALLEST);
+  private value = new Float64Array(SMALLEST);
+  private start = 0;
+  private end = 0;
 
   /**
    * @param spanUs samples older than this behind the newest are forgotten (µs)
@@ -26,25 +26,25 @@ export class Ring {
   }
 
   get length(): number {
-    return this.#end - this.#start;
+    return this.end - this.start;
   }
 
   /** Times in ascending order (µs since the epoch). A view: it is stale after the next change. */
   get times(): Float64Array {
-    return this.#time.subarray(this.#start, this.#end);
+    return this.time.subarray(this.start, this.end);
   }
 
   /** Values by the same index. A view, as `times`. */
   get values(): Float64Array {
-    return this.#value.subarray(this.#start, this.#end);
+    return this.value.subarray(this.start, this.end);
   }
 
   get newestUs(): number {
-    return this.length ? (this.#time[this.#end - 1] ?? NaN) : NaN;
+    return this.length ? (this.time[this.end - 1] ?? NaN) : NaN;
   }
 
   get newest(): number {
-    return this.length ? (this.#value[this.#end - 1] ?? NaN) : NaN;
+    return this.length ? (this.value[this.end - 1] ?? NaN) : NaN;
   }
 
   /**
@@ -54,12 +54,12 @@ export class Ring {
   push(timeUs: number, value: number): "end" | "inside" | "refused" {
     const newest = this.newestUs;
     if (!Number.isFinite(timeUs) || timeUs < newest - this.spanUs) return "refused";
-    if (timeUs <= newest) return this.#insert(timeUs, value);
-    this.#makeRoom();
-    this.#time[this.#end] = timeUs;
-    this.#value[this.#end] = value;
-    this.#end += 1;
-    this.#forget();
+    if (timeUs <= newest) return this.insert(timeUs, value);
+    this.makeRoom();
+    this.time[this.end] = timeUs;
+    this.value[this.end] = value;
+    this.end += 1;
+    this.forget();
     return "end";
   }
 
@@ -85,51 +85,51 @@ export class Ring {
   }
 
   clear(): void {
-    this.#start = 0;
-    this.#end = 0;
+    this.start = 0;
+    this.end = 0;
   }
 
   /** An independent copy that later samples do not change. */
   copy(): Ring {
     const twin = new Ring(this.spanUs, this.most);
-    twin.#time = this.times.slice();
-    twin.#value = this.values.slice();
-    twin.#end = twin.#time.length;
+    twin.time = this.times.slice();
+    twin.value = this.values.slice();
+    twin.end = twin.time.length;
     return twin;
   }
 
-  #insert(timeUs: number, value: number): "inside" | "refused" {
-    const at = this.#start + firstFrom(this.times, timeUs);
-    if (this.#time[at] === timeUs) return "refused";
-    if (this.length >= this.most && at === this.#start) return "refused";
-    this.#makeRoom();
-    const place = this.#start + firstFrom(this.times, timeUs);
-    this.#time.copyWithin(place + 1, place, this.#end);
-    this.#value.copyWithin(place + 1, place, this.#end);
-    this.#time[place] = timeUs;
-    this.#value[place] = value;
-    this.#end += 1;
-    this.#forget();
+  private insert(timeUs: number, value: number): "inside" | "refused" {
+    const at = this.start + firstFrom(this.times, timeUs);
+    if (this.time[at] === timeUs) return "refused";
+    if (this.length >= this.most && at === this.start) return "refused";
+    this.makeRoom();
+    const place = this.start + firstFrom(this.times, timeUs);
+    this.time.copyWithin(place + 1, place, this.end);
+    this.value.copyWithin(place + 1, place, this.end);
+    this.time[place] = timeUs;
+    this.value[place] = value;
+    this.end += 1;
+    this.forget();
     return "inside";
   }
 
-  #forget(): void {
+  private forget(): void {
     const oldest = this.newestUs - this.spanUs;
-    while (this.length > this.most || (this.#time[this.#start] ?? Infinity) < oldest) this.#start += 1;
+    while (this.length > this.most || (this.time[this.start] ?? Infinity) < oldest) this.start += 1;
   }
 
-  #makeRoom(): void {
-    if (this.#end < this.#time.length) return;
+  private makeRoom(): void {
+    if (this.end < this.time.length) return;
     const held = this.length;
     // Moved back only when at least half is free, so each sample is moved about once.
-    const room = held * 2 > this.#time.length ? this.#time.length * 2 : this.#time.length;
-    const time = room === this.#time.length ? this.#time : new Float64Array(room);
-    const value = room === this.#time.length ? this.#value : new Float64Array(room);
+    const room = held * 2 > this.time.length ? this.time.length * 2 : this.time.length;
+    const time = room === this.time.length ? this.time : new Float64Array(room);
+    const value = room === this.time.length ? this.value : new Float64Array(room);
     time.set(this.times);
     value.set(this.values);
-    this.#time = time;
-    this.#value = value;
-    this.#start = 0;
-    this.#end = held;
+    this.time = time;
+    this.value = value;
+    this.start = 0;
+    this.end = held;
   }
 }
