@@ -48,6 +48,11 @@ export class IntervalWatch {
     if (this.next < REMEMBERED || this.next % 16 === 0) this.typical = median(this.recent);
   }
 
+  /** Believe this interval until samples have come to tell a better one. */
+  assume(intervalUs: number): void {
+    if (Number.isNaN(this.typical)) this.typical = intervalUs;
+  }
+
   /** Go on from where another has come to. */
   follow(other: IntervalWatch): void {
     this.recent.splice(0, Infinity, ...other.recent);

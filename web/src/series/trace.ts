@@ -1,7 +1,7 @@
 /** One channel as a chart holds it: its samples, and the columns drawn of them. */
 
 import { Columns } from "./columns.js";
-import { IntervalWatch, pauseAllowed } from "./gaps.js";
+import { IntervalWatch, pauseAllowed, typicalInterval } from "./gaps.js";
 import { Ring } from "./ring.js";
 
 export class Trace {
@@ -68,8 +68,15 @@ export class Trace {
     this.columns?.append(timeUs, value, this.allowedUs);
   }
 
-  backfill(times: ArrayLike<number>, values: ArrayLike<number>): void {
+  /**
+   * Take in samples from before.
+   *
+   * @param intervalUs their usual interval; said by the caller where pairs of least and greatest
+   *   stand for many
+   */
+  backfill(times: ArrayLike<number>, values: ArrayLike<number>, intervalUs = typicalInterval(times)): void {
     this.ring.backfill(times, values);
+    this.watch.assume(intervalUs);
     this.columns = null;
     this.changes += 1;
   }
