@@ -1,4 +1,4 @@
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "./base.js";
 import "./icon.js";
@@ -72,7 +72,7 @@ export class Menu extends LitElement {
     return html`
       <button
         type="button"
-        aria-label=${this.label || null}
+        aria-label=${this.label || nothing}
         aria-expanded=${this.open ? "true" : "false"}
         aria-controls="panel"
         @click=${this.toggle}
