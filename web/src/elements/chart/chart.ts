@@ -12,6 +12,7 @@ import type { Range } from "../../series/range.js";
 import { SteadyRange } from "../../series/range.js";
 import { runs } from "../../series/runs.js";
 import { summary } from "../../series/columns.js";
+import { stateWord } from "../../format/reading.js";
 import { knownZone } from "../../format/time.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import { ZoneClock } from "../../series/zone.js";
@@ -22,7 +23,7 @@ import { keyWish } from "./keys.js";
 import type { Axis, ChartSeries, Follow, ReadOut, SpanChange } from "./model.js";
 import { Painter, type Paintable } from "./painter.js";
 import { readPalette, seriesColour, watchTheme, type Palette } from "./palette.js";
-import { momentText, readOut, stateWord } from "./read-out.js";
+import { momentText, readOut } from "./read-out.js";
 import { chartStyle } from "./style.js";
 import { ChartView } from "./view.js";
 
@@ -145,6 +146,11 @@ export class Chart extends LitElement implements Paintable {
     this.painter?.wake();
   }
 
+  /** Time of one column of what is drawn now (µs); 0 before the first picture. */
+  get columnUs(): number {
+    return this.shown === null || this.view === null ? 0 : this.widthUs(this.shown);
+  }
+
   // ── painting ────────────────────────────────────────────────────────────────────────────
 
   get moving(): boolean {
@@ -253,9 +259,9 @@ export class Chart extends LitElement implements Paintable {
   }
 
   private async make(): Promise<void> {
-    if (this.view !== null || !this.onScreen) return;
+    if (!this.lacksView()) return;
     const { UPlot, sheet } = await import("./engine.js");
-    if (this.view !== null || !this.isConnected || this.size.width < 10 || this.size.height < 10) return;
+    if (!this.lacksView()) return;
     const root = this.renderRoot;
     if (root instanceof ShadowRoot && !root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets.push(sheet);
     this.palette = readPalette(this);
@@ -265,6 +271,10 @@ export class Chart extends LitElement implements Paintable {
       bare: this.series.length > 0 && this.series.every(({ states }) => states.length > 0),
     });
     this.touch();
+  }
+
+  private lacksView(): boolean {
+    return this.view === null && this.onScreen && this.isConnected && this.size.width >= 10 && this.size.height >= 10;
   }
 
   private remake(): void {
@@ -304,19 +314,17 @@ export class Chart extends LitElement implements Paintable {
   private placeCursor(): void {
     const { shown, view } = this;
     const us = this.follow === null ? (this.cursorUs ?? this.cursorMoment()) : this.cursorMoment();
-    const outside = us === null || shown === null || view === null || us < shown.fromUs || us > shown.toUs;
-    this.cursorLine.hidden = outside;
-    this.readBox.hidden = outside || this.cursorPart === null;
-    if (outside) return;
+    const seen = us !== null && shown !== null && view !== null && us >= shown.fromUs && us <= shown.toUs;
+    this.cursorLine.hidden = !seen;
+    this.readBox.hidden = !seen || this.cursorPart === null;
+    if (!seen) return;
     const { left, top, width, height } = view.box;
     const x = left + ((us - shown.fromUs) / lengthOf(shown)) * width;
     this.cursorLine.style.cssText = `transform: translate(${String(Math.round(x))}px, ${String(top)}px); block-size: ${String(height)}px`;
     if (this.cursorPart === null) return;
     this.readBox.textContent = this.readText(us, shown);
     const after = x < left + width / 2;
-    this.readBox.style.cssText = after
-      ? `inset-inline-start: ${String(x + 10)}px`
-      : `inset-inline-end: ${String(this.size.width - x + 10)}px`;
+    this.readBox.style.cssText = after ? `left: ${String(x + 10)}px` : `right: ${String(this.size.width - x + 10)}px`;
   }
 
   /** Values near a moment, one for each series. */

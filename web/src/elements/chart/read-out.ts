@@ -2,6 +2,7 @@
 
 import { decimalsFor, formatNumber, NOTHING } from "../../format/number.js";
 import { formatClock, formatDate } from "../../format/time.js";
+import { stateWord } from "../../format/reading.js";
 import { formatWithUnit } from "../../format/unit.js";
 import { firstFrom, nearest } from "../../series/search.js";
 import { SECOND_US } from "../../series/zone.js";
@@ -16,11 +17,6 @@ export function momentText(us: number, zone: string, lengthUs: number): string {
   const clock = formatClock(us, zone);
   if (lengthUs <= FINE_US) return `${clock}.${String(Math.floor((us % SECOND_US) / 1000)).padStart(3, "0")}`;
   return lengthUs < DAY_US ? clock : `${formatDate(us, zone)}, ${clock}`;
-}
-
-/** The word of a state; its number when the description has none for it. */
-export function stateWord(states: readonly string[], value: number): string {
-  return Number.isNaN(value) ? NOTHING : (states[value] ?? String(value));
 }
 
 /**

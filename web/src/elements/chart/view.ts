@@ -117,7 +117,8 @@ export class ChartView {
       show: !bare,
       scale: "y",
       space: 30,
-      size: (_u, values) => Math.max(axisWidth, ...(values ?? []).map((text) => text.length * CHAR + GAP + 8)),
+      // uPlot asks once before it has any values, whatever its types say.
+      size: (_u, values: string[] | null) => Math.max(axisWidth, ...(values ?? []).map((text) => text.length * CHAR + GAP + 8)),
       values: (_u, splits, _axis, _space, step) => {
         const decimals = Math.min(9, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
         return splits.map((value) => formatNumber(value, decimals));
