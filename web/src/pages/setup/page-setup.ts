@@ -1,0 +1,18 @@
+import { html, LitElement, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { base } from "../../elements/base.js";
+
+@customElement("t-page-setup")
+export class PageSetup extends LitElement {
+  static override styles = base;
+
+  override render(): TemplateResult {
+    return html`<h1>Setup</h1>`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-setup": PageSetup;
+  }
+}
