@@ -54,24 +54,29 @@ export function sourceOf(press: Pick<KeyPress, "code">): string {
   return `key:${press.code}`;
 }
 
-/** Elements that use keys themselves; `path` is the event's composed path, innermost first. */
-export function usesKeys(path: readonly EventTarget[], code: string): boolean {
-  return path.some((target) => {
-    if (!(target instanceof HTMLElement)) return false;
-    if (target.isContentEditable) return true;
-    if (target.dataset["keys"] === "own" && code.startsWith("Arrow")) return true;
-    switch (target.tagName) {
-      case "TEXTAREA":
-      case "SELECT":
-        return true;
-      case "INPUT":
-        return typesText(target as HTMLInputElement) || code.startsWith("Arrow");
-      default:
-        return false;
-    }
-  });
+/** What decides of an element on the way of a key event. */
+export interface KeyTaker {
+  readonly tagName?: string;
+  /** Of an input. */
+  readonly type?: string;
+  readonly isContentEditable?: boolean;
+  readonly dataset?: Readonly<Record<string, string | undefined>>;
 }
 
-function typesText(input: HTMLInputElement): boolean {
-  return !["checkbox", "radio", "button", "submit", "reset", "range", "color"].includes(input.type);
+const WITHOUT_TEXT: ReadonlySet<string> = new Set([
+  "checkbox", "radio", "button", "submit", "reset", "range", "color",
+]);
+
+/**
+ * Whether an element on the way uses this key itself: a field being typed in, a slider with the
+ * arrow keys, a map (`data-keys="own"`).
+ */
+export function usesKeys(path: readonly KeyTaker[], code: string): boolean {
+  const arrow = code.startsWith("Arrow");
+  return path.some((taker) => {
+    if (taker.isContentEditable === true) return true;
+    if (taker.dataset?.["keys"] === "own" && arrow) return true;
+    if (taker.tagName === "TEXTAREA" || taker.tagName === "SELECT") return true;
+    return taker.tagName === "INPUT" && (arrow || !WITHOUT_TEXT.has(taker.type ?? "text"));
+  });
 }
