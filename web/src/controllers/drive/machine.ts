@@ -243,7 +243,8 @@ export class DriveMachine {
     if (this.phase === "braking") return now < this.nextAt ? [] : [this.zero(now)];
     if (this.phase !== "driving" || now < this.nextAt) return [];
     if (now - this.heardAt > SILENT_MS) return this.halt("silent", now);
-    this.nextAt = now + FRAME_MS;
+    // Timers fire late, never early: count from when it was due, without running after lost time.
+    this.nextAt = Math.max(this.nextAt + FRAME_MS, now + FRAME_MS / 2);
     // Without any time mark the gateway cannot tell the frame's age and would refuse it.
     if (this.tickAt === null) return [];
     const { linear, angular } = this.asked;

@@ -78,6 +78,11 @@ export class StopDesk {
     return this.pending.id;
   }
 
+  /** It was sent and could not be passed on now; it goes on being repeated. */
+  delayed(why: string): void {
+    if (this.pending) this.trouble = why;
+  }
+
   /** The hub will not pass it on; repeating it would change nothing. */
   refused(why: string): void {
     if (!this.pending) return;
@@ -89,6 +94,7 @@ export class StopDesk {
     if (this.pending?.id === word.id) {
       this.answeredIn_ = now - this.pending.since;
       this.pending = null;
+      this.trouble = "";
     }
     this.word = word;
     if (!word.latched || this.reset_.kind !== "armed") this.reset_ = { kind: "none" };
