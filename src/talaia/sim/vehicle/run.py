@@ -27,7 +27,7 @@ __all__ = ["arguments", "main"]
 def arguments() -> argparse.ArgumentParser:
     """Describe the command line."""
     parser = argparse.ArgumentParser(
-        prog="talaia-vehicle",
+        prog="talaia sim vehicle",
         description="A simulated TurtleBot3-like vehicle in a furnished house, as ROS 2 topics.",
     )
     parser.add_argument(
@@ -77,7 +77,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             os.environ.update(environment(domain))
             _run(options, domain, ended, stack)
     except (SimError, OSError) as error:
-        sys.stderr.write(f"talaia-vehicle: {error}\n")
+        sys.stderr.write(f"talaia sim vehicle: {error}\n")
         return 1
     return 0
 
