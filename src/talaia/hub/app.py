@@ -205,4 +205,4 @@ def build(settings: Settings, clock: Clock, history: History | None = None) -> H
 def _own_history(settings: Settings, clock: Clock) -> History:
     from talaia.hub.history.store import HistoryStore
 
-    return HistoryStore(settings.url, clock)
+    return HistoryStore(settings.history_url, clock)
