@@ -64,7 +64,7 @@ class Audit:
         self._failing = False
         self._stopping = False
 
-    def note(  # noqa: PLR0913 - a row has that many columns
+    def note(
         self,
         kind: str,
         *,
