@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { backfill, course, extendTrack, flat, formatLength, joinTrack, MOST_POINTS, niceLength, type TrackPoint } from "../../src/series/track.js";
+import { backfill, course, extendTrack, flat, formatLength, joinTrack, MOST_POINTS, niceLength, type TrackPoint } from "../../../src/elements/map/track.js";
 
 const at = (x: number, y: number, timeUs: number): TrackPoint => ({ x, y, timeUs });
 
