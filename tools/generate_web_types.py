@@ -91,6 +91,14 @@ def default_of(field: inspect.Field) -> object:
     return msgspec.NODEFAULT
 
 
+def struct_of(cls: type) -> inspect.StructType:
+    """Look into a message."""
+    info = inspect.type_info(cls)
+    if not isinstance(info, inspect.StructType):
+        raise NoTypeScript(info)
+    return info
+
+
 def first_sentence(cls: type) -> str:
     """Give the first line of a docstring."""
     return (cls.__doc__ or "").strip().splitlines()[0].strip()
@@ -98,9 +106,7 @@ def first_sentence(cls: type) -> str:
 
 def interface(cls: type[msgspec.Struct], enums: dict[str, type[enum.Enum]]) -> str:
     """Write one message. Fields with a default stay optional for the sender only."""
-    info = inspect.type_info(cls)
-    if not isinstance(info, inspect.StructType):
-        raise NoTypeScript(info)
+    info = struct_of(cls)
     lines = [
         f"/** {first_sentence(cls)} */",
         f"export interface {cls.__name__} {{",
@@ -116,9 +122,7 @@ def defaults(messages: list[type[msgspec.Struct]]) -> str:
     """Write what a decoder fills in: the wire leaves out fields that have their default."""
     lines = ["export const DEFAULTS = {"]
     for cls in messages:
-        info = inspect.type_info(cls)
-        if not isinstance(info, inspect.StructType):
-            raise NoTypeScript(info)
+        info = struct_of(cls)
         pairs = [
             f"{field.encode_name}: {json.dumps(value)}"
             for field in info.fields
@@ -146,7 +150,7 @@ def wire_text() -> str:
     ]
     tags = [
         f"export const {constant}: ReadonlySet<string> = new Set([\n  "
-        + ",\n  ".join(json.dumps(msgspec.inspect.type_info(cls).tag) for cls in members[name])
+        + ",\n  ".join(json.dumps(struct_of(cls).tag) for cls in members[name])
         + ",\n]);"
         for constant, name in (("TO_BROWSER", "ToBrowser"), ("MEDIA_TO_BROWSER", "MediaToBrowser"))
     ]

@@ -3,7 +3,7 @@
 Run from the repository's root with ``PYTHONPATH=src``:
 ``python web/mock/mock_hub.py --port 8765``. Sign in with any name and the password ``demo``; a
 name that starts with ``guest`` or ``admin`` gets that role. ``POST /mock?online=false`` takes the
-site off line, ``?mute=true`` stops its values, ``?cut=true`` drops every socket.
+site offline, ``?mute=true`` stops its values, ``?cut=true`` drops every socket.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "./base.js";
 
@@ -93,8 +93,8 @@ export class Button extends LitElement {
       type="button"
       ?disabled=${this.disabled || this.busy}
       aria-busy=${this.busy ? "true" : "false"}
-      aria-label=${this.label || null}
-      aria-pressed=${this.pressed || null}
+      aria-label=${this.label || nothing}
+      aria-pressed=${this.pressed || nothing}
       @click=${this.pressedOnce}
     >
       <slot></slot>

@@ -1,4 +1,4 @@
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "./base.js";
 import "./icon.js";
@@ -42,7 +42,7 @@ export class Menu extends LitElement {
         z-index: 30;
         display: grid;
         gap: var(--t-space-3);
-        min-inline-size: 17rem;
+        min-inline-size: 19rem;
         max-inline-size: calc(100vw - 2 * var(--t-space-3));
         padding: var(--t-space-4);
         border: 1px solid var(--t-line);
@@ -72,7 +72,7 @@ export class Menu extends LitElement {
     return html`
       <button
         type="button"
-        aria-label=${this.label || null}
+        aria-label=${this.label || nothing}
         aria-expanded=${this.open ? "true" : "false"}
         aria-controls="panel"
         @click=${this.toggle}

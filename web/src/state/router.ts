@@ -37,14 +37,18 @@ export function sitePath(site: string, page: "live" | "history" | "drive"): stri
 /** Where to go after signing in. Only a path on this very hub is believed. */
 export function returnPath(search: string, origin: string): string {
   const asked = new URLSearchParams(search).get("return") ?? "";
-  if (!asked.startsWith("/")) return "/home";
-  try {
-    const url = new URL(asked, origin);
-    if (url.origin !== origin || routeOf(url.pathname).page === "login") return "/home";
-    return url.pathname + url.search;
-  } catch {
-    return "/home";
-  }
+  if (!asked.startsWith("/") || !URL.canParse(asked, origin)) return "/home";
+  const url = new URL(asked, origin);
+  if (url.origin !== origin || routeOf(url.pathname).page === "login") return "/home";
+  return url.pathname + url.search;
+}
+
+/** Path of an address when it is a page of ours; null when the browser should load it by itself. */
+export function localPath(href: string, origin: string): string | null {
+  if (!URL.canParse(href)) return null;
+  const url = new URL(href);
+  const ours = url.origin === origin && !/^\/(api|assets|ws)\b/.test(url.pathname);
+  return ours ? url.pathname + url.search : null;
 }
 
 function decoded(text: string): string {

@@ -28,6 +28,9 @@ export class Session extends Store {
     return this.someone;
   }
 
+  /** Why the last session ended, for the sign-in page; empty when nobody needs to be told. */
+  notice = "";
+
   /** Asks the hub who we are. @throws Unreachable */
   async refresh(): Promise<void> {
     this.become(await this.api.me());
@@ -35,7 +38,9 @@ export class Session extends Store {
 
   /** @throws Refused, Unreachable */
   async login(name: string, password: string): Promise<void> {
-    this.become(await this.api.login(name, password));
+    const person = await this.api.login(name, password);
+    this.notice = "";
+    this.become(person);
   }
 
   /** Nobody is signed in afterwards, also when the hub could not be told. */

@@ -35,6 +35,11 @@ export class Sites extends Store {
     return this.rows.find((row) => row.site === site);
   }
 
+  /** Names the newest description of a site that the hub has told of; empty before it did. */
+  catalogueOf(site: string): string {
+    return this.catalogues.get(site) ?? "";
+  }
+
   /** Asks for the list. The old one stays on screen meanwhile. */
   async load(): Promise<void> {
     if (this.loading !== "ready") this.loading = "loading";
@@ -56,7 +61,7 @@ export class Sites extends Store {
    * @throws Refused, Unreachable
    */
   detail(site: string): Promise<SiteDetail> {
-    const catalogue = this.catalogues.get(site) ?? "";
+    const catalogue = this.catalogueOf(site);
     const held = this.details.get(site);
     if (held?.catalogue === catalogue) return held.detail;
     const detail = this.api.site(site);

@@ -14,7 +14,7 @@ export interface SiteRow {
   /** IANA name. */
   readonly zone: string;
   readonly online: boolean;
-  /** Since when it is on line or not. */
+  /** Since when it is online or not. */
   readonly since_us: number;
   /** When the gateway was last heard of; 0 for never. */
   readonly last_seen_us: number;

@@ -1,13 +1,26 @@
-import { html, LitElement, type TemplateResult } from "lit";
+/** An address that leads nowhere. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { base } from "../../elements/base.js";
+import "../../elements/empty.js";
 
 @customElement("t-page-missing")
 export class PageMissing extends LitElement {
-  static override styles = base;
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+        padding-block: var(--t-space-6);
+      }
+    `,
+  ];
 
   override render(): TemplateResult {
-    return html`<h1>Missing</h1>`;
+    return html`<t-empty heading="There is no page here" icon="unlinked">
+      <p>The address may be mistyped, or the page has moved. <a href="/home">Go to the home page</a>.</p>
+    </t-empty>`;
   }
 }
 

@@ -61,6 +61,7 @@ export class App extends LitElement {
       this.connection.onState((link) => {
         if (link === "open") void this.sites.load();
         // A hub that refuses the socket does not say why; the session does.
+        if (link === "ended") this.session.notice = this.connection.endedReason;
         if (link === "lost" || link === "ended") void this.findOut();
       }),
     ];
