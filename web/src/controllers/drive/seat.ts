@@ -135,6 +135,11 @@ export class DriveSeat extends Store {
     this.run(this.machine.release(source, this.now()));
   }
 
+  /** The press was taken away, by the browser or the system: everything ends, not only it. */
+  cancel(source: string): void {
+    if (this.machine.holds(source)) this.halt("cancelled");
+  }
+
   halt(why: Halt): void {
     this.run(this.machine.halt(why, this.now()));
   }
