@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -125,7 +126,12 @@ class Peer:
 def ros() -> None:
     """Skip where ROS 2 cannot be imported."""
     try:
-        import rclpy  # noqa: F401
+        with warnings.catch_warnings():
+            # ROS's own modules import what Python has deprecated.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            import rclpy.executors
+            import rclpy.node
+            import rosidl_generator_py  # noqa: F401
     except ImportError as error:
         missing(f"ROS 2 cannot be imported: {error}")
 
