@@ -78,7 +78,9 @@ def test_osmesa_draws_where_egl_cannot(broken: dict[str, str], taken: str) -> No
         "camera = Camera(World(0, looks=True)); picture = camera.draw(0.0, 0.0, 0.0)\n"
         "print(camera.way, picture.std() > 30); camera.close()"
     )
-    environment = {k: v for k, v in os.environ.items() if k not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")}
+    environment = {
+        k: v for k, v in os.environ.items() if k not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")
+    }
     source = str(Path(talaia.__file__).parents[1])
     run = subprocess.run(
         [sys.executable, "-c", code],

@@ -179,7 +179,9 @@ def test_everything_the_example_description_names_is_served(vehicle: Vehicle, pe
         assert field(messages[-1], source.field) is not None
         if source.name:
             texts = [f"'name': '{source.name}'"]
-            assert peer.until(lambda t=texts, m=messages: any(t[0] in one.data for one in m)), source
+            assert peer.until(lambda t=texts, m=messages: any(t[0] in one.data for one in m)), (
+                source
+            )
     for device in site.devices.values():
         for command in device.commands.values():
             assert peer.until(
