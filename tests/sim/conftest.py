@@ -63,8 +63,10 @@ def start_vehicle(log: Path, domain: int, *options: str) -> Vehicle:
     source = str(Path(talaia.__file__).parents[1])
     paths = [source, *filter(None, [os.environ.get("PYTHONPATH")])]
     process = subprocess.Popen(
-        [sys.executable, "-m", "talaia.sim.vehicle", "--domain", str(domain), "--log", str(log)]
-        + list(options),
+        [
+            *(sys.executable, "-m", "talaia.sim.vehicle"),
+            *("--domain", str(domain), "--log", str(log), *options),
+        ],
         stdout=subprocess.PIPE,
         text=True,
         env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
@@ -86,6 +88,7 @@ class Peer:
     """A ROS node of the test in the vehicle's domain."""
 
     def __init__(self, domain: int) -> None:
+        """Join a domain."""
         import rclpy
         from rclpy.executors import SingleThreadedExecutor
         from rclpy.signals import SignalHandlerOptions
@@ -129,8 +132,7 @@ def ros() -> None:
         with warnings.catch_warnings():
             # ROS's own modules import what Python has deprecated.
             warnings.simplefilter("ignore", DeprecationWarning)
-            import rclpy.executors
-            import rclpy.node
+            import rclpy.executors  # noqa: F401
             import rosidl_generator_py  # noqa: F401
     except ImportError as error:
         missing(f"ROS 2 cannot be imported: {error}")

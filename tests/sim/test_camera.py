@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from ctypes.util import find_library
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from tests.sim.conftest import missing
 
 import talaia
 from talaia.sim.errors import NoRenderer
 from talaia.sim.vehicle.camera import Camera
 from talaia.sim.vehicle.world import World
-from tests.sim.conftest import missing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -89,7 +90,8 @@ def test_osmesa_draws_where_egl_cannot(broken: dict[str, str], taken: str) -> No
         text=True,
         check=False,
     )
-    if "NoRenderer" in run.stderr:
+    # Where the library is there, not to be able to use it is a fault of ours.
+    if "NoRenderer" in run.stderr and not (taken == "osmesa" and find_library("OSMesa")):
         missing(run.stderr.splitlines()[-1])
     assert run.stdout.split() == [taken, "True"], run.stderr
 

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
 from talaia.model.load import read_site
 from talaia.sim.domain import reserve
-from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,6 +40,7 @@ class Drive:
     """Publishes velocities at 20 Hz until told otherwise."""
 
     def __init__(self, peer: Peer) -> None:
+        """Wait until the vehicle listens."""
         self.peer = peer
         self.kind = message("geometry_msgs/msg/Twist")
         self.publisher = peer.node.create_publisher(self.kind, "/cmd_vel", 10)
