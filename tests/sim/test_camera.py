@@ -96,7 +96,11 @@ def test_osmesa_draws_where_egl_cannot(broken: dict[str, str], taken: str) -> No
     assert run.stdout.split() == [taken, "True"], run.stderr
 
 
-def test_without_any_renderer_the_error_names_the_package(world: World) -> None:
+def test_without_any_renderer_the_error_names_the_package(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+
     def none(way: str) -> Any:
         raise ImportError(f"no {way} here")
 
