@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from talaia.sim.vehicle.mesh import rounded_box
 
@@ -31,7 +30,6 @@ Vector = tuple[float, float, float]
 Colour = tuple[float, float, float]
 Model = Any
 """MuJoCo ships no types."""
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
