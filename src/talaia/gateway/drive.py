@@ -165,9 +165,9 @@ class Driving:
         self._rest = False
         return ""
 
-    def demand_rest(self) -> None:
+    def demand_rest(self, now_ns: int) -> None:
         """Let nothing move before the driver has let go: a reset of STOP starts no motion."""
-        self._rest = True
+        self._rest, self._offered_ns = True, now_ns
 
     def halt(self, now_ns: int) -> None:
         """End the hold now: zeros for the stated time, then silence. Nothing is ramped."""
