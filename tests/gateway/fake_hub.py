@@ -60,6 +60,7 @@ class FakeHub:
         self.acking = True
         self.answering = True
         self.key = KEY
+        self.requests = 0
         self.links: list[ServerConnection] = []
         self._changed = asyncio.Event()
         self._boot = ""
@@ -129,6 +130,8 @@ class FakeHub:
     # ── what the gateway meets ──
 
     def _admit(self, socket: ServerConnection, request: Request) -> Response | None:
+        self.requests += 1
+        self._changed.set()
         if request.headers.get("Authorization") != f"Bearer {self.key}":
             return socket.respond(HTTPStatus.UNAUTHORIZED, "who are you?\n")
         return None

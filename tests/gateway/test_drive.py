@@ -99,7 +99,7 @@ def test_frame_that_breaks_a_rule_is_refused_and_changes_nothing(
     before = one.step(0)
     assert one.offer(bad, epoch, age_ms * MS, 10 * MS) != ""
     assert one.output == before
-    assert one.due_ns() == 50 * MS
+    assert one.due_ns() == 75 * MS
     assert one.step(250 * MS) == STILL
 
 
@@ -137,7 +137,22 @@ def test_flood_of_frames_does_not_raise_the_rate_to_the_robot() -> None:
         if one.prompt(ms * MS):
             one.step(ms * MS)
             said += 1
-    assert said <= 2 * RULE.rate
+    assert said <= 2 * RULE.rate + 3
+
+
+def test_key_pressed_between_two_frames_is_not_held_back() -> None:
+    one = driving()
+    for at, seq in ((0, 1), (50, 2), (57, 3), (100, 4)):
+        one.offer(frame(seq), 1, 0, at * MS)
+        assert one.prompt(at * MS)
+        one.step(at * MS)
+
+
+def test_turn_fills_in_only_for_a_missing_frame() -> None:
+    one = driving()
+    one.offer(frame(1), 1, 0, 0)
+    one.step(0)
+    assert one.due_ns() == 75 * MS
 
 
 def test_after_a_reset_the_driver_must_let_go_first() -> None:
