@@ -356,6 +356,9 @@ def main(argv: Sequence[str]) -> int:
     )
     logging.getLogger("websockets").setLevel(logging.WARNING)
     try:
+        # A thread that decodes may hold the interpreter this long before a driving frame gets it;
+        # Python's own 5 ms would be the largest part of the frame's way to the robot.
+        sys.setswitchinterval(0.0005)
         site = raise_first(read_site(arguments.site))
         settings = _settings(arguments, site)
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:

@@ -248,12 +248,12 @@ class Seat:
 
     # ── time and link ──
 
-    def link_lost(self, now_ns: int, *, stop_robot: bool) -> None:
+    def vacate(self, now_ns: int, why: str, *, stop_robot: bool) -> None:
         """End lease and hold; where the description says so, zeros even if nobody drove."""
         self.lease.drop()
         self._had = None
         was_moving = self.driving.moving
-        self._end(now_ns, "link lost")
+        self._end(now_ns, why)
         if stop_robot and not was_moving:
             self.driving.halt(now_ns)
             self._publish(now_ns)
