@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 import math
-import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 from zoneinfo import available_timezones
 
 from talaia.model.errors import DescriptionError, UnknownWord
 from talaia.model.site import ArgumentType, DriveMessage, SignalType, Site
 from talaia.model.unit import unit_of
+from talaia.model.words import (
+    FIELD,
+    Finding,
+    above,
+    at_least,
+    field_fits,
+    id_fits,
+    name_fits,
+    range_fits,
+    topic_fits,
+    type_fits,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -18,25 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Finding", "check", "raise_first"]
 
-_WORD = re.compile(r"[a-z][a-z0-9_]{0,62}\Z")
-_TOPIC = re.compile(r"/[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*\Z")
-_TYPE = re.compile(r"[a-z][a-z0-9_]*/(msg|srv)/[A-Z][A-Za-z0-9]*\Z")
-_FIELD = re.compile(
-    r"([A-Za-z][A-Za-z0-9_]*(\[\d{1,6}\])*)(\.[A-Za-z][A-Za-z0-9_]*(\[\d{1,6}\])*)*\Z"
-)
-_MAX_NAME = 100
 _MAX_CHANNELS = 60_000
-
-
-class Finding(NamedTuple):
-    """One thing that does not fit: where, what, and what to do."""
-
-    where: str
-    problem: str
-    remedy: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.where}: {self.problem}" + (f"; {self.remedy}" if self.remedy else "")
 
 
 def check(site: Site) -> list[Finding]:
@@ -60,8 +53,8 @@ def raise_first(site: Site) -> Site:
 
 
 def _site(site: Site) -> Iterator[Finding]:
-    yield from _id("$.site", site.site)
-    yield from _name("$.name", site.name)
+    yield from id_fits("$.site", site.site)
+    yield from name_fits("$.name", site.name)
     if site.zone not in available_timezones():
         yield _of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
     if site.ros2 is not None and site.ros2.domain is not None and not 0 <= site.ros2.domain <= 232:
@@ -74,7 +67,7 @@ def _site(site: Site) -> Iterator[Finding]:
         yield Finding("$.devices", f"more than {_MAX_CHANNELS} channels at one site", "split it")
     for device_id, device in site.devices.items():
         where = f"$.devices.{device_id}"
-        yield from _id(where, device_id)
+        yield from id_fits(where, device_id)
         yield from _device(site, where, device)
 
 
@@ -86,35 +79,35 @@ def _near_zones(zone: str) -> Iterable[str]:
 
 
 def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
-    yield from _name(f"{where}.name", device.name)
+    yield from name_fits(f"{where}.name", device.name)
     if site.ros2 is None and (device.signals or device.streams or device.commands):
         yield Finding(
             where, "its signals need a connection, and the site has none", "add: ros2: {}"
         )
     for signal_id, signal in device.signals.items():
-        yield from _id(f"{where}.signals.{signal_id}", signal_id)
+        yield from id_fits(f"{where}.signals.{signal_id}", signal_id)
         yield from _signal(f"{where}.signals.{signal_id}", signal)
     for stream_id, stream in device.streams.items():
-        yield from _id(f"{where}.streams.{stream_id}", stream_id)
+        yield from id_fits(f"{where}.streams.{stream_id}", stream_id)
         yield from _stream(f"{where}.streams.{stream_id}", stream)
     for command_id, command in device.commands.items():
-        yield from _id(f"{where}.commands.{command_id}", command_id)
+        yield from id_fits(f"{where}.commands.{command_id}", command_id)
         yield from _command(f"{where}.commands.{command_id}", command)
     if device.drive is not None:
         yield from _drive(site, f"{where}.drive", device.drive)
 
 
 def _signal(where: str, signal: Signal) -> Iterator[Finding]:
-    yield from _name(f"{where}.name", signal.name)
+    yield from name_fits(f"{where}.name", signal.name)
     yield from _source(f"{where}.source", signal.source)
     try:
         unit_of(f"{where}.unit", signal.unit)
     except UnknownWord as error:
         yield _of(error)
-    yield from _range(where, signal.minimum, signal.maximum)
+    yield from range_fits(where, signal.minimum, signal.maximum)
     for key in ("max_rate", "deadband"):
-        yield from _at_least(f"{where}.{key}", getattr(signal, key), 0)
-    yield from _above(f"{where}.max_age", signal.max_age, 0)
+        yield from at_least(f"{where}.{key}", getattr(signal, key), 0)
+    yield from above(f"{where}.max_age", signal.max_age, 0)
     if not math.isfinite(signal.scale) or signal.scale == 0:
         yield Finding(f"{where}.scale", f"expected a number other than 0, found {signal.scale}")
     if not -1 <= signal.decimals <= 9:
@@ -135,14 +128,14 @@ def _signal(where: str, signal: Signal) -> Iterator[Finding]:
         yield Finding(
             f"{where}.source.field", "which field of the message is meant?", "write: field: data"
         )
-    if signal.yaw_from and not _FIELD.match(signal.yaw_from):
+    if signal.yaw_from and not FIELD.match(signal.yaw_from):
         yield Finding(f"{where}.yaw_from", f"{signal.yaw_from!r} is not the path of a field")
 
 
 def _stream(where: str, stream: Stream) -> Iterator[Finding]:
-    yield from _name(f"{where}.name", stream.name)
+    yield from name_fits(f"{where}.name", stream.name)
     yield from _source(f"{where}.source", stream.source)
-    yield from _above(f"{where}.max_rate", stream.max_rate, 0)
+    yield from above(f"{where}.max_rate", stream.max_rate, 0)
     if not 1 <= stream.quality <= 95:
         yield Finding(f"{where}.quality", f"expected 1 to 95, found {stream.quality}")
     if stream.width < 0:
@@ -150,21 +143,23 @@ def _stream(where: str, stream: Stream) -> Iterator[Finding]:
 
 
 def _command(where: str, command: Command) -> Iterator[Finding]:
-    yield from _name(f"{where}.name", command.name)
-    yield from _topic(f"{where}.target", command.target)
-    yield from _type(f"{where}.type", command.type, "srv" if command.kind == "service" else "msg")
-    yield from _above(f"{where}.ttl", command.ttl, 0)
-    yield from _above(f"{where}.timeout", command.timeout, 0)
+    yield from name_fits(f"{where}.name", command.name)
+    yield from topic_fits(f"{where}.target", command.target)
+    yield from type_fits(
+        f"{where}.type", command.type, "srv" if command.kind == "service" else "msg"
+    )
+    yield from above(f"{where}.ttl", command.ttl, 0)
+    yield from above(f"{where}.timeout", command.timeout, 0)
     for field in command.fixed:
-        yield from _field(f"{where}.fixed.{field}", field)
+        yield from field_fits(f"{where}.fixed.{field}", field)
     for argument_id, argument in command.arguments.items():
-        yield from _id(f"{where}.arguments.{argument_id}", argument_id)
+        yield from id_fits(f"{where}.arguments.{argument_id}", argument_id)
         yield from _argument(f"{where}.arguments.{argument_id}", argument)
 
 
 def _argument(where: str, argument: Argument) -> Iterator[Finding]:
-    yield from _field(f"{where}.field", argument.field)
-    yield from _range(where, argument.minimum, argument.maximum)
+    yield from field_fits(f"{where}.field", argument.field)
+    yield from range_fits(where, argument.minimum, argument.maximum)
     try:
         unit_of(f"{where}.unit", argument.unit)
     except UnknownWord as error:
@@ -185,11 +180,11 @@ def _argument(where: str, argument: Argument) -> Iterator[Finding]:
 
 
 def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
-    yield from _topic(f"{where}.topic", drive.topic)
+    yield from topic_fits(f"{where}.topic", drive.topic)
     for key in ("max_speed", "max_turn", "max_acceleration", "max_turn_acceleration"):
-        yield from _above(f"{where}.{key}", getattr(drive, key), 0)
+        yield from above(f"{where}.{key}", getattr(drive, key), 0)
     if drive.max_reverse is not None:
-        yield from _at_least(f"{where}.max_reverse", drive.max_reverse, 0)
+        yield from at_least(f"{where}.max_reverse", drive.max_reverse, 0)
     # The limits of the safety rules: a description may be stricter, and looser only within these.
     for key, low, high, unit in (
         ("rate", 5, 100, "Hz"),
@@ -205,7 +200,7 @@ def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
                 "the safety rules allow no more",
             )
     if drive.stop.topic:
-        yield from _topic(f"{where}.stop.topic", drive.stop.topic)
+        yield from topic_fits(f"{where}.stop.topic", drive.stop.topic)
     numbers = {
         f"{device_id}/{signal_id}": signal.type
         for device_id, device in site.devices.items()
@@ -231,63 +226,13 @@ def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
 
 
 def _source(where: str, source: Source) -> Iterator[Finding]:
-    yield from _topic(f"{where}.topic", source.topic)
-    yield from _type(f"{where}.type", source.type, "msg")
+    yield from topic_fits(f"{where}.topic", source.topic)
+    yield from type_fits(f"{where}.type", source.type, "msg")
     if source.field:
-        yield from _field(f"{where}.field", source.field)
+        yield from field_fits(f"{where}.field", source.field)
     if source.name and source.field:
         yield Finding(f"{where}.name", "both name and field are given", "leave one out")
 
 
 def _of(error: DescriptionError) -> Finding:
     return Finding(error.where, error.problem, error.remedy)
-
-
-def _id(where: str, word: str) -> Iterator[Finding]:
-    if not _WORD.match(word):
-        yield Finding(
-            where,
-            f"{word!r} cannot be a name in an address",
-            "use a small letter, then small letters, digits and _ (at most 63)",
-        )
-
-
-def _name(where: str, name: str) -> Iterator[Finding]:
-    if not name.strip() or len(name) > _MAX_NAME or any(ord(each) < 32 for each in name):
-        yield Finding(where, f"expected a name of 1 to {_MAX_NAME} characters", "without line ends")
-
-
-def _topic(where: str, topic: str) -> Iterator[Finding]:
-    if not _TOPIC.match(topic):
-        yield Finding(where, f"{topic!r} is not an absolute ROS name", "write it as /like/this")
-
-
-def _type(where: str, name: str, middle: str) -> Iterator[Finding]:
-    match = _TYPE.match(name)
-    if not match or match[1] != middle:
-        yield Finding(
-            where, f"{name!r} is not a ROS type", f"write it as package_name/{middle}/TypeName"
-        )
-
-
-def _field(where: str, field: str) -> Iterator[Finding]:
-    if not _FIELD.match(field):
-        yield Finding(where, f"{field!r} is not the path of a field", "write it as pose.x or a[0]")
-
-
-def _range(where: str, low: float | None, high: float | None) -> Iterator[Finding]:
-    for key, value in (("minimum", low), ("maximum", high)):
-        if value is not None and not math.isfinite(value):
-            yield Finding(f"{where}.{key}", f"expected a finite number, found {value}")
-    if low is not None and high is not None and low >= high:
-        yield Finding(f"{where}.minimum", f"the minimum {low} is not below the maximum {high}")
-
-
-def _above(where: str, value: float, low: float) -> Iterator[Finding]:
-    if not (math.isfinite(value) and value > low):
-        yield Finding(where, f"expected a number above {low}, found {value}")
-
-
-def _at_least(where: str, value: float, low: float) -> Iterator[Finding]:
-    if not (math.isfinite(value) and value >= low):
-        yield Finding(where, f"expected {low} or more, found {value}")

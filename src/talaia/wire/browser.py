@@ -3,6 +3,8 @@
 Two sockets: ``/ws`` for all but pictures, and one ``/ws/media?site=…&stream=…`` for each camera
 a page shows. MessagePack by default; ``?form=json`` gives the JSON form. The session cookie (or
 a token) says who it is; rights are checked on every message, both ways.
+
+Long, because the messages of one socket are read together, in one place.
 """
 
 from __future__ import annotations

@@ -4,6 +4,8 @@ The gateway dials out twice: the *link* (``/gateway/link``) for all but pictures
 (``/gateway/media``) for pictures, so that a picture never stands before a driving frame. It
 proves itself by ``Authorization: Bearer <gateway key>`` on both.
 
+Long, because the messages of one link are read together, in one place.
+
 Times ending in ``_us`` are microseconds; ``time_us`` is wall time (UTC since the epoch),
 ``mono_us`` is the sender's own monotonic clock, which only its sender can compare.
 """

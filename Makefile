@@ -1,0 +1,46 @@
+# One word for each thing a developer or a user wants. `tools/setup.py` makes .venv and the pages
+# when they are missing or out of date, and takes no time when they are not.
+PYTHON ?= python3
+VENV := .venv/bin
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test check bench docs lock pages clean
+
+help:  ## list the words
+	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 10
+
+setup:  ## everything a developer needs, in .venv and web/node_modules
+	@$(PYTHON) tools/setup.py dev
+
+demo:  ## the product with a simulated vehicle, in your browser
+	@$(PYTHON) tools/setup.py demo
+	@exec $(VENV)/talaia demo $(ARGS)
+
+test: setup  ## all tests: Python with real ROS 2 and Chromium, and the pages'
+	$(VENV)/python -m pytest $(ARGS)
+	$(VENV)/python tools/node.py run test
+
+check: setup  ## style, types, import direction, generated files
+	$(VENV)/ruff check .
+	$(VENV)/ruff format --check .
+	$(VENV)/mypy
+	$(VENV)/lint-imports
+	$(VENV)/python tools/generate_web_types.py --check
+	$(VENV)/python tools/generate_reference.py --check
+	$(VENV)/python tools/check_tree.py
+	$(VENV)/python tools/node.py run check
+
+bench: setup  ## measure speed and memory; prints each figure beside its limit
+	$(VENV)/python bench/run.py $(ARGS)
+
+docs: setup  ## write docs/reference from the code
+	$(VENV)/python tools/generate_reference.py
+	$(VENV)/python tools/generate_web_types.py
+
+lock: setup  ## resolve the Python lock files anew
+	$(VENV)/python tools/lock.py
+
+pages: setup  ## build the pages
+	$(VENV)/python tools/node.py run build
+
+clean:  ## remove what `setup` made
+	rm -rf .venv web/node_modules src/talaia/web/static

@@ -1,0 +1,168 @@
+"""The product's pages in a real Chromium, measured from outside."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import numpy as np
+from playwright.async_api import Page, async_playwright
+from stack import PASSWORD, Stack
+
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+# Each paint leaves the age of the newest sample it drew, once the frame is on its way.
+NOTE_PAINTS = """
+window.__ages = [];
+window.__talaiaPainted = (address, timeUs, value) => {
+  requestAnimationFrame(() => {
+    window.__ages.push(performance.timeOrigin + performance.now() - value / 1000);
+  });
+};
+"""
+NOTE_KEYS = """
+window.__keys = [];
+window.addEventListener('keydown', (event) => {
+  if (!event.repeat) window.__keys.push((performance.timeOrigin + event.timeStamp) * 1000);
+}, true);
+"""
+
+
+@asynccontextmanager
+async def browser_page(script: str = "") -> AsyncIterator[Page]:
+    """Open a page that trusts the hub's own certificate."""
+    path = shutil.which("chromium") or shutil.which("google-chrome")
+    clean = {k: v for k, v in os.environ.items() if k != "LD_LIBRARY_PATH"}
+    async with async_playwright() as play:
+        browser = await play.chromium.launch(executable_path=path, args=FLAGS, env=clean)
+        context = await browser.new_context(
+            ignore_https_errors=True, viewport={"width": 1440, "height": 900}
+        )
+        if script:
+            await context.add_init_script(script)
+        try:
+            yield await context.new_page()
+        finally:
+            await browser.close()
+
+
+async def sign_in(page: Page, stack: Stack, path: str) -> None:
+    """Sign in and go to a page of the bench's site."""
+    await page.goto(f"{stack.origin}/login")
+    await page.get_by_label("Name").fill("admin")
+    await page.get_by_label("Password").fill(PASSWORD)
+    await page.get_by_role("button", name="Sign in").click()
+    await page.wait_for_url("**/home")
+    await page.goto(f"{stack.origin}{path}")
+
+
+async def painted(stack: Stack, seconds: float) -> np.ndarray:
+    """Let the real-time page draw and give the ages (ms) of what it drew."""
+    async with browser_page(NOTE_PAINTS) as page:
+        await sign_in(page, stack, "/sites/bench/live")
+        await page.wait_for_function("window.__ages.length > 50", timeout=30_000)
+        await asyncio.sleep(3)
+        await page.evaluate("window.__ages = []")
+        await asyncio.sleep(seconds)
+        return np.array(await page.evaluate("window.__ages"))
+
+
+async def pressed(stack: Stack, target: Path, presses: int) -> np.ndarray:
+    """Press keys on the actuate page and give the time (ms) until each reached ROS."""
+    ages = []
+    async with browser_page(NOTE_KEYS) as page:
+        await sign_in(page, stack, "/sites/bench/drive")
+        await page.get_by_role("button", name="Take control").click()
+        await page.get_by_text("You have control").first.wait_for()
+        for each in range(presses + 20):
+            known = len(target.read_text().splitlines())
+            await page.keyboard.down("w")
+            at = await page.evaluate("window.__keys.at(-1)")
+            line = await _first_moving(target, known)
+            await page.keyboard.up("w")
+            await _standing(target)
+            if each >= 20:  # the first ones warm up
+                ages.append((float(line.split()[0]) - at) / 1000)
+    return np.array(ages)
+
+
+async def _first_moving(target: Path, known: int) -> str:
+    for _ in range(2000):
+        for line in target.read_text().splitlines()[known:]:
+            if float(line.split()[1]) > 0:
+                return line
+        await asyncio.sleep(0.002)
+    raise SystemExit("a key press did not reach ROS within 4 s")
+
+
+async def _standing(target: Path) -> None:
+    for _ in range(2000):
+        lines = target.read_text().splitlines()
+        if lines and float(lines[-1].split()[1]) == 0:
+            return
+        await asyncio.sleep(0.002)
+    raise SystemExit("the vehicle was not stopped within 4 s of the release")
+
+
+async def first_paint(stack: Stack) -> tuple[float, float]:
+    """Give kB of JavaScript over the wire for sign-in and home, and ms to the first paint."""
+    weights: dict[str, int] = {}
+    async with browser_page() as page:
+        session = await page.context.new_cdp_session(page)
+        await session.send("Network.enable")
+        scripts: dict[str, str] = {}
+
+        def responded(event: dict) -> None:
+            if "javascript" in event["response"]["mimeType"]:
+                scripts[event["requestId"]] = event["response"]["url"]
+
+        def finished(event: dict) -> None:
+            if event["requestId"] in scripts:
+                weights[scripts[event["requestId"]]] = event["encodedDataLength"]
+
+        session.on("Network.responseReceived", responded)
+        session.on("Network.loadingFinished", finished)
+        await sign_in(page, stack, "/home")
+        await page.get_by_role("heading", name="Bench").first.wait_for()
+        paint = await page.evaluate(
+            "performance.getEntriesByName('first-contentful-paint')[0].startTime"
+        )
+    return sum(weights.values()) / 1000, float(paint)
+
+
+def demo_seconds() -> float:
+    """Start the demo, give the seconds it says it took, and stop it."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "talaia", "demo", "--no-browser"],
+        stdout=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    alarm = threading.Timer(60, process.kill)
+    alarm.start()
+    seconds = float("nan")
+    assert process.stdout is not None
+    for line in process.stdout:
+        found = re.search(r"ready \(([\d.]+) s\)", line)
+        if found:
+            seconds = float(found[1])
+        if "Ctrl-C" in line:
+            break
+    alarm.cancel()
+    process.send_signal(signal.SIGINT)
+    process.wait(20)
+    process.stdout.close()
+    return seconds

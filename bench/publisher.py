@@ -1,0 +1,88 @@
+"""A ROS 2 peer for the benchmarks: Float64 topics whose values are the moment of publication.
+
+    python bench/publisher.py TOPICS RATE SECONDS [--camera] [--listen FILE]
+
+Each value is the wall time of its publication in µs, so that whoever sees it knows its age. With
+``--listen`` every ``/cmd_vel`` that arrives is written to FILE with the wall time of its arrival.
+"""
+
+from __future__ import annotations
+
+import argparse
+import array
+import sys
+import threading
+import time
+from pathlib import Path
+
+import rclpy
+import ros_wheels_bootstrapper  # noqa: F401 - sets the library path before rclpy is loaded
+from geometry_msgs.msg import Twist
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import Image
+from std_msgs.msg import Float64
+
+
+def main() -> int:
+    """Publish at a steady rate, spread over the period, until the time is up."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("topics", type=int)
+    parser.add_argument("rate", type=float)
+    parser.add_argument("seconds", type=float)
+    parser.add_argument("--camera", action="store_true")
+    parser.add_argument("--listen", type=Path)
+    options = parser.parse_args()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node("bench_publisher")
+    quality = QoSProfile(depth=100)
+    publishers = [
+        node.create_publisher(Float64, f"/bench/s{each}", quality) for each in range(options.topics)
+    ]
+    camera = node.create_publisher(Image, "/bench/image", QoSProfile(depth=1))
+    if options.listen:
+        listen(node, options.listen)
+    print("ready", flush=True)
+    message = Float64()
+    picture = Image(width=640, height=480, encoding="rgb8", step=1920)
+    picture.data = array.array("B", bytes(640 * 480 * 3))
+    until = time.monotonic() + options.seconds
+    step = 1 / (options.rate * options.topics) if options.topics else 1.0
+    turn, due = 0, time.monotonic()
+    frame_due = due
+    while due < until:
+        due += step
+        wait = due - time.monotonic()
+        if wait > 0:
+            time.sleep(wait)
+        if publishers:
+            message.data = time.time() * 1e6
+            publishers[turn % options.topics].publish(message)
+            turn += 1
+        if options.camera and time.monotonic() >= frame_due:
+            frame_due += 1 / 30
+            camera.publish(picture)
+    return 0
+
+
+def listen(node: rclpy.node.Node, target: Path) -> None:
+    """Write each driving message with the moment it came."""
+    log = target.open("w", buffering=1)
+
+    def write(message: Twist) -> None:
+        log.write(f"{time.time() * 1e6:.0f} {message.linear.x:.4f} {message.angular.z:.4f}\n")
+
+    node.create_subscription(Twist, "/cmd_vel", write, QoSProfile(depth=10))
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+
+    def spin() -> None:
+        while True:
+            executor.spin_once(timeout_sec=1.0)
+
+    threading.Thread(target=spin, daemon=True).start()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

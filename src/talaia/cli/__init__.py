@@ -1,0 +1,1 @@
+"""The command line: starts things; the only room that knows them all."""

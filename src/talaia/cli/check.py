@@ -1,0 +1,43 @@
+"""``talaia check``: say whether a site description is right, and where it is not."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from talaia.model.check import check
+from talaia.model.errors import DescriptionError
+from talaia.model.load import read_site
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["main"]
+
+
+def main(argv: Sequence[str]) -> int:
+    """Check each file; 0 when all are right, 1 when one is not."""
+    parser = argparse.ArgumentParser(
+        "talaia check", description="Say whether site descriptions are right, and where not."
+    )
+    parser.add_argument("file", type=Path, nargs="+", help="a site description (YAML)")
+    options = parser.parse_args(argv)
+    wrong = 0
+    for path in options.file:
+        try:
+            site = read_site(path)
+        except DescriptionError as error:
+            print(f"{path}: {error}", file=sys.stderr)
+            wrong += 1
+            continue
+        findings = check(site)
+        for finding in findings:
+            print(f"{path}: {finding}", file=sys.stderr)
+        if findings:
+            wrong += 1
+        else:
+            channels = len(site.channels())
+            print(f"{path}: right; {len(site.devices)} devices, {channels} channels")
+    return 1 if wrong else 0

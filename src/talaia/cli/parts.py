@@ -1,0 +1,134 @@
+"""Processes that run together: each started with its output kept, all ended together."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import ctypes
+import os
+import signal
+import sys
+from collections import deque
+from typing import TYPE_CHECKING
+
+from talaia.cli.errors import PartStopped
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+__all__ = ["Part", "end_all", "start"]
+
+_PR_SET_PDEATHSIG = 1
+_LAST_LINES = 15
+
+
+class Part:
+    """One process of the product, with its last words and its log."""
+
+    def __init__(self, name: str, process: asyncio.subprocess.Process, log: Path) -> None:
+        """Take a process that was just started with its output piped."""
+        self.name = name
+        self.process = process
+        self.log = log
+        self.last: deque[str] = deque(maxlen=_LAST_LINES)
+        self._waiting: list[tuple[str, asyncio.Future[str]]] = []
+        self._reader = asyncio.create_task(self._read())
+
+    async def says(self, word: str, within: float) -> str:
+        """Wait for a line of output that holds ``word`` and give it.
+
+        Raises:
+            PartStopped: the process ended first, or ``within`` seconds passed.
+
+        """
+        found = next((line for line in self.last if word in line), None)
+        if found is not None:
+            return found
+        future: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+        self._waiting.append((word, future))
+        try:
+            return await asyncio.wait_for(future, within)
+        except TimeoutError as error:
+            words = "\n".join([*self.last, f"(it did not say {word!r} within {within:.0f} s)"])
+            raise PartStopped(self.name, self.process.returncode or 0, words) from error
+
+    async def ended(self) -> None:
+        """Wait for the end that nobody asked for, and raise it.
+
+        Raises:
+            PartStopped: always.
+
+        """
+        await asyncio.shield(self._reader)
+        code = await self.process.wait()
+        raise PartStopped(self.name, code, "\n".join(self.last))
+
+    async def end(self, within: float = 5.0) -> None:
+        """Ask the process to end, and end it when it does not."""
+        if self.process.returncode is None:
+            with contextlib.suppress(ProcessLookupError):
+                self.process.send_signal(signal.SIGTERM)
+        try:
+            await asyncio.wait_for(self.process.wait(), within)
+        except TimeoutError:
+            with contextlib.suppress(ProcessLookupError):
+                self.process.kill()
+            await self.process.wait()
+        await self._reader
+
+    async def _read(self) -> None:
+        output = self.process.stdout
+        if output is None:
+            return
+        with self.log.open("a", encoding="utf-8") as log:
+            async for raw in output:
+                line = raw.decode(errors="replace").rstrip()
+                log.write(line + "\n")
+                log.flush()
+                self.last.append(line)
+                for word, future in self._waiting:
+                    if word in line and not future.done():
+                        future.set_result(line)
+        code = await self.process.wait()
+        for _, future in self._waiting:
+            if not future.done():
+                future.set_exception(PartStopped(self.name, code, "\n".join(self.last)))
+
+
+async def start(
+    name: str, words: Sequence[str], log: Path, environment: Mapping[str, str] | None = None
+) -> Part:
+    """Start ``talaia <words>`` in a session of its own, so that Ctrl-C reaches only us.
+
+    Its output goes to ``log`` and to `Part.last`. It gets SIGTERM when this process dies, however
+    that happens: a simulated robot must not go on alone.
+    """
+    process = await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-m",
+        "talaia",
+        *words,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.STDOUT,
+        env={**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})},
+        start_new_session=True,
+        preexec_fn=_follow_parent if sys.platform == "linux" else None,
+        limit=1024 * 1024,
+    )
+    return Part(name, process, log)
+
+
+async def end_all(parts: Sequence[Part]) -> None:
+    """End every part at once."""
+    await asyncio.gather(*(part.end() for part in parts))
+
+
+# Loaded before any fork: a forked child should do as little as it can.
+_LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
+
+
+def _follow_parent() -> None:
+    if _LIBC is not None:
+        _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

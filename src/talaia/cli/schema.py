@@ -1,0 +1,23 @@
+"""``talaia schema``: the JSON schema of the site description, for editors that complete YAML."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import TYPE_CHECKING
+
+from talaia.model.schema import site_schema
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["main"]
+
+
+def main(argv: Sequence[str]) -> int:
+    """Print the schema."""
+    argparse.ArgumentParser(
+        "talaia schema", description="Print the JSON schema of the site description."
+    ).parse_args(argv)
+    print(json.dumps(site_schema(), indent=2, ensure_ascii=False))
+    return 0

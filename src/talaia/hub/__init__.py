@@ -1,0 +1,1 @@
+"""The hub: accounts, live fan-out, history, commands and the dashboard it serves."""

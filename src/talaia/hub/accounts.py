@@ -1,0 +1,73 @@
+"""Accounts and keys on a hub's data folder, made from outside; the hub may run or not."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from talaia.clock import SystemClock
+from talaia.hub.auth.passwords import Passwords, check_name, check_password
+from talaia.hub.errors import CannotStart
+from talaia.hub.store.database import Database
+from talaia.hub.store.people import People
+from talaia.hub.store.sites import SiteRegistry
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from talaia.hub.settings import Settings
+
+__all__ = ["create_gateway", "create_user", "make_data_folder"]
+
+
+async def create_user(settings: Settings, name: str, password: str, role: str) -> None:
+    """Add a person.
+
+    Raises:
+        HubError: the name is taken or cannot be used, the password is weak, there is no such
+            role, or the database cannot be opened.
+
+    """
+    check_name(name)
+    check_password(password)
+    hashed = await Passwords(settings.password_cost).hash(password)
+    async with _opened(settings) as database:
+        await People(database, SystemClock()).add(name, hashed, role)
+
+
+async def create_gateway(settings: Settings, site: str) -> str:
+    """Make a key for the gateway of a site; the one it had before is void from now on.
+
+    Raises:
+        HubError: the database cannot be opened.
+
+    """
+    async with _opened(settings) as database:
+        return await SiteRegistry(database, SystemClock()).new_key(site)
+
+
+def make_data_folder(settings: Settings) -> None:
+    """Make the data folder, readable by its owner only.
+
+    Raises:
+        CannotStart: it cannot be made.
+
+    """
+    try:
+        settings.data.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise CannotStart(
+            f"the data folder {settings.data} cannot be made: {error.strerror}",
+            "choose another with --data",
+        ) from error
+
+
+@asynccontextmanager
+async def _opened(settings: Settings) -> AsyncIterator[Database]:
+    make_data_folder(settings)
+    database = Database(settings.url)
+    try:
+        await database.migrate()
+        yield database
+    finally:
+        await database.close()

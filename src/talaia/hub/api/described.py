@@ -1,0 +1,167 @@
+"""A site's description as a person may see it. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.hub.api.shapes import (
+    ArgumentShape,
+    CommandShape,
+    DeviceShape,
+    DriveShape,
+    SignalShape,
+    SiteShape,
+    SiteSummary,
+    StreamShape,
+)
+from talaia.hub.auth.permissions import Right, sees_device, sees_signal, sees_stream
+from talaia.model.site import SignalType, parts_of
+from talaia.model.unit import unit_of
+
+if TYPE_CHECKING:
+    from talaia.hub.auth.permissions import Grants
+    from talaia.hub.live.sites import LiveSite
+    from talaia.model.site import Command, Device, Drive, Signal, Site
+
+__all__ = ["describe", "summarise"]
+
+
+def describe(live: LiveSite, grants: Grants) -> SiteShape:
+    """Describe a site, leaving out what is not open to the person."""
+    site = live.description
+    return SiteShape(
+        site=site.site,
+        name=site.name,
+        zone=site.zone,
+        online=live.online,
+        since_us=live.since_us,
+        last_seen_us=live.last_seen_us,
+        catalogue=live.catalogue,
+        devices=[
+            _device(site, device_id, device, grants)
+            for device_id, device in site.devices.items()
+            if sees_device(grants, site, device_id)
+        ],
+    )
+
+
+def summarise(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
+    """Say in short how a site is."""
+    site = live.description
+    seen = {
+        (device_id, signal_id): signal.max_age
+        for device_id, device in site.devices.items()
+        for signal_id, signal in device.signals.items()
+        if sees_signal(grants, site, device_id, signal_id)
+    }
+    arrived = live.latest.arrived_ns
+    fresh = {
+        (channel.device, channel.signal)
+        for at, channel in enumerate(live.channels)
+        if arrived[at] != np.iinfo(np.int64).min
+        and now_ns - int(arrived[at])
+        <= seen.get((channel.device, channel.signal), 0.0) * 1_000_000_000
+    }
+    return SiteSummary(
+        site=site.site,
+        name=site.name,
+        zone=site.zone,
+        online=live.online,
+        since_us=live.since_us,
+        last_seen_us=live.last_seen_us,
+        why=live.why,
+        loop_ms=live.loop_ms,
+        skew_ms=live.skew_ms,
+        devices=sum(sees_device(grants, site, device) for device in site.devices),
+        signals=len(seen),
+        stale=len(seen.keys() - fresh),
+    )
+
+
+def _device(site: Site, device_id: str, device: Device, grants: Grants) -> DeviceShape:
+    uses = grants.may(Right.USE, site.site, device_id)
+    views = grants.may(Right.VIEW, site.site, device_id)
+    return DeviceShape(
+        id=device_id,
+        name=device.name,
+        kind=device.kind,
+        signals=[
+            _signal(device_id, signal_id, signal)
+            for signal_id, signal in device.signals.items()
+            if sees_signal(grants, site, device_id, signal_id)
+        ],
+        streams=[
+            StreamShape(
+                id=stream_id,
+                address=f"{device_id}/{stream_id}",
+                name=stream.name,
+                max_rate=stream.max_rate,
+            )
+            for stream_id, stream in device.streams.items()
+            if sees_stream(grants, site, device_id, stream_id)
+        ],
+        commands=[_command(*each) for each in device.commands.items()] if uses else [],
+        drive=_drive(device.drive) if device.drive and views else None,
+        rights=[str(right) for right in grants.rights(site.site, device_id)],
+    )
+
+
+def _signal(device_id: str, signal_id: str, signal: Signal) -> SignalShape:
+    address = f"{device_id}/{signal_id}"
+    decimals = signal.decimals
+    if decimals < 0:
+        decimals = unit_of(address, signal.unit).decimals
+    return SignalShape(
+        id=signal_id,
+        address=address,
+        name=signal.name,
+        type=signal.type,
+        unit=signal.unit,
+        decimals=decimals,
+        minimum=signal.minimum,
+        maximum=signal.maximum,
+        states=list(signal.states),
+        frame=signal.frame if signal.type is SignalType.POSITION else "",
+        max_age=signal.max_age,
+        primary=signal.primary,
+        channels=[address + (f".{part}" if part else "") for part in parts_of(signal)],
+    )
+
+
+def _command(command_id: str, command: Command) -> CommandShape:
+    return CommandShape(
+        id=command_id,
+        name=command.name,
+        description=command.description,
+        confirm=command.confirm,
+        timeout=command.timeout,
+        arguments=[
+            ArgumentShape(
+                id=argument_id,
+                name=argument.name or argument_id,
+                type=argument.type,
+                unit=argument.unit,
+                minimum=argument.minimum,
+                maximum=argument.maximum,
+                max_length=argument.max_length,
+                default=argument.default,
+            )
+            for argument_id, argument in command.arguments.items()
+        ],
+    )
+
+
+def _drive(drive: Drive) -> DriveShape:
+    return DriveShape(
+        max_speed=drive.max_speed,
+        max_reverse=drive.max_speed if drive.max_reverse is None else drive.max_reverse,
+        max_turn=drive.max_turn,
+        rate=drive.rate,
+        ttl=drive.ttl,
+        lease=drive.lease,
+        picture=drive.picture,
+        position=drive.position,
+        stop=True,
+    )

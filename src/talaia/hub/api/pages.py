@@ -1,0 +1,90 @@
+"""The dashboard's own files: one page for every path, and its assets."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, Request
+from fastapi.responses import FileResponse, HTMLResponse, Response
+
+from talaia.hub.api.problems import problem
+
+__all__ = ["Pages"]
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+# The names of assets hold a hash of their content.
+_FOREVER = {"Cache-Control": "public, max-age=31536000, immutable"}
+_FRESH = {"Cache-Control": "no-cache"}
+_KINDS: Mapping[str, str] = {
+    ".css": "text/css; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".ico": "image/x-icon",
+    ".jpg": "image/jpeg",
+    ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json",
+    ".mjs": "text/javascript; charset=utf-8",
+    ".pbf": "application/x-protobuf",
+    ".png": "image/png",
+    ".svg": "image/svg+xml",
+    ".ttf": "font/ttf",
+    ".txt": "text/plain; charset=utf-8",
+    ".wasm": "application/wasm",
+    ".webmanifest": "application/manifest+json",
+    ".webp": "image/webp",
+    ".woff2": "font/woff2",
+}
+_NOT_BUILT = (
+    "<!doctype html><html lang=en><meta charset=utf-8><title>Talaia</title>"
+    "<h1>The pages are not built</h1><p>The hub runs. Build the dashboard with"
+    " <code>make pages</code> and load this page again."
+)
+
+
+class Pages:
+    """Files of one folder, and nothing outside it."""
+
+    def __init__(self, folder: Path) -> None:
+        """Serve what is in ``folder``."""
+        self._folder = folder.resolve()
+
+    def router(self) -> APIRouter:
+        """Give the route; it takes every path that no other route took."""
+        router = APIRouter()
+        router.api_route("/{path:path}", methods=["GET", "HEAD"], response_model=None)(self.page)
+        return router
+
+    def page(self, request: Request, path: str) -> Response:
+        """Give a file, or the one page for every path that is no file's."""
+        if path.startswith(("api/", "gateway/")) or path in {"api", "ws", "ws/media"}:
+            return problem(404, "unknown", "there is nothing here")
+        found = self._find(path)
+        if found is not None and found.name != "index.html":
+            headers = _FOREVER if path.startswith("assets/") else _FRESH
+            return self._file(request, found, headers)
+        if path.startswith("assets/") or (found is None and Path(path).suffix in _KINDS):
+            return problem(404, "unknown", "there is no such file")
+        index = self._folder / "index.html"
+        if not index.is_file():
+            return HTMLResponse(_NOT_BUILT, 503)
+        return self._file(request, index, _FRESH)
+
+    def _find(self, path: str) -> Path | None:
+        if "\0" in path or "\\" in path:
+            return None
+        found = (self._folder / path).resolve()
+        if found.suffix not in _KINDS or not found.is_relative_to(self._folder):
+            return None
+        return found if found.is_file() else None
+
+    def _file(self, request: Request, found: Path, headers: Mapping[str, str]) -> Response:
+        kind = _KINDS[found.suffix]
+        zipped = found.with_name(found.name + ".gz")
+        if zipped.is_file():
+            headers = {**headers, "Vary": "Accept-Encoding"}
+            if "gzip" in request.headers.get("accept-encoding", ""):
+                packed = {**headers, "Content-Encoding": "gzip"}
+                return FileResponse(zipped, headers=packed, media_type=kind)
+        return FileResponse(found, headers=dict(headers), media_type=kind)

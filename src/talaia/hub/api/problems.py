@@ -1,0 +1,81 @@
+"""How the API says no: a status, a word for programs and a sentence for people."""
+
+from __future__ import annotations
+
+import logging
+from http import HTTPStatus
+from typing import TYPE_CHECKING
+
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from talaia.errors import TalaiaError
+
+if TYPE_CHECKING:
+    from fastapi import FastAPI, Request, Response
+
+__all__ = ["ApiProblem", "answer_problems", "problem"]
+
+_LOG = logging.getLogger(__name__)
+_CODES = {404: "unknown", 405: "method", 413: "too_large", 422: "invalid"}
+
+
+class ApiProblem(TalaiaError):
+    """A request that is not done."""
+
+    def __init__(self, status: int, code: str, message: str, retry_s: int = 0) -> None:
+        """Answer with ``status``; ``retry_s`` tells when another try makes sense."""
+        super().__init__(status, code, message)
+        self.status = status
+        self.code = code
+        self.message = message
+        self.retry_s = retry_s
+
+    def __str__(self) -> str:
+        return self.message
+
+
+def problem(status: int, code: str, message: str, retry_s: int = 0) -> Response:
+    """Make the answer that says no."""
+    headers = {"Retry-After": str(retry_s)} if retry_s else None
+    return JSONResponse(
+        {"code": code, "message": message},
+        status,
+        headers,
+        media_type="application/problem+json",
+    )
+
+
+def answer_problems(app: FastAPI) -> None:
+    """Let every error of ``app`` end in the same form."""
+    app.add_exception_handler(ApiProblem, _ours)
+    app.add_exception_handler(HTTPException, _starlette)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(Exception, _failed)
+
+
+async def _ours(_request: Request, error: Exception) -> Response:
+    if not isinstance(error, ApiProblem):
+        raise error
+    return problem(error.status, error.code, error.message, error.retry_s)
+
+
+async def _starlette(_request: Request, error: Exception) -> Response:
+    status = error.status_code if isinstance(error, HTTPException) else 500
+    return problem(status, _CODES.get(status, "failed"), HTTPStatus(status).phrase)
+
+
+async def _invalid(_request: Request, error: Exception) -> Response:
+    if not isinstance(error, RequestValidationError):
+        raise error
+    # Only where and what: the input itself may be a password.
+    said = [
+        f"{'.'.join(str(step) for step in each['loc'])}: {each['msg']}" for each in error.errors()
+    ]
+    return problem(422, "invalid", "; ".join(said)[:1000])
+
+
+async def _failed(request: Request, error: Exception) -> Response:
+    _LOG.error("%s %s failed", request.method, request.url.path, exc_info=error)
+    return problem(500, "failed", "the hub failed; its log says more")

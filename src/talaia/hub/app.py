@@ -1,0 +1,208 @@
+"""The hub put together: the only place where its parts are built."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from fastapi import Depends, FastAPI
+
+from talaia.hub.api.access import Access
+from talaia.hub.api.accounts import Accounts
+from talaia.hub.api.pages import Pages
+from talaia.hub.api.problems import answer_problems
+from talaia.hub.api.shield import Shield
+from talaia.hub.api.sites import SitePages
+from talaia.hub.api.sockets import Sockets
+from talaia.hub.auth.passwords import Passwords
+from talaia.hub.auth.sessions import Sessions
+from talaia.hub.auth.throttle import Throttle
+from talaia.hub.live.browsers import Browsers
+from talaia.hub.live.commanding import Commanding
+from talaia.hub.live.fanout import Fanout
+from talaia.hub.live.gate import Gate
+from talaia.hub.live.gateways import Gateways
+from talaia.hub.live.media import Media
+from talaia.hub.live.seats import Seats
+from talaia.hub.live.sites import Sites
+from talaia.hub.store.audit import Audit
+from talaia.hub.store.database import Database
+from talaia.hub.store.people import People
+from talaia.hub.store.sites import SiteRegistry
+from talaia.model.errors import DescriptionError
+from talaia.model.load import load_site
+from talaia.web import static_dir
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from starlette.types import ASGIApp
+
+    from talaia.clock import Clock
+    from talaia.hub.ports import History
+    from talaia.hub.settings import Settings
+
+__all__ = ["Hub", "build"]
+
+_LOG = logging.getLogger(__name__)
+
+
+class Hub:
+    """A hub that is put together. Serve `asgi`; it starts and ends with the server's lifespan.
+
+    Attributes:
+        setup_token: opens the set-up page; set after the start when there are no people yet.
+
+    """
+
+    def __init__(self, settings: Settings, clock: Clock, history: History | None = None) -> None:
+        """Build every part; nothing is opened yet."""
+        self.settings = settings
+        self.setup_token: str | None = None
+        self._clock = clock
+        self._database = Database(settings.url)
+        self._history = history or _own_history(settings, clock)
+        self._people = People(self._database, clock)
+        self._registry = SiteRegistry(self._database, clock)
+        self._audit = Audit(self._database, clock)
+        self._sessions = Sessions(self._database, clock, settings)
+        self._seats = Seats(self._sessions)
+        self._sites = Sites()
+        self._media = Media(self._sites, clock, settings.linger_s)
+        self._tasks: list[asyncio.Task[None]] = []
+        self.app = self._application()
+        self.asgi: ASGIApp = Shield(self.app, settings)
+
+    async def start(self) -> None:
+        """Open the database and bring back what was known.
+
+        Raises:
+            StoreError: the database cannot be opened.
+
+        """
+        await self._database.migrate()
+        await self._history.open()
+        await self._remember_sites()
+        self.setup_token = await self._people.offer_setup(self.settings.setup_s)
+        self._tasks = [
+            asyncio.create_task(self._audit.run()),
+            asyncio.create_task(self._seats.watch(self.settings.check_s)),
+        ]
+        self._audit.note("hub started")
+
+    async def close(self) -> None:
+        """Let go of everything; what was noted is written first."""
+        self._media.close()
+        if self._tasks:
+            auditing, watching = self._tasks
+            watching.cancel()
+            self._audit.note("hub stopped")
+            self._audit.stop()
+            await asyncio.gather(auditing, watching, return_exceptions=True)
+        await self._history.close()
+        await self._database.close()
+
+    def _application(self) -> FastAPI:
+        access = Access(self._sessions, self._sites, self._registry, self.settings)
+        app = FastAPI(
+            title="Talaia hub",
+            # The browser's own pages speak to it; the description is made by the docs.
+            openapi_url=None,
+            lifespan=self._lifespan,
+            redirect_slashes=False,
+        )
+        answer_problems(app)
+        guarded = [Depends(access.guard)]
+        for routes in (self._accounts(access), self._site_pages(), Pages(static_dir())):
+            app.include_router(routes.router(), dependencies=guarded)
+        app.router.routes[0:0] = self._sockets(access).router().routes
+        return app
+
+    def _accounts(self, access: Access) -> Accounts:
+        return Accounts(
+            access,
+            self._people,
+            Passwords(self.settings.password_cost),
+            self._sessions,
+            Throttle(),
+            self._seats,
+            self._audit,
+            self._clock,
+        )
+
+    def _site_pages(self) -> SitePages:
+        return SitePages(self._sites, self._history, self._audit, self._clock)
+
+    def _sockets(self, access: Access) -> Sockets:
+        browsers = Browsers()
+        fanout = Fanout(self._sites, self._clock)
+        commanding = Commanding(self._sites, browsers, self._audit, self._clock)
+        gateways = Gateways(
+            self._sites,
+            browsers,
+            fanout,
+            commanding,
+            self._media,
+            self._history,
+            self._registry,
+            self.settings,
+            self._clock,
+        )
+        return Sockets(
+            access,
+            self._sites,
+            Gate(self._sites),
+            self._seats,
+            browsers,
+            fanout,
+            commanding,
+            self._media,
+            gateways,
+            self._clock,
+        )
+
+    @asynccontextmanager
+    async def _lifespan(self, _app: FastAPI) -> AsyncIterator[None]:
+        await self.start()
+        try:
+            yield
+        finally:
+            await self.close()
+
+    async def _remember_sites(self) -> None:
+        """Know the sites of before, with their last values, though none is connected yet."""
+        for known in await self._registry.all():
+            try:
+                description = load_site(known.description)
+            except DescriptionError as error:
+                _LOG.warning("the kept description of %s is set aside: %s", known.site, error)
+                continue
+            live = self._sites.describe(description, known.catalogue)
+            live.since_us = live.last_seen_us = known.last_seen_us
+            live.why = "its gateway has not connected since the hub was started"
+            addresses = [channel.address for channel in live.channels]
+            wall, monotonic = self._clock.wall_ns(), self._clock.monotonic_ns()
+            last = await self._history.last(known.site, addresses)
+            for at, address in enumerate(addresses):
+                if address in last:
+                    time_us, value, text = last[address]
+                    age_ns = max(0, wall - time_us * 1000)
+                    live.latest.remember(at, time_us, value, text, monotonic - age_ns)
+
+
+def build(settings: Settings, clock: Clock, history: History | None = None) -> Hub:
+    """Put a hub together; ``history`` takes the place of the one in the settings' database.
+
+    Raises:
+        StoreError: the database's URL cannot be used.
+
+    """
+    return Hub(settings, clock, history)
+
+
+def _own_history(settings: Settings, clock: Clock) -> History:
+    from talaia.hub.history.store import HistoryStore
+
+    return HistoryStore(settings.history_url, clock)

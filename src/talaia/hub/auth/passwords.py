@@ -1,0 +1,100 @@
+"""Passwords: the rules for one, its hash, and the check that takes the same time for everyone."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import hmac
+import unicodedata
+
+import bcrypt
+
+from talaia.hub.errors import WeakPassword
+
+__all__ = ["LONGEST", "SHORTEST", "Passwords", "check_name", "check_password", "name_key"]
+
+SHORTEST = 8
+LONGEST = 1024
+_LONGEST_NAME = 64
+# Not a secret: it sets our hashes apart from anyone else's. The HMAC is there for its length,
+# since bcrypt reads no more than 72 bytes and none after a NUL.
+_DOMAIN = b"talaia password v1"
+_AT_ONCE = 2
+
+
+def check_password(password: str) -> None:
+    """Hold a new password against the rules.
+
+    Raises:
+        WeakPassword: it is shorter or longer than allowed.
+
+    """
+    if len(password) < SHORTEST:
+        raise WeakPassword(
+            f"the password has {len(password)} characters",
+            f"take at least {SHORTEST}; fifteen or more are better",
+        )
+    if len(password) > LONGEST:
+        raise WeakPassword("the password is too long", f"take at most {LONGEST} characters")
+
+
+def check_name(name: str) -> None:
+    """Hold a new person's name against the rules.
+
+    Raises:
+        WeakPassword: it is empty, too long, or holds characters that cannot be seen.
+
+    """
+    if not name.strip() or name != name.strip() or len(name) > _LONGEST_NAME:
+        raise WeakPassword(
+            "the name cannot be used",
+            f"take 1 to {_LONGEST_NAME} characters, without spaces at the ends",
+        )
+    if any(unicodedata.category(character)[0] == "C" for character in name):
+        raise WeakPassword("the name holds characters that cannot be seen", "leave them out")
+
+
+def name_key(name: str) -> str:
+    """Give a name as it is compared: normalised and without case."""
+    return unicodedata.normalize("NFKC", name).casefold()
+
+
+class Passwords:
+    """Hash and verify in a thread, few at once, so that a flood of sign-ins stays harmless."""
+
+    def __init__(self, cost: int) -> None:
+        """Take bcrypt's cost: 2 to the power of it rounds."""
+        self._cost = cost
+        self._gate = asyncio.Semaphore(_AT_ONCE)
+        self._nobody: str | None = None
+
+    async def hash(self, password: str) -> str:
+        """Give the hash to keep."""
+        async with self._gate:
+            return await asyncio.to_thread(_hash, password, self._cost)
+
+    async def verify(self, password: str, kept: str | None) -> bool:
+        """Tell whether ``password`` is the one that was hashed to ``kept``.
+
+        Without ``kept`` (there is no such person) the answer is no, and takes as long.
+        """
+        if len(password) > LONGEST:
+            password, kept = "", None
+        if kept is None and self._nobody is None:
+            self._nobody = await self.hash("nobody")
+        async with self._gate:
+            fits = await asyncio.to_thread(_verify, password, kept or self._nobody or "")
+        return fits and kept is not None
+
+
+def _digest(password: str) -> bytes:
+    text = unicodedata.normalize("NFC", password).encode("utf-8", "surrogatepass")
+    return base64.b64encode(hmac.digest(_DOMAIN, text, "sha384"))
+
+
+def _hash(password: str, cost: int) -> str:
+    return bcrypt.hashpw(_digest(password), bcrypt.gensalt(cost)).decode()
+
+
+def _verify(password: str, kept: str) -> bool:
+    return bcrypt.checkpw(_digest(password), kept.encode())

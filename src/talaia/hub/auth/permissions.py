@@ -1,0 +1,128 @@
+"""Who may do what, decided from values alone.
+
+A permission is a right on a whole site or on one device. Roles hold permissions as data. What a
+description marks as public is seen by everyone who is signed in, without any permission.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+from talaia.model.site import Visibility
+
+if TYPE_CHECKING:
+    from talaia.model.site import Site
+
+__all__ = [
+    "ANY",
+    "Grants",
+    "Permission",
+    "Right",
+    "Who",
+    "sees_device",
+    "sees_signal",
+    "sees_site",
+    "sees_stream",
+]
+
+ANY = "*"
+
+
+class Right(StrEnum):
+    """What a permission allows. Each includes the ones before it."""
+
+    VIEW = "view"
+    USE = "use"
+    ADMIN = "admin"
+
+
+_INCLUDED = {
+    Right.VIEW: frozenset({Right.VIEW, Right.USE, Right.ADMIN}),
+    Right.USE: frozenset({Right.USE, Right.ADMIN}),
+    Right.ADMIN: frozenset({Right.ADMIN}),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Permission:
+    """A right on a site and a device; ``*`` stands for each of them."""
+
+    right: Right
+    site: str = ANY
+    device: str = ANY
+
+    def covers(self, right: Right, site: str, device: str) -> bool:
+        """Tell whether this allows ``right`` on a device; ``*`` asks for all of them."""
+        return (
+            self.right in _INCLUDED[right]
+            and self.site in {ANY, site}
+            and self.device in {ANY, device}
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Grants:
+    """The permissions of one person."""
+
+    permissions: frozenset[Permission] = frozenset()
+
+    def may(self, right: Right, site: str, device: str = ANY) -> bool:
+        """Tell whether a person has ``right`` on one device, or (``*``) on the whole site."""
+        return any(each.covers(right, site, device) for each in self.permissions)
+
+    def rights(self, site: str, device: str) -> list[Right]:
+        """List the rights on a device."""
+        return [right for right in Right if self.may(right, site, device)]
+
+
+@dataclass(frozen=True, slots=True)
+class Who:
+    """A person who is signed in.
+
+    Attributes:
+        session: names the session without being of use to open one (the token's hash).
+
+    """
+
+    session: str
+    user: int
+    name: str
+    role: str
+    grants: Grants
+
+
+def sees_signal(grants: Grants, site: Site, device: str, signal: str) -> bool:
+    """Tell whether a person may see a signal; False when there is none."""
+    described = site.devices.get(device)
+    found = described.signals.get(signal) if described else None
+    if found is None:
+        return False
+    return found.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device)
+
+
+def sees_stream(grants: Grants, site: Site, device: str, stream: str) -> bool:
+    """Tell whether a person may see a camera's pictures; False when there is none."""
+    described = site.devices.get(device)
+    found = described.streams.get(stream) if described else None
+    if found is None:
+        return False
+    return found.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device)
+
+
+def sees_device(grants: Grants, site: Site, device: str) -> bool:
+    """Tell whether a person may know of a device: it, or something of it, is open to them."""
+    described = site.devices.get(device)
+    if described is None:
+        return False
+    if described.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device):
+        return True
+    signals = (signal.visibility for signal in described.signals.values())
+    streams = (stream.visibility for stream in described.streams.values())
+    return Visibility.PUBLIC in {*signals, *streams}
+
+
+def sees_site(grants: Grants, site: Site) -> bool:
+    """Tell whether a person may know of a site: any of its devices is open to them."""
+    return any(sees_device(grants, site, device) for device in site.devices)

@@ -1,0 +1,1 @@
+"""Every sample kept, and any window of it read back at the width of a chart."""

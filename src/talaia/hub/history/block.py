@@ -1,0 +1,144 @@
+"""Samples of one channel as one piece of bytes, and what goes into one.
+
+A block's bytes are: version (u8), length of the times (u32), the times, length of the values
+(u32), the values, and then, if there are any, the texts as MessagePack. Times and values are
+`pcodec` files, which keep every bit, NaN payloads too. All numbers are little-endian.
+"""
+
+from __future__ import annotations
+
+import struct
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
+from pcodec import ChunkConfig, standalone
+
+from talaia.hub.history.errors import HistoryError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["EMPTY", "Samples", "concatenate", "cut", "decode", "encode", "in_order"]
+
+VERSION = 1
+_HEAD = struct.Struct("<BI")
+_LENGTH = struct.Struct("<I")
+# Level 4 is the knee: above it, time grows and size hardly shrinks.
+_CONFIG = ChunkConfig(compression_level=4)
+_TEXTS = msgspec.msgpack.Decoder(dict[int, str])
+HOUR_US = 3_600_000_000
+# A pause so many times the usual step (and over an hour) ends a block.
+PAUSE = 64.0
+
+
+class Samples(NamedTuple):
+    """Samples of one channel; the arrays have the shape (n,), ``texts`` goes by position."""
+
+    time_us: NDArray[np.int64]
+    value: NDArray[np.float64]
+    texts: dict[int, str]
+
+    def between(self, from_us: int, to_us: int) -> Samples:
+        """Keep what lies in the window, both ends included; the times must be in order."""
+        first = int(np.searchsorted(self.time_us, from_us, "left"))
+        past = int(np.searchsorted(self.time_us, to_us, "right"))
+        return self.part(first, past)
+
+    def part(self, first: int, past: int) -> Samples:
+        """Keep the positions from ``first`` up to ``past``."""
+        if first == 0 and past == self.time_us.size:
+            return self
+        texts = {p - first: text for p, text in self.texts.items() if first <= p < past}
+        return Samples(self.time_us[first:past], self.value[first:past], texts)
+
+    def chosen(self, positions: NDArray[np.intp]) -> Samples:
+        """Keep these positions, in this order, each at most once."""
+        texts: dict[int, str] = {}
+        if self.texts:
+            place = {int(old): new for new, old in enumerate(positions)}
+            texts = {place[p]: text for p, text in self.texts.items() if p in place}
+        return Samples(self.time_us[positions], self.value[positions], texts)
+
+
+EMPTY = Samples(np.empty(0, np.int64), np.empty(0, np.float64), {})
+
+
+def concatenate(parts: list[Samples]) -> Samples:
+    """Put samples one after the other."""
+    if len(parts) < 2:
+        return parts[0] if parts else EMPTY
+    texts: dict[int, str] = {}
+    at = 0
+    for part in parts:
+        texts.update({at + p: text for p, text in part.texts.items()})
+        at += part.time_us.size
+    return Samples(
+        np.concatenate([part.time_us for part in parts]),
+        np.concatenate([part.value for part in parts]),
+        texts,
+    )
+
+
+def in_order(samples: Samples) -> Samples:
+    """Sort by time; samples with one time stamp stay in the order in which they came."""
+    time_us = samples.time_us
+    if time_us.size < 2 or bool((time_us[1:] >= time_us[:-1]).all()):
+        return samples
+    return samples.chosen(np.argsort(time_us, kind="stable"))
+
+
+def cut(samples: Samples, block: int) -> Iterator[Samples]:
+    """Cut samples in order of time into blocks of about ``block``.
+
+    A block also ends at a long pause. So one sample with a wrong clock, or old samples that came
+    late among new ones, do not make a block that every window overlaps.
+    """
+    step = np.diff(samples.time_us.astype(np.float64))
+    bounds = [0, samples.time_us.size]
+    if step.size:
+        pause = max(float(HOUR_US), PAUSE * float(np.median(step)))
+        bounds[1:1] = [int(at) + 1 for at in np.flatnonzero(step > pause)]
+    for first, past in pairwise(bounds):
+        size = past - first
+        pieces = max(1, round(size / block))
+        for piece in range(pieces):
+            yield samples.part(first + size * piece // pieces, first + size * (piece + 1) // pieces)
+
+
+def encode(samples: Samples) -> bytes:
+    """Compress samples, in the order given."""
+    times: bytes = standalone.simple_compress(np.ascontiguousarray(samples.time_us), _CONFIG)
+    values: bytes = standalone.simple_compress(np.ascontiguousarray(samples.value), _CONFIG)
+    texts = msgspec.msgpack.encode(samples.texts) if samples.texts else b""
+    return b"".join(
+        (_HEAD.pack(VERSION, len(times)), times, _LENGTH.pack(len(values)), values, texts)
+    )
+
+
+def decode(body: bytes) -> Samples:
+    """Turn a block's bytes back into samples.
+
+    Raises:
+        HistoryError: the bytes are not a block, or of a version this program does not know.
+
+    """
+    try:
+        version, length = _HEAD.unpack_from(body)
+        if version != VERSION:
+            raise HistoryError(
+                f"a block has version {version}, this program reads version {VERSION}",
+                "open the database with the program that wrote it, or a newer one",
+            )
+        at = _HEAD.size
+        times = standalone.simple_decompress(body[at : at + length])
+        at += length
+        (length,) = _LENGTH.unpack_from(body, at)
+        at += _LENGTH.size
+        values = standalone.simple_decompress(body[at : at + length])
+        texts = _TEXTS.decode(body[at + length :]) if len(body) > at + length else {}
+    except (struct.error, RuntimeError, msgspec.DecodeError) as error:
+        raise HistoryError(f"a block of {len(body)} bytes is damaged: {error}") from error
+    return Samples(np.asarray(times, np.int64), np.asarray(values, np.float64), texts)

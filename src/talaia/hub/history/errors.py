@@ -1,0 +1,18 @@
+"""The history could not be kept or read."""
+
+from __future__ import annotations
+
+from talaia.hub.errors import HubError
+
+__all__ = ["HistoryError"]
+
+
+class HistoryError(HubError):
+    """A batch was not stored, or a window could not be read.
+
+    Nothing that `append` raised this for counts as stored: the gateway keeps it and sends it
+    again, and what was stored after all is recognised by its sequence numbers.
+    """
+
+    def __str__(self) -> str:
+        return f"history: {super().__str__()}"

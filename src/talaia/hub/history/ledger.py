@@ -1,0 +1,392 @@
+"""What is stored, and how a group of batches becomes one commit.
+
+A batch goes into the journal as it came. When a channel has a block's worth of samples in memory,
+the next commit also writes its block, and when no channel needs a journal row any more, the row is
+deleted. Each channel records up to which row it is done in the same transaction, so after a crash
+at any point the journal and the saved tails give back exactly what was in memory.
+
+Only the writing thread comes here.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from sqlalchemy import delete, func, insert, select
+
+from talaia.hub.history.block import concatenate, decode
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.journal import part_of, read_row, write_row
+from talaia.hub.history.names import Names
+from talaia.hub.history.ranges import Ranges
+from talaia.hub.history.sealing import Saved, Sealed, save, seal
+from talaia.hub.history.tails import Chunk, Tails
+from talaia.hub.store import history_tables as tables
+from talaia.wire.columns import Columns
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from sqlalchemy import Connection, Engine
+
+    from talaia.clock import Clock
+    from talaia.hub.history.limits import Limits
+
+__all__ = ["Append", "Below", "Gap", "Job", "Ledger"]
+
+
+class Append(NamedTuple):
+    """Store a batch; sample i has the sequence number ``first + i``."""
+
+    site: str
+    boot: str
+    first: int
+    addresses: Sequence[str]
+    columns: Columns
+
+
+class Gap(NamedTuple):
+    """Store that ``first`` to ``last`` of a boot are lost."""
+
+    site: str
+    boot: str
+    first: int
+    last: int
+    from_us: int
+    to_us: int
+    reason: str
+
+
+class Below(NamedTuple):
+    """Ask up to where a boot is stored without a hole."""
+
+    site: str
+    boot: str
+
+
+Job = Append | Gap | Below
+
+
+class _Draft:
+    """What the next commit writes."""
+
+    def __init__(self) -> None:
+        self.rows: list[dict[str, Any]] = []
+        self.gaps: list[dict[str, Any]] = []
+        self.chunks: list[Chunk] = []
+        self.seals: list[Sealed] = []
+        self.saves: list[Saved] = []
+        self.samples = 0
+
+    def __bool__(self) -> bool:
+        return bool(self.rows or self.gaps)
+
+    def size(self) -> int:
+        bodies = sum(len(row["body"]) for row in self.rows)
+        return bodies + sum(each.size() for each in self.seals)
+
+
+class Ledger:
+    """The writing side's picture of the database.
+
+    Attributes:
+        names: numbers of channels and boots.
+        tails: what is not in blocks; readers look at it too.
+
+    """
+
+    def __init__(self, engine: Engine, clock: Clock, limits: Limits) -> None:
+        """Use ``engine`` to write; `load` comes before anything else."""
+        self._engine = engine
+        self._clock = clock
+        self._limits = limits
+        self.names = Names()
+        self.tails = Tails(1, 0, limits.recent)
+        self._stored: dict[int, Ranges] = {}
+        self._settled: dict[int, Ranges] = {}
+        self._changed: set[int] = set()
+        self._next_row = 1
+        self._next_block = 1
+        self._journal: deque[tuple[int, int]] = deque()
+        self._in_journal = 0
+
+    def load(self) -> None:
+        """Read what is stored; also after a commit of which nobody knows whether it happened."""
+        names = Names()
+        self._stored, self._settled, self._changed = {}, {}, set()
+        self._journal, self._in_journal = deque(), 0
+        with self._engine.connect() as connection:
+            names.load(connection)
+            self._load_ranges(connection)
+            last_block = connection.scalar(select(func.max(tables.body.c.block_id))) or 0
+            self._next_block = last_block + 1
+            done = max(names.saved_row.values(), default=0)
+            tails = Tails(self._next_block, done, self._limits.recent)
+            for row in connection.execute(select(tables.tail)):
+                tails.restore(row.channel_id, decode(row.body))
+            self._next_row = done + 1
+            self._replay(connection, names, tails)
+        # Readers see the old state or the new one, never half of it.
+        self.names, self.tails = names, tails
+
+    def store(self, jobs: Sequence[Job]) -> list[HistoryError | int]:
+        """Commit a group of jobs and give each one's answer; only `Below`'s number means anything.
+
+        Raises:
+            SQLAlchemyError: nothing is known of this commit; `load` before anything else.
+
+        """
+        draft = _Draft()
+        answers = [self._answer(job, draft) for job in jobs]
+        if draft:
+            self._plan_seals(draft)
+            with self._engine.begin() as connection:
+                last_gone = self._write(connection, draft)
+            self._committed(draft, last_gone)
+            self.written = draft.size()
+        return answers
+
+    written = 0
+
+    def _load_ranges(self, connection: Connection) -> None:
+        for row in connection.execute(select(tables.stored_range)):
+            self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
+            self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
+        for row in connection.execute(select(tables.gap)):
+            self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.last_seq + 1)
+
+    def _replay(self, connection: Connection, names: Names, tails: Tails) -> None:
+        rows = connection.execution_options(yield_per=500).execute(
+            select(tables.hot).order_by(tables.hot.c.id)
+        )
+        saved = np.zeros(max(names.saved_row, default=0) + 1, np.int64)
+        for channel, last in names.saved_row.items():
+            saved[channel] = last
+        for row in rows:
+            past = row.first_seq + row.samples
+            self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
+            self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
+            self._changed.add(row.boot_id)
+            columns = read_row(row.body)
+            ids = names.by_id(row.catalogue_id).channels[columns.channel]
+            chunk = Chunk(row.id, ids, columns.time_us, columns.value, columns.texts)
+            tails.add([_only(chunk, np.flatnonzero(saved[ids] < row.id))])
+            if tails.is_due():
+                tails.deal()
+            self._note(row.id, row.samples)
+            self._next_row = max(self._next_row, row.id + 1)
+        tails.deal()
+
+    def _answer(self, job: Job, draft: _Draft) -> HistoryError | int:
+        try:
+            match job:
+                case Append():
+                    self._take(job, draft)
+                case Gap():
+                    self._take_gap(job, draft)
+                case Below():
+                    boot = self.names.boots.get((job.site, job.boot), 0)
+                    return self._settled.get(boot, Ranges()).contiguous()
+        except (HistoryError, UnicodeEncodeError) as error:
+            # One batch that cannot be kept must not take the others of its commit with it.
+            if isinstance(error, HistoryError):
+                return error
+            return HistoryError(f"a text from {job.site} is not Unicode: {error}")
+        return 0
+
+    def _take(self, job: Append, draft: _Draft) -> None:
+        columns = _checked(job)
+        # Packing may refuse, so it comes before anything is remembered.
+        boot = self.names.boot(job.site, job.boot)
+        now_us = self._clock.wall_ns() // 1_000
+        catalogue = self.names.catalogue(job.site, job.addresses, now_us)
+        stored = self._stored.setdefault(boot, Ranges())
+        parts = [
+            (first, part_of(columns, first - job.first, past - job.first))
+            for first, past in stored.missing(job.first, job.first + len(columns))
+        ]
+        packed = [(first, part, write_row(part)) for first, part in parts]
+        for first, part, body in packed:
+            row = self._next_row
+            self._next_row += 1
+            draft.rows.append(
+                {
+                    "id": row,
+                    "boot_id": boot,
+                    "catalogue_id": catalogue.id,
+                    "first_seq": first,
+                    "samples": len(part),
+                    "body": body,
+                }
+            )
+            ids = catalogue.channels[part.channel]
+            draft.chunks.append(Chunk(row, ids, part.time_us, part.value, part.texts))
+            draft.samples += len(part)
+            stored.add(first, first + len(part))
+            self._settled.setdefault(boot, Ranges()).add(first, first + len(part))
+            self._changed.add(boot)
+
+    def _take_gap(self, job: Gap, draft: _Draft) -> None:
+        if not 0 <= job.first <= job.last + 1 or job.from_us > job.to_us:
+            raise HistoryError(
+                f"a gap from {job.first} to {job.last}, {job.from_us} to {job.to_us} µs, ends "
+                "before it begins"
+            )
+        job.reason.encode()
+        boot = self.names.boot(job.site, job.boot)
+        draft.gaps.append(
+            {
+                "boot_id": boot,
+                "first_seq": job.first,
+                "last_seq": job.last,
+                "from_us": job.from_us,
+                "to_us": job.to_us,
+                "reason": job.reason.replace("\0", "�"),
+            }
+        )
+        self._settled.setdefault(boot, Ranges()).add(job.first, job.last + 1)
+
+    def _plan_seals(self, draft: _Draft) -> None:
+        """Choose what else this commit writes: little at a time, so that no commit is slow."""
+        tails = self.tails
+        if tails.is_due():
+            tails.deal()
+        # Twice as many as come, so that they are never more than a few behind.
+        budget = 1 + draft.samples // (self._limits.block // 2)
+        # The fullest first: of channels that run in step, none falls behind for good.
+        sizes = [(tail.size, channel) for channel, tail in tails.items().items()]
+        due = [(size, channel) for size, channel in sizes if size >= self._limits.block]
+        chosen = [channel for _, channel in sorted(due, reverse=True)[:budget]]
+        full = self._in_journal > self._limits.journal + 2 * self._limits.block * len(tails.items())
+        if full and len(chosen) < budget:
+            waiting = [
+                (tail.oldest_row, channel)
+                for channel, tail in tails.items().items()
+                if tail.oldest_row is not None and channel not in chosen
+            ]
+            for _, channel in sorted(waiting)[: budget - len(chosen)]:
+                if tails.items()[channel].size >= self._limits.block // 2:
+                    chosen.append(channel)
+                else:
+                    parts = concatenate(tails.items()[channel].parts)
+                    draft.saves.append(save(channel, tails.dealt_row, parts))
+        for channel in chosen:
+            draft.seals.append(self._seal(channel))
+
+    def _seal(self, channel: int) -> Sealed:
+        tail = self.tails.items()[channel]
+        sealed = seal(
+            channel,
+            self.tails.dealt_row,
+            self._next_block,
+            self.names.longest_us[channel],
+            concatenate(tail.parts),
+            self._limits.block,
+            was_saved=tail.saved,
+        )
+        self._next_block += len(sealed.blocks)
+        # Before the commit: a reader that looks back too far loses nothing.
+        self.names.longest_us[channel] = sealed.longest_us
+        return sealed
+
+    def _write(self, connection: Connection, draft: _Draft) -> int:
+        self.names.write(connection)
+        if draft.rows:
+            connection.execute(insert(tables.hot), draft.rows)
+        for row in draft.gaps:
+            _write_gap(connection, row)
+        for sealed in draft.seals:
+            sealed.write(connection)
+        for saved in draft.saves:
+            saved.write(connection)
+        return self._delete_done(connection, self._limits.delete + 4 * len(draft.rows))
+
+    def _delete_done(self, connection: Connection, most: int) -> int:
+        """Delete journal rows that nobody needs; a range of numbers stands for them then."""
+        needed = self.tails.needed_row()
+        last = 0
+        for row, _ in self._journal:
+            if row >= needed or most == 0:
+                break
+            last, most = row, most - 1
+        if last and (most == 0 or self._in_journal > self._limits.journal // 8):
+            self._write_ranges(connection)
+            connection.execute(delete(tables.hot).where(tables.hot.c.id <= last))
+            return last
+        return 0
+
+    def _write_ranges(self, connection: Connection) -> None:
+        table = tables.stored_range
+        for boot in self._changed:
+            connection.execute(delete(table).where(table.c.boot_id == boot))
+            rows = [
+                {"boot_id": boot, "first_seq": first, "past_seq": past}
+                for first, past in self._stored[boot]
+            ]
+            connection.execute(insert(table), rows)
+
+    def _committed(self, draft: _Draft, last_gone: int) -> None:
+        self.names.written()
+        for each in draft.seals:
+            self.names.saved_row[each.channel] = each.row
+        self.tails.sealed([each.channel for each in draft.seals], self._next_block)
+        for saved in draft.saves:
+            self.names.saved_row[saved.channel] = saved.row
+            tail = self.tails.items()[saved.channel]
+            tail.saved, tail.oldest_row = True, None
+        if last_gone:
+            self._changed.clear()
+            while self._journal and self._journal[0][0] <= last_gone:
+                self._in_journal -= self._journal.popleft()[1]
+        self.tails.add(draft.chunks)
+        for row in draft.rows:
+            self._note(row["id"], row["samples"])
+
+    def _note(self, row: int, samples: int) -> None:
+        self._journal.append((row, samples))
+        self._in_journal += samples
+
+
+def _checked(job: Append) -> Columns:
+    columns = job.columns
+    count = columns.channel.size
+    problem = ""
+    if job.first < 0 or job.first + count > 2**63 - 1:
+        problem = f"its first sequence number is {job.first}"
+    elif columns.time_us.size != count or columns.value.size != count:
+        problem = f"its columns have {count}, {columns.time_us.size} and {columns.value.size} rows"
+    elif count and int(columns.channel.max()) >= len(job.addresses):
+        problem = f"it names channel {columns.channel.max()} of {len(job.addresses)}"
+    elif any(not 0 <= position < count for position in columns.texts):
+        problem = "a text stands outside of it"
+    if problem:
+        raise HistoryError(f"a batch from {job.site} cannot be stored: {problem}")
+    return Columns(
+        columns.channel,
+        columns.time_us.astype(np.int64, copy=False),
+        columns.value.astype(np.float64, copy=False),
+        columns.texts,
+    )
+
+
+def _only(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:
+    if positions.size == chunk.time_us.size:
+        return chunk
+    place = {int(old): new for new, old in enumerate(positions)}
+    return Chunk(
+        chunk.row,
+        chunk.channel[positions],
+        chunk.time_us[positions],
+        chunk.value[positions],
+        {place[p]: text for p, text in chunk.texts.items() if p in place},
+    )
+
+
+def _write_gap(connection: Connection, row: dict[str, Any]) -> None:
+    table = tables.gap
+    key = ("boot_id", "first_seq", "last_seq", "from_us")
+    same = [table.c[name] == row[name] for name in key]
+    if connection.execute(select(table.c.boot_id).where(*same)).first() is None:
+        connection.execute(insert(table), row)

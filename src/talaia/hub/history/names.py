@@ -1,0 +1,148 @@
+"""Numbers for sites' channels, boots and lists of channels, and the rows that record them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
+from sqlalchemy import insert, select
+
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.store import history_tables as tables
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from sqlalchemy import Connection, Table
+
+__all__ = ["Catalogue", "Names"]
+
+_LONGEST_NAME = 200
+# Lists of channels change when a description does; a peer that sends a new one each time
+# must not fill the memory.
+_MOST_LISTS = 1_000
+
+
+class Catalogue(NamedTuple):
+    """A list of channels that a batch indexes; ``channels`` has the shape (n,)."""
+
+    id: int
+    channels: NDArray[np.int64]
+
+
+class Names:
+    """What has a number already, and what gets one with the next commit.
+
+    Attributes:
+        channels: (site, address) to channel id.
+        saved_row: channel id to the journal row up to which its samples are elsewhere.
+        longest_us: channel id to the length of its longest block.
+        boots: (site, boot) to boot id.
+
+    """
+
+    def __init__(self) -> None:
+        """Start with no names."""
+        self.channels: dict[tuple[str, str], int] = {}
+        self.saved_row: dict[int, int] = {}
+        self.longest_us: dict[int, int] = {}
+        self.boots: dict[tuple[str, str], int] = {}
+        self._catalogues: dict[bytes, Catalogue] = {}
+        self._by_id: dict[int, Catalogue] = {}
+        self._lists: dict[tuple[str, tuple[str, ...]], Catalogue] = {}
+        self._new: list[tuple[Table, dict[str, Any]]] = []
+
+    def load(self, connection: Connection) -> None:
+        """Read all names from the database."""
+        table = tables.channel
+        for row in connection.execute(select(table)):
+            self.channels[row.site, row.address] = row.id
+            self.saved_row[row.id] = row.saved_row
+            self.longest_us[row.id] = row.longest_us
+        for row in connection.execute(select(tables.boot)):
+            self.boots[row.site, row.boot] = row.id
+        for row in connection.execute(select(tables.catalogue)):
+            self._keep(Catalogue(row.id, np.frombuffer(row.channels, "<u4").astype(np.int64)))
+
+    def boot(self, site: str, boot: str) -> int:
+        """Give the number of a boot, a new one if need be.
+
+        Raises:
+            HistoryError: a name no database would keep.
+
+        """
+        known = self.boots.get((site, boot))
+        if known is None:
+            _check(site, boot)
+            known = self.boots[site, boot] = len(self.boots) + 1
+            self._new.append((tables.boot, {"id": known, "site": site, "boot": boot}))
+        return known
+
+    def catalogue(self, site: str, addresses: Sequence[str], now_us: int) -> Catalogue:
+        """Give the number of a list of channels, and a number for each of them.
+
+        Raises:
+            HistoryError: a name no database would keep.
+
+        """
+        key = (site, tuple(addresses))
+        known = self._lists.get(key)
+        if known is None:
+            _check(site, *addresses)
+            channels = [self._channel(site, address, now_us) for address in addresses]
+            known = self._listed(np.array(channels, np.int64))
+            if len(self._lists) >= _MOST_LISTS:
+                self._lists.clear()
+            self._lists[key] = known
+        return known
+
+    def by_id(self, catalogue: int) -> Catalogue:
+        """Find a list by its number."""
+        return self._by_id[catalogue]
+
+    def write(self, connection: Connection) -> None:
+        """Record what has got a number since the last commit."""
+        for table in (tables.channel, tables.boot, tables.catalogue):
+            rows = [row for owner, row in self._new if owner is table]
+            if rows:
+                connection.execute(insert(table), rows)
+
+    def written(self) -> None:
+        """Forget what was new, now that it is committed."""
+        self._new.clear()
+
+    def _channel(self, site: str, address: str, now_us: int) -> int:
+        known = self.channels.get((site, address))
+        if known is None:
+            known = self.channels[site, address] = len(self.channels) + 1
+            self.saved_row[known] = self.longest_us[known] = 0
+            row = {"id": known, "site": site, "address": address, "since_us": now_us}
+            self._new.append((tables.channel, {**row, "saved_row": 0, "longest_us": 0}))
+        return known
+
+    def _listed(self, channels: NDArray[np.int64]) -> Catalogue:
+        data = channels.astype("<u4").tobytes()
+        known = self._catalogues.get(data)
+        if known is None:
+            known = Catalogue(len(self._catalogues) + 1, channels)
+            self._keep(known)
+            self._new.append((tables.catalogue, {"id": known.id, "channels": data}))
+        return known
+
+    def _keep(self, catalogue: Catalogue) -> None:
+        self._catalogues[catalogue.channels.astype("<u4").tobytes()] = catalogue
+        self._by_id[catalogue.id] = catalogue
+
+
+def _check(*names: str) -> None:
+    for name in names:
+        if not 0 < len(name) <= _LONGEST_NAME or "\0" in name or name != name.strip():
+            raise HistoryError(
+                f"the name {name[:40]!r} cannot be kept",
+                f"use 1 to {_LONGEST_NAME} characters, no NUL and no space at either end",
+            )
+        try:
+            name.encode()
+        except UnicodeEncodeError as error:
+            raise HistoryError(f"the name {name[:40]!r} is not Unicode text") from error

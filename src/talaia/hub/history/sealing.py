@@ -1,0 +1,138 @@
+"""From tails to blocks: what is written when a channel has enough samples."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from sqlalchemy import and_, bindparam, delete, insert, or_, select, update
+
+from talaia.hub.history.block import Samples, cut, encode, in_order
+from talaia.hub.history.rollup import WIDTHS, Cells, finest_width, join, merge, summarise
+from talaia.hub.history.rows import cells_to_rows, rows_to_cells, summary_of
+from talaia.hub.store import history_tables as tables
+
+if TYPE_CHECKING:
+    from sqlalchemy import Connection
+
+__all__ = ["Saved", "Sealed", "save", "seal"]
+
+
+class Saved(NamedTuple):
+    """A tail as it stands, to be written so that the journal need not keep it."""
+
+    channel: int
+    row: int
+    body: bytes
+
+    def write(self, connection: Connection) -> None:
+        """Put it in place of the channel's former tail."""
+        table = tables.tail
+        connection.execute(delete(table).where(table.c.channel_id == self.channel))
+        connection.execute(insert(table), {"channel_id": self.channel, "body": self.body})
+        _advance(connection, self.channel, {"saved_row": self.row})
+
+
+class Sealed(NamedTuple):
+    """Blocks and rollups of a channel, ready to be written.
+
+    Attributes:
+        row: journal rows up to this one are in blocks now.
+        first_block: id of the first of the blocks.
+        longest_us: length of the channel's longest block, these and the former ones.
+        was_saved: the channel has a saved tail, which must go.
+
+    """
+
+    channel: int
+    row: int
+    first_block: int
+    longest_us: int
+    was_saved: bool
+    blocks: list[dict[str, Any]]
+    bodies: list[dict[str, Any]]
+    rollups: dict[int, Cells]
+
+    def write(self, connection: Connection) -> None:
+        """Write all of it; the caller commits."""
+        connection.execute(insert(tables.block), self.blocks)
+        connection.execute(insert(tables.body), self.bodies)
+        if self.was_saved:
+            table = tables.tail
+            connection.execute(delete(table).where(table.c.channel_id == self.channel))
+        if self.rollups:
+            _add_rollups(connection, self.channel, self.rollups)
+        _advance(connection, self.channel, {"saved_row": self.row, "longest_us": self.longest_us})
+
+    def size(self) -> int:
+        """Count the bytes of the bodies."""
+        return sum(len(row["body"]) for row in self.bodies)
+
+
+def save(channel: int, row: int, samples: Samples) -> Saved:
+    """Compress a tail, in the order in which its samples came."""
+    return Saved(channel, row, encode(samples))
+
+
+def seal(
+    channel: int,
+    row: int,
+    first_block: int,
+    longest_us: int,
+    samples: Samples,
+    block: int,
+    *,
+    was_saved: bool,
+) -> Sealed:
+    """Compress a tail into blocks and sum it up."""
+    blocks, bodies = [], []
+    rollups: dict[int, list[Cells]] = {}
+    for number, part in enumerate(cut(in_order(samples), block), first_block):
+        # Texts have no least and no greatest; a block with texts is always read itself.
+        finest = 0 if part.texts else finest_width(part.time_us)
+        whole = summarise(part.time_us, part.value, 0)
+        first = int(part.time_us[0])
+        longest_us = max(longest_us, int(part.time_us[-1]) - first)
+        for each in cells_to_rows(whole, id=number, channel_id=channel, finest_us=finest):
+            each["first_us"] = each.pop("bucket_us")
+            blocks.append(each)
+        bodies.append({"block_id": number, "body": encode(part)})
+        for width_us in WIDTHS[WIDTHS.index(finest) :] if finest else ():
+            cells = summarise(part.time_us, part.value, width_us)
+            rollups.setdefault(width_us, []).append(cells)
+    merged = {width_us: merge(join(parts)) for width_us, parts in rollups.items()}
+    return Sealed(channel, row, first_block, longest_us, was_saved, blocks, bodies, merged)
+
+
+def _add_rollups(connection: Connection, channel: int, rollups: dict[int, Cells]) -> None:
+    """Add cells to the rows that are there: the first is, as a rule, and so are late ones."""
+    table = tables.rollup
+    wanted = [
+        and_(table.c.width_us == width_us, table.c.bucket_us.in_(cells.bucket_us.tolist()))
+        for width_us, cells in rollups.items()
+    ]
+    there: dict[int, list[Any]] = {}
+    query = select(table.c.width_us, table.c.bucket_us, *summary_of(table))
+    for row in connection.execute(query.where(table.c.channel_id == channel, or_(*wanted))):
+        there.setdefault(row[0], []).append(row[1:])
+    if there:
+        old = [{"w": width_us, "b": row[0]} for width_us, rows in there.items() for row in rows]
+        connection.execute(
+            delete(table).where(
+                table.c.channel_id == channel,
+                table.c.width_us == bindparam("w"),
+                table.c.bucket_us == bindparam("b"),
+            ),
+            old,
+        )
+    fresh: list[dict[str, Any]] = []
+    for width_us, cells in rollups.items():
+        both = cells
+        if width_us in there:
+            both = merge(join([rows_to_cells(there[width_us]), cells]))
+        fresh += cells_to_rows(both, channel_id=channel, width_us=width_us)
+    connection.execute(insert(table), fresh)
+
+
+def _advance(connection: Connection, channel: int, values: dict[str, int]) -> None:
+    table = tables.channel
+    connection.execute(update(table).where(table.c.id == channel).values(**values))

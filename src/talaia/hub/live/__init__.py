@@ -1,0 +1,1 @@
+"""What happens now: links, sockets, newest values, driving and pictures."""

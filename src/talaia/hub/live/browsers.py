@@ -1,0 +1,208 @@
+"""The connection of one browser, and all of them together."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from starlette.websockets import WebSocketDisconnect
+
+from talaia.hub.auth.tokens import new_token
+from talaia.hub.live.outbox import Outbox
+from talaia.wire.browser import (
+    FROM_BROWSER,
+    TO_BROWSER,
+    CommandNews,
+    DriveNews,
+    Ended,
+    LeaseNews,
+    Pong,
+    Problem,
+    SiteNews,
+    StopNews,
+    TickNews,
+)
+from talaia.wire.errors import PeerError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable, Iterator
+
+    from starlette.websockets import WebSocket
+
+    from talaia.hub.auth.permissions import Who
+    from talaia.hub.live.gate import Gate
+    from talaia.hub.live.outbox import Frame
+    from talaia.wire.browser import FromBrowser, ToBrowser
+    from talaia.wire.columns import Columns
+
+__all__ = ["SESSION_OVER", "Browser", "Browsers"]
+
+# Close code for "your session is over": the page goes to the sign-in instead of trying again.
+SESSION_OVER = 4401
+# A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
+_SILENT_S = 150.0
+_FAREWELL_S = 0.3
+
+
+class Browser:
+    """One socket of one person. A slow one hurts nobody but itself.
+
+    Attributes:
+        key: names this socket to the gateway; leases belong to it.
+
+    """
+
+    def __init__(self, socket: WebSocket, who: Who, gate: Gate, *, text: bool) -> None:
+        """Speak JSON with ``text``, else MessagePack."""
+        self.who = who
+        self.key = new_token()
+        self.text = text
+        self._socket = socket
+        self._gate = gate
+        self._outbox = Outbox(self.encode)
+        self._wake = asyncio.Event()
+        self._over = asyncio.Event()
+        self._reason = ""
+
+    def encode(self, message: ToBrowser) -> Frame:
+        """Write a message in the form this browser reads."""
+        return TO_BROWSER.encode_text(message) if self.text else TO_BROWSER.encode(message)
+
+    def tell(self, message: ToBrowser) -> None:
+        """Send a message if this person may get it; never waits."""
+        if self._over.is_set() or not self._gate.may_get(self.who.grants, message):
+            return
+        key = _state_key(message)
+        if key is None:
+            self._outbox.note(self.encode(message))
+        else:
+            self._outbox.state(key, self.encode(message))
+        self._wake.set()
+
+    def values(self, sub: int, columns: Columns, frame: Frame | None) -> None:
+        """Send samples of a subscription; never waits."""
+        if not self._over.is_set():
+            self._outbox.values(sub, columns, frame)
+            self._wake.set()
+
+    def forget(self, sub: int) -> None:
+        """Drop what waits of a subscription."""
+        self._outbox.forget(sub)
+
+    def end(self, reason: str) -> None:
+        """Tell the person that the session is over and close; nothing else is sent."""
+        self._reason = reason
+        self._over.set()
+
+    async def serve(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
+        """Read and write until either side ends it."""
+        tasks = [
+            asyncio.create_task(self._read(handle)),
+            asyncio.create_task(self._write()),
+            asyncio.create_task(self._over.wait()),
+        ]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in tasks:
+                task.cancel()
+            results = await asyncio.gather(*tasks, return_exceptions=True)
+            over, self._over = self._over.is_set(), self._over
+            self._over.set()
+        if over:
+            await self._farewell(SESSION_OVER, Ended(reason=self._reason))
+        for result in results:
+            if isinstance(result, PeerError):
+                await self._farewell(
+                    result.code, Problem(code="invalid", message=result.problem[:500])
+                )
+            elif isinstance(result, Exception) and not isinstance(result, _GONE):
+                raise result
+
+    async def _read(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
+        while True:
+            async with asyncio.timeout(_SILENT_S):
+                event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return
+            data = event.get("bytes")
+            message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
+            problem = self._gate.refusal(self.who.grants, message)
+            if problem is not None:
+                self.tell(problem)
+            else:
+                handle(self, message)
+
+    async def _write(self) -> None:
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            while self._outbox:
+                for frame in self._outbox.take():
+                    await self._send(frame)
+
+    async def _send(self, frame: Frame) -> None:
+        if isinstance(frame, str):
+            await self._socket.send_text(frame)
+        else:
+            await self._socket.send_bytes(frame)
+
+    async def _farewell(self, code: int, last: ToBrowser) -> None:
+        """Say one last thing and close, to a browser that may not be listening."""
+        try:
+            async with asyncio.timeout(_FAREWELL_S):
+                await self._send(self.encode(last))
+                await self._socket.close(code)
+        except _GONE:
+            return
+
+
+# What a socket raises when the other side has gone or does not take anything.
+_GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+
+
+class Browsers:
+    """All sockets that are open now."""
+
+    def __init__(self) -> None:
+        """Start with none."""
+        self._browsers: dict[str, Browser] = {}
+
+    def __iter__(self) -> Iterator[Browser]:
+        """Go through them; the list may change meanwhile."""
+        return iter(list(self._browsers.values()))
+
+    def add(self, browser: Browser) -> None:
+        """Take a browser in."""
+        self._browsers[browser.key] = browser
+
+    def remove(self, browser: Browser) -> None:
+        """Let a browser go."""
+        self._browsers.pop(browser.key, None)
+
+    def get(self, key: str) -> Browser | None:
+        """Find the socket with a key."""
+        return self._browsers.get(key)
+
+    def tell(self, message: ToBrowser) -> None:
+        """Send a message to everyone who may get it."""
+        for browser in self:
+            browser.tell(message)
+
+
+def _state_key(message: ToBrowser) -> Hashable | None:
+    """Give the key of a message of which only the newest counts; None when each does."""
+    match message:
+        case SiteNews() | TickNews():
+            return type(message), message.site
+        case DriveNews() | LeaseNews(refused=""):
+            return type(message), message.site, message.device
+        case StopNews():
+            # A repeated STOP waits for the answer with its own id.
+            return StopNews, message.site, message.device, message.id
+        case CommandNews():
+            return CommandNews, message.site, message.id
+        case Pong():
+            return Pong
+        case _:
+            return None

@@ -1,0 +1,101 @@
+"""Make samples fewer without losing what a chart must show. Pure, and whole columns at a time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.wire.columns import MAX_SAMPLES, MAX_SPAN_US, Columns, pack
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["EMPTY", "conflate", "frames_of", "join", "newest", "pick", "weight"]
+
+EMPTY = Columns(np.empty(0, np.uint16), np.empty(0, np.int64), np.empty(0, np.float64), {})
+_BYTES_A_SAMPLE = 18
+_BYTES_A_TEXT = 120
+
+
+def weight(columns: Columns) -> int:
+    """Give the bytes that columns take in memory, near enough for a bound."""
+    texts = columns.texts
+    if not texts:
+        return _BYTES_A_SAMPLE * len(columns)
+    # A character takes up to four bytes.
+    return _BYTES_A_SAMPLE * len(columns) + sum(_BYTES_A_TEXT + 4 * len(t) for t in texts.values())
+
+
+def pick(columns: Columns, keep: NDArray[np.bool_]) -> Columns:
+    """Give the samples where ``keep`` is true; texts move to their new places."""
+    texts = columns.texts
+    if texts:
+        place = np.cumsum(keep) - 1
+        texts = {int(place[at]): text for at, text in texts.items() if keep[at]}
+    return Columns(columns.channel[keep], columns.time_us[keep], columns.value[keep], texts)
+
+
+def join(pieces: list[Columns]) -> Columns:
+    """Put columns one after the other."""
+    if len(pieces) == 1:
+        return pieces[0]
+    if not pieces:
+        return EMPTY
+    texts: dict[int, str] = {}
+    start = 0
+    for piece in pieces:
+        if piece.texts:
+            texts.update({start + at: text for at, text in piece.texts.items()})
+        start += len(piece)
+    return Columns(
+        np.concatenate([piece.channel for piece in pieces]),
+        np.concatenate([piece.time_us for piece in pieces]),
+        np.concatenate([piece.value for piece in pieces]),
+        texts,
+    )
+
+
+def conflate(columns: Columns) -> Columns:
+    """Keep of each channel the first, the least, the greatest and the last sample, in order."""
+    if not len(columns) or np.bincount(columns.channel).max() <= 4:
+        return columns
+    channel, value = columns.channel, columns.value
+    keep = np.zeros(len(columns), bool)
+    by_channel = np.argsort(channel, kind="stable")
+    ordered = channel[by_channel]
+    starts = np.flatnonzero(np.r_[True, ordered[1:] != ordered[:-1]])
+    ends = np.r_[starts[1:], ordered.size]
+    keep[by_channel[starts]] = True
+    keep[by_channel[ends - 1]] = True
+    # Sorted by value within each channel NaN comes last, so the greatest stands before them.
+    by_value = np.lexsort((value, channel))
+    numbers = np.add.reduceat(~np.isnan(value[by_value]), starts, dtype=np.int64)
+    keep[by_value[starts]] = True
+    keep[by_value[starts + np.maximum(numbers, 1) - 1]] = True
+    return pick(columns, keep)
+
+
+def newest(columns: Columns) -> Columns:
+    """Keep only the last sample of each channel, in order."""
+    if not len(columns):
+        return columns
+    keep = np.zeros(len(columns), bool)
+    # The first of the reversed column is the last.
+    _, at = np.unique(columns.channel[::-1], return_index=True)
+    keep[len(columns) - 1 - at] = True
+    return pick(columns, keep)
+
+
+def frames_of(columns: Columns) -> list[tuple[Columns, tuple[int, bytes, bytes, bytes]]]:
+    """Pack columns, cut in pieces that a batch can hold."""
+    if not len(columns):
+        return []
+    times = columns.time_us
+    spans = int(times.max()) - int(times.min()) > MAX_SPAN_US
+    if len(columns) <= MAX_SAMPLES and not spans:
+        return [(columns, pack(columns))]
+    half = len(columns) // 2
+    first = np.zeros(len(columns), bool)
+    first[:half] = True
+    return [*frames_of(pick(columns, first)), *frames_of(pick(columns, ~first))]

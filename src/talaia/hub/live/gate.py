@@ -1,0 +1,60 @@
+"""The one gate that every message between hub and browser passes, inbound and outbound."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.policy import (
+    FROM_BROWSER,
+    TO_BROWSER,
+    Need,
+    allows,
+    need_of_message,
+)
+from talaia.wire.browser import Problem
+
+if TYPE_CHECKING:
+    from talaia.hub.auth.permissions import Grants
+    from talaia.hub.live.sites import Sites
+    from talaia.wire.shape import Message
+
+__all__ = ["Gate"]
+
+
+class Gate:
+    """Holds messages against the policy table and the person's rights."""
+
+    def __init__(self, sites: Sites) -> None:
+        """Look objects up in ``sites``."""
+        self._sites = sites
+
+    def refusal(self, grants: Grants, message: Message) -> Problem | None:
+        """Say why a message from a browser is refused; None when it may pass.
+
+        What a person may not see is told like what does not exist.
+        """
+        need = need_of_message(FROM_BROWSER, message)
+        site, device = _object(message)
+        live = self._sites.get(site) if site else None
+        described = live.description if live else None
+        if allows(need, grants, described, device):
+            return None
+        tag = str(type(message).__struct_config__.tag)
+        if need is not Need.NEVER and not allows(Need.SEE, grants, described, device):
+            what = f"device {device!r} at site {site!r}" if device else f"site {site!r}"
+            return Problem(code="unknown", message=f"there is no {what}", about=tag)
+        return Problem(code="forbidden", message="you do not have the right to do this", about=tag)
+
+    def may_get(self, grants: Grants, message: Message) -> bool:
+        """Tell whether a message may be sent to a person."""
+        need = need_of_message(TO_BROWSER, message)
+        if need is Need.SESSION:
+            return True
+        site, device = _object(message)
+        live = self._sites.get(site)
+        return allows(need, grants, live.description if live else None, device)
+
+
+def _object(message: Message) -> tuple[str, str]:
+    """Name the site and the device that a message is about."""
+    return getattr(message, "site", ""), getattr(message, "device", "")

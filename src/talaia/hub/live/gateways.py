@@ -1,0 +1,329 @@
+"""The connection of one gateway, and the coming and going of all of them."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+import numpy as np
+from starlette.websockets import WebSocketDisconnect
+
+from talaia import __version__
+from talaia.hub.live.cameras import GatewayCamera
+from talaia.hub.live.clocks import ClockOffset
+from talaia.hub.live.commanding import site_news
+from talaia.hub.live.ingest import Batch, Ingest
+from talaia.hub.live.lanes import Lanes
+from talaia.model.check import raise_first
+from talaia.model.errors import DescriptionError
+from talaia.model.load import load_site
+from talaia.wire import frames
+from talaia.wire.columns import unpack
+from talaia.wire.errors import PeerError
+from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB
+from talaia.wire.shape import PROTOCOL
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from starlette.websockets import WebSocket
+
+    from talaia.clock import Clock
+    from talaia.hub.live.browsers import Browsers
+    from talaia.hub.live.commanding import Commanding
+    from talaia.hub.live.fanout import Fanout
+    from talaia.hub.live.media import Media
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import History
+    from talaia.hub.settings import Settings
+    from talaia.hub.store.sites import SiteRegistry
+    from talaia.model.site import Site
+
+__all__ = ["GatewayLink", "Gateways"]
+
+_LOG = logging.getLogger(__name__)
+_MISSED_BEATS = 3
+_NEWS_EVERY = 5
+_FAREWELL_S = 0.5
+_FINISH_S = 1.0
+_GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+REFUSED = 4400
+REPLACED = 4409
+
+
+class GatewayLink:
+    """One open link. `send` never waits; a task of its own writes, the most urgent first."""
+
+    def __init__(self, socket: WebSocket) -> None:
+        """Speak over ``socket``, which is accepted already."""
+        self.offset = ClockOffset()
+        self._socket = socket
+        self._lanes = Lanes()
+        self._wake = asyncio.Event()
+        self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+
+    def send(self, message: frames.FromHub) -> None:
+        """Queue a message."""
+        if not self._lanes.put(message):
+            self.dismiss("it does not listen")
+        self._wake.set()
+
+    def dismiss(self, reason: str) -> None:
+        """Say good-bye and close."""
+        if not self._over.done():
+            self._over.set_result(reason)
+
+    async def receive(self) -> frames.FromGateway | None:
+        """Read one message; None when the gateway has hung up."""
+        event = await self._socket.receive()
+        if event["type"] == "websocket.disconnect":
+            return None
+        data = event.get("bytes")
+        return LINK_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
+
+    async def write(self) -> None:
+        """Send what is queued, for ever."""
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            while self._lanes:
+                await self._socket.send_bytes(LINK_FROM_HUB.encode(self._lanes.take()))
+
+    async def dismissed(self) -> str:
+        """Wait until somebody dismisses this link; give the reason."""
+        return await asyncio.shield(self._over)
+
+    async def farewell(self, reason: str, code: int) -> None:
+        """Say one last thing and close, to a gateway that may not be listening."""
+        try:
+            async with asyncio.timeout(_FAREWELL_S):
+                await self._socket.send_bytes(
+                    LINK_FROM_HUB.encode(frames.Bye(reason=reason[:2000]))
+                )
+                await self._socket.close(code)
+        except _GONE:
+            return
+
+
+class Gateways:
+    """Takes links in, reads them, and lets them go."""
+
+    def __init__(
+        self,
+        sites: Sites,
+        browsers: Browsers,
+        fanout: Fanout,
+        commanding: Commanding,
+        media: Media,
+        history: History,
+        registry: SiteRegistry,
+        settings: Settings,
+        clock: Clock,
+    ) -> None:
+        """Take the parts that a gateway's words go to."""
+        self._sites = sites
+        self._browsers = browsers
+        self._fanout = fanout
+        self._commanding = commanding
+        self._media = media
+        self._history = history
+        self._registry = registry
+        self._settings = settings
+        self._clock = clock
+        self._cameras: dict[str, GatewayCamera] = {}
+
+    async def serve(self, socket: WebSocket, site: str) -> None:
+        """Serve the link of the gateway of ``site`` until it ends."""
+        link = GatewayLink(socket)
+        try:
+            hello, description = await self._hello(link, site)
+        except (PeerError, DescriptionError, TimeoutError) as error:
+            reason = str(error) or "no hello in time"
+            _LOG.warning("the gateway of %s is refused: %s", site, reason)
+            await link.farewell(reason, REFUSED)
+            return
+        except _GONE:
+            return
+        if hello is None or description is None:
+            return
+        await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
+        ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
+        acked = await ingest.start(hello.boot)
+        link.send(
+            frames.Welcome(version=__version__, acked=acked, time_us=self._clock.wall_ns() // 1000)
+        )
+        live = self._attach(link, hello, description)
+        storing = asyncio.create_task(ingest.run())
+        try:
+            await self._run(link, live, ingest)
+        finally:
+            self._detach(link, live)
+            ingest.finish()
+            await asyncio.wait({storing}, timeout=_FINISH_S)
+            storing.cancel()
+            await asyncio.gather(storing, return_exceptions=True)
+            await self._registry.seen(site)
+
+    async def serve_media(self, socket: WebSocket, site: str) -> None:
+        """Take pictures of ``site`` until the gateway hangs up or a newer one comes."""
+        camera = GatewayCamera(socket)
+        before = self._cameras.get(site)
+        if before is not None:
+            before.over.set()
+        self._cameras[site] = camera
+        try:
+            await camera.serve(self._picture(site), self._now_us)
+        finally:
+            if self._cameras.get(site) is camera:
+                del self._cameras[site]
+
+    def _picture(self, site: str) -> Callable[[frames.Picture], None]:
+        def take(picture: frames.Picture) -> None:
+            live = self._sites.get(site)
+            if live is not None and isinstance(live.link, GatewayLink):
+                self._media.shot(live, picture, live.link.offset)
+
+        return take
+
+    async def _hello(self, link: GatewayLink, site: str) -> tuple[frames.Hello | None, Site | None]:
+        async with asyncio.timeout(self._settings.hello_s):
+            hello = await link.receive()
+        if hello is None:
+            return None, None
+        if not isinstance(hello, frames.Hello):
+            raise PeerError("expected hello as the first message", REFUSED)
+        if hello.protocol > PROTOCOL + 1 or hello.protocol < PROTOCOL - 1:
+            raise PeerError(f"protocol {hello.protocol} is not spoken here; update", REFUSED)
+        if hello.site != site:
+            raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
+        # A large description takes a while to read: not in the way of the others.
+        description = await asyncio.to_thread(_read, hello.description)
+        if description.site != site:
+            raise PeerError(f"the description is of {description.site!r}, not {site!r}", REFUSED)
+        return hello, description
+
+    def _attach(self, link: GatewayLink, hello: frames.Hello, description: Site) -> LiveSite:
+        site = description.site
+        before = self._sites.get(site)
+        if before is not None and before.link is not None:
+            # Two with one identity: the newest wins, every time, and people are told.
+            before.link.dismiss("another gateway of this site has connected")
+            self._commanding.link_lost(before)
+            self._commanding.event(
+                before, "second gateway", message="the newer connection was taken", good=False
+            )
+        changed = before is None or before.description != description
+        live = self._sites.describe(description, hello.catalogue)
+        live.link = link
+        live.since_us = self._clock.wall_ns() // 1000
+        live.why = ""
+        live.stops.clear()
+        if hello.time_us:
+            live.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
+        if changed:
+            self._fanout.redescribed(live)
+        self._browsers.tell(site_news(live))
+        self._commanding.event(live, "gateway connected", message=f"version {hello.version}")
+        self._media.watch(site)
+        _LOG.info("the gateway of %s is connected", site)
+        return live
+
+    def _detach(self, link: GatewayLink, live: LiveSite) -> None:
+        if live.link is not link:
+            return
+        live.link = None
+        live.since_us = live.last_seen_us = self._clock.wall_ns() // 1000
+        live.why = "the connection to its gateway was lost"
+        self._commanding.link_lost(live)
+        self._browsers.tell(site_news(live))
+        self._commanding.event(live, "gateway lost", good=False)
+        _LOG.warning("the gateway of %s is gone", live.name)
+
+    async def _run(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
+        reading = asyncio.create_task(self._read_all(link, live, ingest))
+        beating = asyncio.create_task(self._beat(link, live))
+        writing = asyncio.create_task(link.write())
+        leaving = asyncio.create_task(link.dismissed())
+        tasks = {reading, beating, writing, leaving}
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            said = leaving.result() if leaving.done() else ""
+            for task in tasks:
+                task.cancel()
+            results = await asyncio.gather(*tasks, return_exceptions=True)
+        code = REPLACED if said else 1000
+        for result in results:
+            if isinstance(result, PeerError):
+                said, code = str(result), result.code
+                _LOG.warning("the gateway of %s is sent away: %s", live.name, result)
+            elif isinstance(result, Exception) and not isinstance(result, _GONE):
+                await link.farewell("the hub failed; see its log", 1011)
+                raise result
+        await link.farewell(said, code)
+
+    async def _read_all(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
+        addresses = tuple(channel.address for channel in live.channels)
+        catalogue = live.catalogue
+        while (message := await link.receive()) is not None:
+            match message:
+                case frames.Samples():
+                    batch = _batch(message, addresses, catalogue)
+                    if message.live and batch.addresses is addresses:
+                        live.latest.update(batch.columns, self._clock.monotonic_ns())
+                        self._fanout.publish(live, batch.columns)
+                    await ingest.put(batch)
+                case frames.Gap():
+                    await ingest.put(message)
+                case frames.Beat():
+                    link.send(
+                        frames.BeatReply(
+                            n=message.n, mono_us=message.mono_us, peer_us=self._now_us()
+                        )
+                    )
+                case frames.BeatReply():
+                    link.offset.beat(message.mono_us, self._now_us(), message.peer_us)
+                    live.loop_ms = round(link.offset.loop_us / 1000, 2)
+                case frames.Bye():
+                    return
+                case frames.Hello():
+                    raise PeerError("hello is said once, at the beginning")
+                case _:
+                    self._commanding.tell(live, message)
+
+    async def _beat(self, link: GatewayLink, live: LiveSite) -> None:
+        sent = 0
+        while True:
+            heard = link.offset.heard
+            link.send(frames.Beat(n=sent, mono_us=self._now_us()))
+            sent += 1
+            if sent - heard > _MISSED_BEATS:
+                link.dismiss("it has not answered for three beats")
+            if sent % _NEWS_EVERY == 0:
+                self._browsers.tell(site_news(live))
+            await asyncio.sleep(self._settings.beat_s)
+
+    def _now_us(self) -> int:
+        return self._clock.monotonic_ns() // 1000
+
+
+def _read(text: str) -> Site:
+    return raise_first(load_site(text))
+
+
+def _batch(message: frames.Samples, addresses: tuple[str, ...], catalogue: str) -> Batch:
+    """Read a batch's columns and see that each channel is one of the list.
+
+    Raises:
+        PeerError: it is indexed by a list that the hub was not told, or out of it.
+
+    """
+    columns = unpack(message.base_us, message.channel, message.offset, message.value, message.texts)
+    if message.addresses:
+        addresses = tuple(message.addresses)
+    elif message.catalogue != catalogue:
+        raise PeerError(f"samples of the catalogue {message.catalogue!r} without its addresses")
+    if len(columns) and int(np.max(columns.channel)) >= len(addresses):
+        raise PeerError("a sample's channel is not in the catalogue")
+    return Batch(message.boot, message.first, addresses, columns)

@@ -1,0 +1,153 @@
+"""Samples of one gateway on their way to the history: bounded, then it presses back."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from talaia.errors import TalaiaError
+from talaia.hub.live.conflate import join
+from talaia.hub.live.stored import StoredRun
+from talaia.wire.frames import Ack, Gap
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.hub.ports import History
+    from talaia.wire.columns import Columns
+
+__all__ = ["Batch", "Ingest"]
+
+_LOG = logging.getLogger(__name__)
+# Samples that may wait, and that one commit holds at the most.
+_MOST_WAITING = 500_000
+_MOST_A_COMMIT = 100_000
+_RETRY_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Samples as they came: sample i has the sequence number ``first + i``."""
+
+    boot: str
+    first: int
+    addresses: tuple[str, ...]
+    columns: Columns
+
+
+class Ingest:
+    """Stores batches and gaps in the order they came and acknowledges once for each commit."""
+
+    def __init__(
+        self, history: History, site: str, acknowledge: Callable[[Ack], None], gather_s: float
+    ) -> None:
+        """Call ``acknowledge`` when samples are safe; gather for ``gather_s`` before a commit."""
+        self._history = history
+        self._site = site
+        self._acknowledge = acknowledge
+        self._gather_s = gather_s
+        self._waiting: deque[Batch | Gap] = deque()
+        self._samples = 0
+        self._news = asyncio.Event()
+        self._room = asyncio.Event()
+        self._room.set()
+        self._runs: dict[str, StoredRun] = {}
+        self._ending = False
+
+    async def start(self, boot: str) -> int:
+        """Give the first sequence number of ``boot`` that is not stored."""
+        return (await self._run(boot)).below
+
+    async def put(self, item: Batch | Gap) -> None:
+        """Take a batch or a gap; waits while too much is waiting (so the link is not read)."""
+        await self._room.wait()
+        self._waiting.append(item)
+        self._samples += len(item.columns) if isinstance(item, Batch) else 1
+        if self._samples >= _MOST_WAITING:
+            self._room.clear()
+        self._news.set()
+
+    def finish(self) -> None:
+        """Let `run` end once what waits is stored."""
+        self._ending = True
+        self._news.set()
+
+    async def run(self) -> None:
+        """Store until `finish`. When the database fails, try again; meanwhile `put` waits."""
+        failing = False
+        while self._waiting or not self._ending:
+            await self._news.wait()
+            self._news.clear()
+            # Gathered, so that the disk is not made to sync for each batch of a few samples.
+            if self._gather_s and not self._ending:
+                await asyncio.sleep(self._gather_s)
+            while self._waiting:
+                try:
+                    await self._store_some()
+                except (SQLAlchemyError, TalaiaError, OSError):
+                    if not failing:
+                        _LOG.exception("samples of %s cannot be stored; they wait", self._site)
+                    failing = True
+                    if self._ending:
+                        return
+                    await asyncio.sleep(_RETRY_S)
+                else:
+                    if failing:
+                        _LOG.warning("samples of %s are stored again", self._site)
+                    failing = False
+
+    async def _store_some(self) -> None:
+        first = self._waiting[0]
+        run = await self._run(first.boot)
+        if isinstance(first, Gap):
+            taken: list[Batch | Gap] = [first]
+            await self._history.record_gap(
+                self._site, first.boot, first.first, first.last, first.from_us, first.to_us,
+                first.reason,
+            )  # fmt: skip
+            end = first.last + 1
+        else:
+            batches = self._together(first)
+            taken = [*batches]
+            columns = join([each.columns for each in batches])
+            await self._history.append(
+                self._site, first.boot, first.first, first.addresses, columns
+            )
+            end = first.first + len(columns)
+        for item in taken:
+            self._waiting.popleft()
+            self._samples -= len(item.columns) if isinstance(item, Batch) else 1
+        if self._samples < _MOST_WAITING:
+            self._room.set()
+        run.add(first.first, end)
+        self._acknowledge(Ack(boot=first.boot, below=run.below))
+
+    def _together(self, first: Batch) -> list[Batch]:
+        """Take from the front the batches that follow each other without a hole."""
+        together: list[Batch] = []
+        expected, count = first.first, 0
+        for item in self._waiting:
+            if (
+                not isinstance(item, Batch)
+                or item.boot != first.boot
+                or item.first != expected
+                or item.addresses != first.addresses
+                or (together and count + len(item.columns) > _MOST_A_COMMIT)
+            ):
+                break
+            together.append(item)
+            count += len(item.columns)
+            expected += len(item.columns)
+        return together
+
+    async def _run(self, boot: str) -> StoredRun:
+        run = self._runs.get(boot)
+        if run is None:
+            below = await self._history.stored_below(self._site, boot)
+            run = self._runs[boot] = StoredRun(below)
+        return run

@@ -1,0 +1,82 @@
+"""What waits to go down to a gateway: three lanes, STOP and driving first. Pure."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+from talaia.wire.frames import (
+    Ack,
+    CommandAsk,
+    Drive,
+    LeaseAsk,
+    ResetAsk,
+    StopAsk,
+)
+
+if TYPE_CHECKING:
+    from talaia.wire.frames import FromHub
+
+__all__ = ["Lanes"]
+
+_MOST_WAITING = 4096
+
+
+class Lanes:
+    """Messages for one gateway, in order of priority."""
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self._lanes: tuple[deque[FromHub], ...] = (deque(), deque(), deque(), deque())
+
+    def __bool__(self) -> bool:
+        """Tell whether anything waits."""
+        return any(self._lanes)
+
+    def put(self, message: FromHub) -> bool:
+        """Take a message; a driving frame, or an ack, takes the place of an older one.
+
+        Returns:
+            False when so much waits that the gateway cannot be listening.
+
+        """
+        lane = self._lanes[_lane_of(message)]
+        if isinstance(message, Drive):
+            older = [
+                each
+                for each in lane
+                if isinstance(each, Drive)
+                and (each.device, each.session) == (message.device, message.session)
+            ]
+            for each in older:
+                lane.remove(each)
+        elif isinstance(message, Ack):
+            for ack in [each for each in lane if isinstance(each, Ack)]:
+                if ack.boot == message.boot:
+                    lane.remove(ack)
+        lane.append(message)
+        return len(lane) <= _MOST_WAITING
+
+    def take(self) -> FromHub:
+        """Take the most urgent message.
+
+        Raises:
+            IndexError: nothing waits.
+
+        """
+        for lane in self._lanes:
+            if lane:
+                return lane.popleft()
+        raise IndexError("nothing waits")
+
+
+def _lane_of(message: FromHub) -> int:
+    match message:
+        case StopAsk():
+            return 0
+        case Drive() | LeaseAsk() | ResetAsk():
+            return 1
+        case CommandAsk():
+            return 2
+        case _:
+            return 3

@@ -1,0 +1,121 @@
+"""The sites the hub knows, and what is true of each now."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from talaia.hub.live.latest import Latest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.site import Channel, Site
+    from talaia.wire.frames import DriveState, FromHub, LeaseState, StopState
+
+__all__ = ["LiveSite", "Pending", "SiteLink", "Sites"]
+
+
+class SiteLink(Protocol):
+    """The way down to a gateway that is connected now."""
+
+    def send(self, message: FromHub) -> None:
+        """Queue a message; never waits. STOP and driving overtake the rest."""
+        ...
+
+    def dismiss(self, reason: str) -> None:
+        """Say good-bye and close."""
+        ...
+
+
+@dataclass(slots=True)
+class Pending:
+    """A one-shot command whose end is not known yet."""
+
+    id: str
+    device: str
+    command: str
+    who: str
+
+
+@dataclass(slots=True)
+class LiveSite:
+    """One site, now.
+
+    Attributes:
+        since_us: when it went on or off line (UTC).
+        loop_ms: hub to gateway and back, by the last beat.
+        skew_ms: how far the gateway's wall clock is ahead of ours.
+        link: the way down; None while the gateway is away.
+        leases: by device, with the moment it was heard (monotonic ns).
+
+    """
+
+    description: Site
+    catalogue: str
+    channels: tuple[Channel, ...]
+    latest: Latest
+    since_us: int = 0
+    last_seen_us: int = 0
+    why: str = ""
+    loop_ms: float = 0.0
+    skew_ms: float = 0.0
+    link: SiteLink | None = None
+    leases: dict[str, tuple[LeaseState, int]] = field(default_factory=dict)
+    stops: dict[str, StopState] = field(default_factory=dict)
+    drives: dict[str, DriveState] = field(default_factory=dict)
+    pending: dict[str, Pending] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The site's short name."""
+        return self.description.site
+
+    @property
+    def online(self) -> bool:
+        """Whether its gateway is connected."""
+        return self.link is not None
+
+
+class Sites:
+    """The sites by name; those that are away are known from the database."""
+
+    def __init__(self) -> None:
+        """Start with none."""
+        self._sites: dict[str, LiveSite] = {}
+
+    def __iter__(self) -> Iterator[LiveSite]:
+        """Go through the sites in the order of their names."""
+        return iter([self._sites[name] for name in sorted(self._sites)])
+
+    def get(self, name: str) -> LiveSite | None:
+        """Find a site by its short name."""
+        return self._sites.get(name)
+
+    def describe(self, description: Site, catalogue: str) -> LiveSite:
+        """Add a site or take its new description; newest values stay if the channels do."""
+        live = self._sites.get(description.site)
+        channels = description.channels()
+        if live is None:
+            live = LiveSite(description, catalogue, channels, Latest(len(channels)))
+            self._sites[description.site] = live
+            return live
+        if channels != live.channels:
+            live.latest = _moved(live.latest, live.channels, channels)
+        live.description, live.catalogue, live.channels = description, catalogue, channels
+        return live
+
+
+def _moved(latest: Latest, before: tuple[Channel, ...], channels: tuple[Channel, ...]) -> Latest:
+    """Carry the newest values over to another list of channels."""
+    moved = Latest(len(channels))
+    number = {channel.address: at for at, channel in enumerate(before)}
+    for at, channel in enumerate(channels):
+        was = number.get(channel.address)
+        if was is not None:
+            moved.value[at] = latest.value[was]
+            moved.time_us[at] = latest.time_us[was]
+            moved.arrived_ns[at] = latest.arrived_ns[was]
+            if was in latest.texts:
+                moved.texts[at] = latest.texts[was]
+    return moved

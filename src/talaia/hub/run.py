@@ -1,0 +1,183 @@
+"""``talaia hub``: read the settings, open the door, serve until told to stop."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import datetime as dt
+import logging
+import os
+import signal
+import socket
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import uvicorn
+
+from talaia.clock import SystemClock
+from talaia.hub.accounts import make_data_folder
+from talaia.hub.app import build
+from talaia.hub.certificate import fingerprint, own_certificate
+from talaia.hub.errors import CannotStart, HubError
+from talaia.hub.settings import Settings, is_loopback
+from talaia.wire.frames import MAX_PICTURE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from talaia.hub.app import Hub
+
+__all__ = ["HubServer", "main", "server_of"]
+
+_LOG = logging.getLogger(__name__)
+
+
+class HubServer(uvicorn.Server):
+    """uvicorn, which leaves signals to us and says when it is ready."""
+
+    def __init__(self, config: uvicorn.Config, on_ready: Callable[[], None]) -> None:
+        """Call ``on_ready`` once requests are taken."""
+        super().__init__(config)
+        self._on_ready = on_ready
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Leave them: `main` ends the server cleanly, and with its own exit status."""
+        yield
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start, and say so."""
+        await super().startup(sockets)
+        if self.started:
+            self._on_ready()
+
+
+def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServer:
+    """Make the server of a hub; run it with ``serve(sockets=[…])``."""
+    settings = hub.settings
+    tls = None if settings.plain else own_certificate(settings, _now())
+    config = uvicorn.Config(
+        hub.asgi,
+        ws="websockets-sansio",
+        http="httptools",
+        loop="none",
+        lifespan="on",
+        ws_per_message_deflate=False,
+        ws_ping_interval=None,
+        ws_max_size=MAX_PICTURE + 65_536,
+        ssl_certfile=tls.cert if tls else None,
+        ssl_keyfile=tls.key if tls else None,
+        proxy_headers=False,
+        server_header=False,
+        access_log=False,
+        log_config=None,
+        log_level="warning",
+        timeout_graceful_shutdown=1,
+        timeout_keep_alive=30,
+    )
+    return HubServer(config, on_ready)
+
+
+def main(argv: Sequence[str]) -> int:
+    """Serve until SIGTERM or SIGINT; 0 after a clean end, 2 when it cannot start."""
+    options = _options(argv)
+    logging.basicConfig(
+        level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s"
+    )
+    try:
+        import uvloop
+
+        with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
+            runner.run(_serve(_settings(options)))
+    except HubError as error:
+        sys.stderr.write(f"talaia hub: {error}\n")
+        return 2
+    return 0
+
+
+def _options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser("talaia hub", description="Serve the control room.")
+    parser.add_argument(
+        "--data", type=Path, default=Path("talaia-data"), help="data folder (talaia-data)"
+    )
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (127.0.0.1)")
+    parser.add_argument("--port", type=int, default=8443, help="0 takes any free one (8443)")
+    parser.add_argument("--plain", action="store_true", help="no TLS; on a loopback address only")
+    parser.add_argument("--cert", type=Path, help="certificate chain (PEM); else one is made")
+    parser.add_argument("--key", type=Path, help="the certificate's private key (PEM)")
+    parser.add_argument(
+        "--name", action="append", default=[], help="another host name of this hub; may repeat"
+    )
+    return parser.parse_args(argv)
+
+
+def _settings(options: argparse.Namespace) -> Settings:
+    if options.plain and not is_loopback(options.host):
+        raise CannotStart(
+            f"--plain would send passwords over the network on {options.host}",
+            "leave --plain out, or listen on 127.0.0.1",
+        )
+    return Settings(
+        data=options.data,
+        host=options.host,
+        port=options.port,
+        plain=options.plain,
+        cert=options.cert,
+        key=options.key,
+        hosts=tuple(options.name),
+        database_url=Settings.url_from(os.environ),
+    )
+
+
+async def _serve(settings: Settings) -> None:
+    make_data_folder(settings)
+    if not os.access(settings.data, os.W_OK | os.X_OK):
+        raise CannotStart(
+            f"the data folder {settings.data} cannot be written", "choose another with --data"
+        )
+    hub = build(settings, SystemClock())
+    with _listen(settings) as listener:
+        port = listener.getsockname()[1]
+        server = server_of(hub, lambda: _announce(hub, port))
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            loop.add_signal_handler(number, _stop, server)
+        await server.serve(sockets=[listener])
+        if not server.started:
+            raise CannotStart("the hub did not start", "its log above says why")
+
+
+def _stop(server: HubServer) -> None:
+    server.should_exit = True
+
+
+def _listen(settings: Settings) -> socket.socket:
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    try:
+        return socket.create_server((settings.host, settings.port), family=family, backlog=1024)
+    except (OSError, OverflowError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise CannotStart(
+            f"cannot listen on {settings.host}:{settings.port}: {reason}",
+            "choose another with --port or --host",
+        ) from error
+
+
+def _announce(hub: Hub, port: int) -> None:
+    settings = hub.settings
+    host = "localhost" if is_loopback(settings.host) else settings.host
+    address = f"{'http' if settings.plain else 'https'}://{host}:{port}"
+    lines = [f"talaia hub is ready: {address}"]
+    if not settings.plain:
+        cert = own_certificate(settings, _now()).cert
+        lines.append(f"certificate: {fingerprint(cert)} (SHA-256)")
+    if hub.setup_token:
+        lines.append(f"set up the first admin within a day: {address}/setup#{hub.setup_token}")
+    sys.stdout.write("\n".join(lines) + "\n")
+    sys.stdout.flush()
+
+
+def _now() -> dt.datetime:
+    return dt.datetime.now(dt.UTC)

@@ -1,0 +1,103 @@
+"""All that can be chosen for a hub: address, data folder, TLS, limits."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+__all__ = ["Settings", "is_loopback"]
+
+
+_BLOCKING = {
+    "sqlite": "sqlite",
+    "postgresql": "postgresql+psycopg",
+    "mysql": "mysql+pymysql",
+    "mariadb": "mariadb+pymysql",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """What a hub is told at its start.
+
+    Attributes:
+        data: folder of the database, the certificate and its key.
+        port: 0 takes any free one.
+        plain: no TLS; allowed on a loopback address only.
+        cert: certificate chain (PEM); none makes one in ``data``.
+        hosts: names besides localhost and ``host`` under which the hub is reached.
+        database_url: an SQLAlchemy URL; empty takes SQLite in ``data``.
+        password_cost: bcrypt's cost (2 to the power of it rounds).
+        idle_s: a session that is not used for this long ends (s).
+        life_s: a session ends this long after its start, used or not (s).
+        setup_s: the set-up link is good for this long (s).
+        commit_s: samples are gathered this long before each commit (s).
+        beat_s: a link says a word at least this often; three missed and it is gone (s).
+        check_s: open sockets are held against the sessions this often (s).
+        linger_s: a stream rests this long after its last viewer has gone (s).
+        hello_s: a gateway must say hello within this time (s).
+
+    """
+
+    data: Path
+    host: str = "127.0.0.1"
+    port: int = 8443
+    plain: bool = False
+    cert: Path | None = None
+    key: Path | None = None
+    hosts: tuple[str, ...] = ()
+    database_url: str = ""
+    password_cost: int = 12
+    idle_s: float = 12 * 3600.0
+    life_s: float = 7 * 86400.0
+    setup_s: float = 86400.0
+    max_body: int = 1024 * 1024
+    commit_s: float = 0.2
+    beat_s: float = 1.0
+    check_s: float = 0.5
+    linger_s: float = 2.0
+    hello_s: float = 10.0
+
+    @property
+    def tls(self) -> bool:
+        """Whether browsers and gateways speak TLS with this hub."""
+        return not self.plain
+
+    @property
+    def url(self) -> str:
+        """Give the database's SQLAlchemy URL."""
+        return self.database_url or f"sqlite+aiosqlite:///{self.data.absolute() / 'talaia.db'}"
+
+    @property
+    def history_url(self) -> str:
+        """Give the same database's URL for the history, whose threads need a blocking driver."""
+        scheme, _, rest = self.url.partition("://")
+        engine = scheme.partition("+")[0]
+        return f"{_BLOCKING.get(engine, scheme)}://{rest}"
+
+    @property
+    def host_names(self) -> frozenset[str]:
+        """Names that the Host header may hold, without port, in lower case."""
+        names = {"localhost", "127.0.0.1", "::1", self.host, *self.hosts}
+        return frozenset(name.lower() for name in names if name not in {"0.0.0.0", "::", ""})  # noqa: S104 - compared, not bound
+
+    @staticmethod
+    def url_from(environment: Mapping[str, str] = os.environ) -> str:
+        """Read the database's URL from ``TALAIA_DATABASE_URL``; empty when it is not set."""
+        return environment.get("TALAIA_DATABASE_URL", "")
+
+
+def is_loopback(host: str) -> bool:
+    """Tell whether an address reaches this machine only."""
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False

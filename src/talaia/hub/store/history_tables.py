@@ -1,0 +1,196 @@
+"""The history's tables.
+
+Times are microseconds since the epoch (UTC). Rollup rows and the summary of each block can be read
+by anyone with SQL; in them, NaN is NULL, and an infinity is the greatest or least finite number,
+because MariaDB keeps neither. The samples themselves, inside the bodies, keep every bit.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import (
+    BigInteger,
+    Column,
+    Double,
+    Index,
+    Integer,
+    LargeBinary,
+    String,
+    Table,
+    Text,
+    UniqueConstraint,
+    event,
+)
+from sqlalchemy.dialects import mysql
+
+from talaia.hub.store.tables import metadata
+
+if TYPE_CHECKING:
+    from sqlalchemy import Connection
+
+__all__ = [
+    "HISTORY_TABLES",
+    "block",
+    "body",
+    "boot",
+    "catalogue",
+    "channel",
+    "gap",
+    "hot",
+    "rollup",
+    "stored_range",
+    "tail",
+]
+
+# The program numbers rows itself: it writes many at once and wants no answer to each.
+_Id = BigInteger().with_variant(Integer, "sqlite")
+# MariaDB compares texts without regard to case unless told otherwise.
+_Name = String(200).with_variant(
+    mysql.VARCHAR(200, charset="utf8mb4", collation="utf8mb4_bin"), "mysql", "mariadb"
+)
+_Reason = Text().with_variant(mysql.TEXT(charset="utf8mb4"), "mysql", "mariadb")
+_Bytes = LargeBinary().with_variant(mysql.LONGBLOB(), "mysql", "mariadb")
+
+
+def _key(name: str, kind: Any = _Id) -> Column[Any]:  # noqa: ANN401 - any column type
+    return Column(name, kind, primary_key=True, autoincrement=False)
+
+
+def _summary() -> tuple[Column[Any], ...]:
+    return (
+        Column("samples", BigInteger, nullable=False),
+        Column("numbers", BigInteger, nullable=False),
+        Column("total", Double, nullable=False),
+        Column("low", Double),
+        Column("low_us", BigInteger, nullable=False),
+        Column("high", Double),
+        Column("high_us", BigInteger, nullable=False),
+        Column("last", Double),
+        Column("last_us", BigInteger, nullable=False),
+    )
+
+
+# A channel keeps its row, and so its history, when it is renamed or removed in the description.
+# `saved_row`: journal rows up to this one need not be read again for this channel.
+# `longest_us`: no block of this channel is longer, so a window knows how far back to look.
+channel = Table(
+    "history_channel",
+    metadata,
+    _key("id"),
+    Column("site", _Name, nullable=False),
+    Column("address", _Name, nullable=False),
+    Column("since_us", BigInteger, nullable=False),
+    Column("saved_row", BigInteger, nullable=False),
+    Column("longest_us", BigInteger, nullable=False),
+    UniqueConstraint("site", "address"),
+)
+
+boot = Table(
+    "history_boot",
+    metadata,
+    _key("id"),
+    Column("site", _Name, nullable=False),
+    Column("boot", _Name, nullable=False),
+    UniqueConstraint("site", "boot"),
+)
+
+# Sequence numbers that are stored; those of rows still in the journal may be missing here.
+stored_range = Table(
+    "history_range",
+    metadata,
+    _key("boot_id"),
+    _key("first_seq", BigInteger()),
+    Column("past_seq", BigInteger, nullable=False),
+)
+
+gap = Table(
+    "history_gap",
+    metadata,
+    _key("boot_id"),
+    _key("first_seq", BigInteger()),
+    _key("last_seq", BigInteger()),
+    _key("from_us", BigInteger()),
+    Column("to_us", BigInteger, nullable=False),
+    Column("reason", _Reason, nullable=False),
+)
+
+# A list of channels that batches index: channel ids as u32, little-endian.
+catalogue = Table(
+    "history_catalogue",
+    metadata,
+    _key("id"),
+    Column("channels", _Bytes, nullable=False),
+)
+
+# The journal: every batch as it came, until all its samples are in blocks or tails.
+# It is written and emptied all day, so PostgreSQL must not wait for a fifth of it to be dead.
+hot = Table(
+    "history_hot",
+    metadata,
+    _key("id"),
+    Column("boot_id", _Id, nullable=False),
+    Column("catalogue_id", _Id, nullable=False),
+    Column("first_seq", BigInteger, nullable=False),
+    Column("samples", Integer, nullable=False),
+    Column("body", _Bytes, nullable=False),
+    postgresql_with={
+        "autovacuum_vacuum_scale_factor": "0.0",
+        "autovacuum_vacuum_threshold": "2000",
+    },
+)
+
+# Samples of a slow channel that are not yet a block, so that the journal need not keep its rows.
+tail = Table(
+    "history_tail",
+    metadata,
+    _key("channel_id"),
+    Column("body", _Bytes, nullable=False),
+)
+
+# What is in a block. Bodies stand aside, so that looking for blocks reads few pages.
+# `finest_us`: the block is in the rollups of this width and all wider ones; 0: in none.
+block = Table(
+    "history_block",
+    metadata,
+    _key("channel_id"),
+    _key("first_us", BigInteger()),
+    _key("id"),
+    Column("finest_us", BigInteger, nullable=False),
+    *_summary(),
+    sqlite_with_rowid=False,
+)
+Index("ix_history_block_last_us", block.c.channel_id, block.c.last_us)
+
+body = Table(
+    "history_body",
+    metadata,
+    _key("block_id"),
+    Column("body", _Bytes, nullable=False),
+)
+
+rollup = Table(
+    "history_rollup",
+    metadata,
+    _key("channel_id"),
+    _key("width_us", BigInteger()),
+    _key("bucket_us", BigInteger()),
+    *_summary(),
+    sqlite_with_rowid=False,
+)
+
+HISTORY_TABLES = (
+    channel, boot, stored_range, gap, catalogue, hot, tail, block, body, rollup
+)  # fmt: skip
+
+
+def _store_as_it_is(table: Table, connection: Connection, **_: object) -> None:
+    # Bodies are compressed already; PostgreSQL must not try again.
+    if connection.dialect.name == "postgresql":
+        connection.exec_driver_sql(
+            f"ALTER TABLE {table.name} ALTER COLUMN body SET STORAGE EXTERNAL"
+        )
+
+
+for _table in (hot, tail, body):
+    event.listen(_table, "after_create", _store_as_it_is)

@@ -1,0 +1,157 @@
+"""People and their roles, as the database holds them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from sqlalchemy import delete, func, insert, select, update
+from sqlalchemy.exc import IntegrityError
+
+from talaia.hub.auth.passwords import name_key
+from talaia.hub.auth.tokens import hash_token, new_token
+from talaia.hub.errors import NameTaken, UnknownRole
+from talaia.hub.store.tables import roles, setup_tokens, users
+
+if TYPE_CHECKING:
+    from sqlalchemy.ext.asyncio import AsyncConnection
+
+    from talaia.clock import Clock
+    from talaia.hub.store.database import Database
+
+__all__ = ["People", "Person"]
+
+
+class Person(NamedTuple):
+    """What a sign-in needs to know of a person."""
+
+    id: int
+    name: str
+    role: str
+    password_hash: str
+    disabled: bool
+
+
+class People:
+    """Find, add and set up people."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        """Work on ``database``; ``clock`` stamps what is added."""
+        self._database = database
+        self._clock = clock
+
+    async def find(self, name: str) -> Person | None:
+        """Find a person by name, in any case."""
+        async with self._database.read() as connection:
+            rows = await connection.execute(
+                select(
+                    users.c.id,
+                    users.c.name,
+                    roles.c.name.label("role"),
+                    users.c.password_hash,
+                    users.c.disabled,
+                )
+                .join(roles, roles.c.id == users.c.role_id)
+                .where(users.c.name_key == name_key(name))
+            )
+            row = rows.first()
+        return None if row is None else Person(*row)
+
+    async def add(self, name: str, password_hash: str, role: str) -> int:
+        """Add a person; give the number.
+
+        Raises:
+            NameTaken: there is one of that name.
+            UnknownRole: there is no such role.
+
+        """
+        async with self._database.write() as connection:
+            return await self._insert(connection, name, password_hash, role)
+
+    async def set_role(self, name: str, role: str) -> None:
+        """Give a person another role. Open sockets follow within a second.
+
+        Raises:
+            UnknownRole: there is no such role.
+
+        """
+        async with self._database.write() as connection:
+            await connection.execute(
+                update(users)
+                .where(users.c.name_key == name_key(name))
+                .values(role_id=await _role(connection, role))
+            )
+
+    async def offer_setup(self, life_s: float) -> str | None:
+        """Make a one-time token for the first admin; None when there are people already."""
+        token = new_token()
+        async with self._database.write() as connection:
+            if await _count(connection):
+                return None
+            await connection.execute(delete(setup_tokens))
+            await connection.execute(
+                insert(setup_tokens).values(
+                    token_hash=hash_token(token), expires_us=self._now_us() + round(life_s * 1e6)
+                )
+            )
+        return token
+
+    async def may_set_up(self, token: str) -> bool:
+        """Tell whether a set-up token is good, without using it."""
+        async with self._database.read() as connection:
+            return await self._good(connection, token)
+
+    async def set_up(self, token: str, name: str, password_hash: str) -> int | None:
+        """Use the token to add the first admin; of two at once exactly one wins.
+
+        Returns:
+            The person's number, or None when the token is not good (any more).
+
+        """
+        async with self._database.write() as connection:
+            if not await self._good(connection, token) or await _count(connection):
+                return None
+            await connection.execute(delete(setup_tokens))
+            return await self._insert(connection, name, password_hash, "admin")
+
+    async def _good(self, connection: AsyncConnection, token: str) -> bool:
+        rows = await connection.execute(
+            select(setup_tokens.c.expires_us).where(
+                setup_tokens.c.token_hash == hash_token(token),
+                setup_tokens.c.expires_us > self._now_us(),
+            )
+        )
+        return rows.first() is not None
+
+    async def _insert(
+        self, connection: AsyncConnection, name: str, password_hash: str, role: str
+    ) -> int:
+        try:
+            result = await connection.execute(
+                insert(users).values(
+                    name=name,
+                    name_key=name_key(name),
+                    password_hash=password_hash,
+                    role_id=await _role(connection, role),
+                    disabled=False,
+                    created_us=self._now_us(),
+                )
+            )
+        except IntegrityError as error:
+            raise NameTaken(f"there is a person named {name!r} already") from error
+        key = result.inserted_primary_key
+        return int(key[0]) if key else 0
+
+    def _now_us(self) -> int:
+        return self._clock.wall_ns() // 1000
+
+
+async def _count(connection: AsyncConnection) -> int:
+    return (await connection.execute(select(func.count()).select_from(users))).scalar_one()
+
+
+async def _role(connection: AsyncConnection, role: str) -> int:
+    found = (await connection.execute(select(roles.c.id).where(roles.c.name == role))).scalar()
+    if found is None:
+        known = (await connection.execute(select(roles.c.name).order_by(roles.c.name))).scalars()
+        raise UnknownRole(f"there is no role {role!r}", f"use one of: {', '.join(known)}")
+    return int(found)

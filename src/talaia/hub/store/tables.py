@@ -1,0 +1,142 @@
+"""Every table but the history's; `metadata` holds them all.
+
+Times are microseconds since the epoch (UTC). Secrets are kept as hashes only.
+"""
+
+from __future__ import annotations
+
+from sqlalchemy import (
+    BigInteger,
+    Boolean,
+    Column,
+    ForeignKey,
+    Integer,
+    MetaData,
+    String,
+    Table,
+    Text,
+    UniqueConstraint,
+)
+
+__all__ = [
+    "audit",
+    "gateways",
+    "metadata",
+    "permissions",
+    "role_permissions",
+    "roles",
+    "sessions",
+    "setup_tokens",
+    "sites",
+    "users",
+]
+
+metadata = MetaData(
+    naming_convention={
+        "ix": "ix_%(table_name)s_%(column_0_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_name)s",
+        "pk": "pk_%(table_name)s",
+    }
+)
+
+# SQLite numbers rows by itself only in a column of the type INTEGER.
+_Id = BigInteger().with_variant(Integer, "sqlite")
+_NAME = 200
+_HASH = 64
+
+roles = Table(
+    "roles",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("name", String(_NAME), nullable=False, unique=True),
+    Column("seeded", Boolean, nullable=False),
+)
+
+permissions = Table(
+    "permissions",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("right_name", String(16), nullable=False),
+    # "*" stands for every site, or every device.
+    Column("site", String(_NAME), nullable=False),
+    Column("device", String(_NAME), nullable=False),
+    UniqueConstraint("right_name", "site", "device"),
+)
+
+role_permissions = Table(
+    "role_permissions",
+    metadata,
+    Column("role_id", _Id, ForeignKey("roles.id", ondelete="CASCADE"), primary_key=True),
+    Column(
+        "permission_id", _Id, ForeignKey("permissions.id", ondelete="CASCADE"), primary_key=True
+    ),
+)
+
+users = Table(
+    "users",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("name", String(_NAME), nullable=False),
+    # The name as it is compared: normalised and without case.
+    Column("name_key", String(_NAME), nullable=False, unique=True),
+    Column("password_hash", String(100), nullable=False),
+    Column("role_id", _Id, ForeignKey("roles.id"), nullable=False),
+    Column("disabled", Boolean, nullable=False),
+    Column("created_us", BigInteger, nullable=False),
+)
+
+sessions = Table(
+    "sessions",
+    metadata,
+    Column("token_hash", String(_HASH), primary_key=True),
+    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("created_us", BigInteger, nullable=False),
+    Column("used_us", BigInteger, nullable=False),
+    Column("address", String(_NAME), nullable=False),
+)
+
+setup_tokens = Table(
+    "setup_tokens",
+    metadata,
+    Column("token_hash", String(_HASH), primary_key=True),
+    Column("expires_us", BigInteger, nullable=False),
+)
+
+gateways = Table(
+    "gateways",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("site", String(_NAME), nullable=False, index=True),
+    Column("key_hash", String(_HASH), nullable=False, unique=True),
+    Column("created_us", BigInteger, nullable=False),
+    # 0 while the key is good.
+    Column("revoked_us", BigInteger, nullable=False),
+)
+
+sites = Table(
+    "sites",
+    metadata,
+    Column("site", String(_NAME), primary_key=True),
+    Column("description", Text(4 * 1024 * 1024), nullable=False),
+    Column("catalogue", String(_NAME), nullable=False),
+    Column("version", String(_NAME), nullable=False),
+    Column("first_seen_us", BigInteger, nullable=False),
+    Column("last_seen_us", BigInteger, nullable=False),
+)
+
+audit = Table(
+    "audit",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("time_us", BigInteger, nullable=False, index=True),
+    Column("kind", String(_NAME), nullable=False),
+    Column("who", String(_NAME), nullable=False),
+    Column("address", String(_NAME), nullable=False),
+    Column("site", String(_NAME), nullable=False, index=True),
+    Column("device", String(_NAME), nullable=False),
+    Column("message", String(2000), nullable=False),
+    Column("good", Boolean, nullable=False),
+    # Over this row and the hash of the one before; a changed or missing row breaks the chain.
+    Column("hash", String(_HASH), nullable=False),
+)

@@ -1,0 +1,78 @@
+"""The command line: its words, its help, and what it says when something is wrong."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from pathlib import Path
+
+import pytest
+
+from talaia.cli.main import WORDS, main
+
+EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
+
+
+def test_help_names_every_word(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    said = capsys.readouterr().out
+    for name, word in WORDS.items():
+        assert name in said
+        assert word.summary in said
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_every_word_has_a_main_and_its_own_help(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert callable(importlib.import_module(WORDS[name].module).main)
+    with pytest.raises(SystemExit) as ended:
+        main([name, "--help"])
+    assert ended.value.code == 0
+    assert f"talaia {name}" in capsys.readouterr().out
+
+
+def test_an_unknown_word_is_told_with_the_known_ones(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hubb"]) == 2
+    said = capsys.readouterr().err
+    assert "'hubb'" in said
+    assert "gateway" in said
+
+
+def test_check_says_right_of_the_example(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(EXAMPLE)]) == 0
+    assert "right; 4 devices" in capsys.readouterr().out
+
+
+def test_check_names_the_file_and_the_place_of_every_mistake(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "site.yaml"
+    text = EXAMPLE.read_text().replace("unit: m/s\n", "unit: m/z\n")
+    path.write_text(text.replace("max_turn: 2.84", "max_turn: 0"))
+    assert main(["check", str(path)]) == 1
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 3
+    assert all(line.startswith(f"{path}: $.devices.") for line in said)
+    assert any("did you mean 'm/s'?" in line for line in said)
+
+
+def test_schema_is_json_schema_and_the_example_uses_only_its_keys(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["schema"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert schema["$schema"].startswith("https://json-schema.org/")
+    assert {"talaia", "site", "name", "devices"} <= set(schema["$defs"]["Site"]["properties"])
+
+
+def test_a_gateway_with_a_bad_description_says_where_and_exits_2(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "site.yaml"
+    path.write_text(EXAMPLE.read_text().replace("kind: power", "kind: pwer"))
+    key = tmp_path / "key"
+    key.write_text("k")
+    words = ["gateway", str(path), "--hub", "ws://127.0.0.1:1", "--allow-plain"]
+    assert main([*words, "--key-file", str(key), "--data", str(tmp_path)]) == 2
+    assert "$.devices.power.kind" in capsys.readouterr().err

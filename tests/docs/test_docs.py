@@ -1,0 +1,46 @@
+"""The documentation names what exists, and links to what is there."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from talaia.cli.main import WORDS
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)#\s]+)[^)]*\)")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_and_picture_of_a_page_leads_somewhere(page: Path) -> None:
+    links = [each for each in LINK.findall(page.read_text()) if "://" not in each]
+    missing = [each for each in links if not (page.parent / each).exists()]
+    assert missing == []
+
+
+def test_the_readme_gives_the_two_commands_and_a_picture_on_its_first_screen() -> None:
+    head = "\n".join((ROOT / "README.md").read_text().splitlines()[:40])
+    assert "make demo" in head
+    assert "make test" in head
+    assert "![" in head
+
+
+def test_every_word_of_the_command_line_is_in_the_reference() -> None:
+    reference = (ROOT / "docs/reference/commands.md").read_text()
+    assert [name for name in WORDS if f"## talaia {name}\n" not in reference] == []
+
+
+def test_every_word_of_the_makefile_is_told_by_make_itself() -> None:
+    makefile = (ROOT / "Makefile").read_text()
+    phony = re.search(r"^\.PHONY: (.*)$", makefile, re.MULTILINE)
+    assert phony is not None
+    for word in phony[1].split():
+        if word != "help":
+            assert re.search(rf"^{word}:.*## ", makefile, re.MULTILINE), word
+
+
+def test_the_changelog_says_what_is_new() -> None:
+    assert "## Unreleased" in (ROOT / "CHANGELOG.md").read_text()

@@ -1,0 +1,343 @@
+"""A hub that really serves, a gateway and pages that really connect: all in one event loop."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from contextlib import AsyncExitStack
+from pathlib import Path
+
+import httpx
+import numpy as np
+import pytest
+import websockets
+from talaia.clock import SystemClock
+from talaia.hub.app import build
+from talaia.hub.auth.passwords import Passwords
+from talaia.hub.history.series import Series
+from talaia.hub.run import server_of
+from talaia.hub.settings import Settings
+from talaia.hub.store.people import People
+from talaia.hub.store.sites import SiteRegistry
+from talaia.model.load import load_site
+from talaia.wire.browser import FROM_BROWSER, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
+from talaia.wire.columns import Columns, pack
+from talaia.wire.frames import (
+    LINK_FROM_GATEWAY,
+    LINK_FROM_HUB,
+    MEDIA_FROM_GATEWAY,
+    MEDIA_FROM_HUB,
+    Beat,
+    BeatReply,
+    Hello,
+    Samples,
+    Welcome,
+)
+
+DESCRIPTION = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
+PASSWORD = "a password for tests"
+DEADLINE_S = 10.0
+
+
+class MemoryHistory:
+    """The promise of `talaia.hub.ports.History`, kept in memory."""
+
+    def __init__(self) -> None:
+        self.samples = {}
+        self.appended = asyncio.Event()
+        self.gaps = []
+        self.gate = asyncio.Event()
+        self.gate.set()
+
+    async def open(self) -> None: ...
+
+    async def close(self) -> None: ...
+
+    async def append(self, site, boot, first, addresses, columns) -> None:
+        await self.gate.wait()
+        for at in range(len(columns)):
+            address = addresses[columns.channel[at]]
+            row = (int(columns.time_us[at]), float(columns.value[at]), columns.texts.get(at, ""))
+            self.samples.setdefault((site, boot), {})[first + at] = (address, *row)
+        self.appended.set()
+
+    async def record_gap(self, site, boot, first, last, from_us, to_us, reason) -> None:
+        self.gaps.append((site, boot, first, last, reason))
+        for number in range(first, last + 1):
+            self.samples.setdefault((site, boot), {})[number] = None
+
+    async def stored_below(self, site, boot) -> int:
+        stored, below = self.samples.get((site, boot), {}), 0
+        while below in stored:
+            below += 1
+        return below
+
+    async def read(self, site, addresses, from_us, to_us, width) -> list[Series]:
+        return [self._series(site, address, from_us, to_us) for address in addresses]
+
+    async def last(self, site, addresses) -> dict[str, tuple[int, float, str]]:
+        found = {}
+        for (where, _), stored in self.samples.items():
+            for row in stored.values():
+                if where == site and row is not None and row[0] in addresses:
+                    found[row[0]] = row[1:]
+        return found
+
+    def _series(self, site, address, from_us, to_us) -> Series:
+        rows = [
+            row
+            for (where, _), stored in self.samples.items()
+            for row in stored.values()
+            if where == site and row and row[0] == address and from_us <= row[1] < to_us
+        ]
+        return Series(
+            address,
+            np.array([row[1] for row in rows], np.int64),
+            np.array([row[2] for row in rows], np.float64),
+            {at: row[3] for at, row in enumerate(rows) if row[3]},
+            exact=True,
+            gaps=[],
+        )
+
+
+class Peer:
+    """The other end of a socket: says messages, and waits for the one it wants to hear."""
+
+    def __init__(self, connection, speaks, hears, *, text: bool = False) -> None:
+        self.connection = connection
+        self.heard = []
+        self.close_code = None
+        self._speaks, self._hears, self._text = speaks, hears, text
+        self._news = asyncio.Condition()
+        self._reading = asyncio.create_task(self._read())
+
+    async def say(self, message) -> None:
+        encode = self._speaks.encode_text if self._text else self._speaks.encode
+        await self.connection.send(encode(message))
+
+    async def hear(self, kind, where=lambda message: True):
+        """Wait for a message, of those heard already or still to come; it is taken out."""
+        async with asyncio.timeout(DEADLINE_S), self._news:
+            while True:
+                for message in self.heard:
+                    if isinstance(message, kind) and where(message):
+                        self.heard.remove(message)
+                        return message
+                if self.close_code is not None:
+                    raise AssertionError(f"closed ({self.close_code}) before {kind.__name__}")
+                await self._news.wait()
+
+    async def closed(self) -> int:
+        """Wait until the other side has closed; give the close code."""
+        async with asyncio.timeout(DEADLINE_S), self._news:
+            await self._news.wait_for(lambda: self.close_code is not None)
+        return self.close_code
+
+    async def close(self) -> None:
+        await self.connection.close()
+        await self._reading
+
+    async def _read(self) -> None:
+        try:
+            async for frame in self.connection:
+                await self.take(self._hears.decode(frame))
+        except websockets.ConnectionClosed:
+            pass
+        async with self._news:
+            self.close_code = self.connection.close_code
+            self._news.notify_all()
+
+    async def take(self, message) -> None:
+        async with self._news:
+            self.heard.append(message)
+            self._news.notify_all()
+
+
+class Gateway(Peer):
+    """A scripted gateway: answers beats by itself, says the rest when told to."""
+
+    boot = "boot-1"
+    sequence = 0
+    description = DESCRIPTION
+
+    async def take(self, message) -> None:
+        if isinstance(message, Beat):
+            reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=message.mono_us + 5_000)
+            await self.say(reply)
+        await super().take(message)
+
+    async def hello(self, description=DESCRIPTION, *, boot="boot-1", site="agv") -> Welcome:
+        self.boot = boot
+        self.channels = {
+            channel.address: at for at, channel in enumerate(load_site(DESCRIPTION).channels())
+        }
+        await self.say(Hello(site=site, boot=boot, description=description, catalogue="c1"))
+        return await self.hear(Welcome)
+
+    async def samples(self, *rows, live=True, first=None) -> None:
+        """Send rows of address, time (µs), value or text."""
+        first = self.sequence if first is None else first
+        texts = {at: row[2] for at, row in enumerate(rows) if isinstance(row[2], str)}
+        base, channel, offset, value = pack(
+            Columns(
+                np.array([self.channels[row[0]] for row in rows], np.uint16),
+                np.array([row[1] for row in rows], np.int64),
+                np.array([np.nan if isinstance(row[2], str) else row[2] for row in rows]),
+                {},
+            )
+        )
+        self.sequence = max(self.sequence, first + len(rows))
+        await self.say(
+            Samples(
+                boot=self.boot,
+                first=first,
+                catalogue="c1",
+                base_us=base,
+                channel=channel,
+                offset=offset,
+                value=value,
+                texts=texts,
+                live=live,
+            )
+        )
+
+
+class RunningHub:
+    """A hub on a free port of loopback, with one person for each role."""
+
+    def __init__(self, settings: Settings, history: MemoryHistory) -> None:
+        self.settings = settings
+        self.history = history
+        self.hub = build(settings, SystemClock(), history)
+        self.people = People(self.hub._database, SystemClock())
+        self.keys = {}
+        self._stack = AsyncExitStack()
+        self._cookies = {}
+
+    async def __aenter__(self) -> RunningHub:
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self._listener.getsockname()[1]
+        self.origin = f"http://127.0.0.1:{self.port}"
+        ready = asyncio.Event()
+        self._server = server_of(self.hub, ready.set)
+        self._serving = asyncio.create_task(self._server.serve(sockets=[self._listener]))
+        waiting = asyncio.create_task(ready.wait())
+        await asyncio.wait({self._serving, waiting}, return_when=asyncio.FIRST_COMPLETED)
+        waiting.cancel()
+        assert ready.is_set()
+        return self
+
+    async def __aexit__(self, *_exc: object) -> None:
+        await self._stack.aclose()
+        self._server.should_exit = True
+        await self._serving
+        self._listener.close()
+
+    async def populate(self) -> None:
+        hashed = await Passwords(4).hash(PASSWORD)
+        for role in ("guest", "operator", "admin"):
+            await self.people.add(role, hashed, role)
+        self.keys["agv"] = await SiteRegistry(self.hub._database, SystemClock()).new_key("agv")
+
+    async def client(self, name: str = "") -> httpx.AsyncClient:
+        """Open an HTTP client, signed in as ``name`` unless it is empty."""
+        client = httpx.AsyncClient(base_url=self.origin, headers={"Origin": self.origin})
+        await self._stack.enter_async_context(client)
+        if name:
+            answer = await client.post("/api/login", json={"name": name, "password": PASSWORD})
+            assert answer.status_code == 200, answer.text
+            self._cookies[name] = answer.cookies["talaia"]
+        return client
+
+    async def cookie(self, name: str) -> str:
+        if name not in self._cookies:
+            await self.client(name)
+        return f"talaia={self._cookies[name]}"
+
+    async def page(self, name: str = "operator", *, text: bool = False) -> Peer:
+        """Open a page's socket."""
+        connection = await self.dial(
+            "/ws" + ("?form=json" if text else ""),
+            {"Cookie": await self.cookie(name), "Origin": self.origin},
+        )
+        return self._keep(Peer(connection, FROM_BROWSER, TO_BROWSER, text=text))
+
+    async def viewer(self, name: str, stream: str) -> Peer:
+        """Open a page's socket for pictures."""
+        connection = await self.dial(
+            f"/ws/media?site=agv&stream={stream}",
+            {"Cookie": await self.cookie(name), "Origin": self.origin},
+        )
+        return self._keep(Peer(connection, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER))
+
+    async def gateway(self, *, key: str = "") -> Gateway:
+        """Open a gateway's link; it has not said hello yet."""
+        headers = {"Authorization": f"Bearer {key or self.keys['agv']}"}
+        connection = await self.dial("/gateway/link", headers)
+        return self._keep(Gateway(connection, LINK_FROM_GATEWAY, LINK_FROM_HUB))
+
+    async def camera(self) -> Peer:
+        """Open a gateway's media connection."""
+        headers = {"Authorization": f"Bearer {self.keys['agv']}"}
+        connection = await self.dial("/gateway/media", headers)
+        return self._keep(Peer(connection, MEDIA_FROM_GATEWAY, MEDIA_FROM_HUB))
+
+    async def dial(self, path: str, headers: dict[str, str]):
+        return await websockets.connect(
+            f"ws://127.0.0.1:{self.port}{path}",
+            additional_headers=headers,
+            compression=None,
+            max_size=None,
+            proxy=None,
+        )
+
+    def _keep(self, peer):
+        self._stack.push_async_callback(peer.close)
+        return peer
+
+
+@pytest.fixture
+def settings(tmp_path) -> Settings:
+    return Settings(
+        data=tmp_path,
+        plain=True,
+        port=0,
+        password_cost=4,
+        commit_s=0.0,
+        beat_s=0.2,
+        check_s=0.05,
+        linger_s=0.05,
+    )
+
+
+@pytest.fixture
+def history() -> MemoryHistory:
+    return MemoryHistory()
+
+
+@pytest.fixture
+async def empty_hub(settings, history):
+    """A hub that starts for the first time."""
+    async with RunningHub(settings, history) as running:
+        yield running
+
+
+@pytest.fixture
+async def hub(empty_hub):
+    """A hub with a guest, an operator and an admin, and a gateway's key."""
+    await empty_hub.populate()
+    return empty_hub
+
+
+@pytest.fixture
+async def gateway(hub):
+    """The connected gateway of the example vehicle."""
+    gateway = await hub.gateway()
+    await gateway.hello()
+    return gateway
+
+
+@pytest.fixture
+def hub_parts(settings, history):
+    """A hub that is put together and not started."""
+    return build(settings, SystemClock(), history)

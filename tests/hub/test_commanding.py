@@ -1,0 +1,294 @@
+"""Leases, driving, STOP, commands and pictures, from page to gateway and back."""
+
+import asyncio
+
+import pytest
+from talaia.hub.store.audit import Audit
+from talaia.wire import browser as page_wire, frames
+from talaia.wire.frames import CommandPhase, LeaseOp
+
+LEASE = page_wire.Lease(site="agv", device="base", op=LeaseOp.TAKE)
+DRIVE = page_wire.Drive(
+    site="agv", device="base", epoch=7, seq=1, tick=3, held_ms=2.0, linear=0.1, angular=0.2
+)
+STOP = page_wire.Stop(site="agv", device="base", id="stop-1")
+WANDER = page_wire.Command(
+    site="agv", device="base", command="wander", id="c-1", args={"active": True}
+)
+
+
+async def take_lease(page, gateway, epoch: int = 7) -> frames.LeaseAsk:
+    await page.say(LEASE)
+    ask = await gateway.hear(frames.LeaseAsk, lambda ask: ask.op is LeaseOp.TAKE)
+    await gateway.say(
+        frames.LeaseState(
+            device="base",
+            session=ask.session,
+            who=ask.who,
+            epoch=epoch,
+            remains_ms=3000,
+            asked=ask.session,
+        )
+    )
+    return ask
+
+
+async def test_lease_is_shown_as_yours_to_the_holder_only(hub, gateway) -> None:
+    holder, other = await hub.page("operator"), await hub.page("admin")
+    ask = await take_lease(holder, gateway)
+    assert ask.who == "operator"
+    mine = await holder.hear(page_wire.LeaseNews)
+    theirs = await other.hear(page_wire.LeaseNews)
+    assert (mine.yours, mine.epoch, mine.holder) == (True, 7, "operator")
+    assert (theirs.yours, theirs.epoch, theirs.holder) == (False, 0, "operator")
+
+
+async def test_who_is_refused_the_lease_is_told_who_holds_it(hub, gateway) -> None:
+    holder, other = await hub.page("operator"), await hub.page("admin")
+    ask = await take_lease(holder, gateway)
+    await other.say(LEASE)
+    second = await gateway.hear(frames.LeaseAsk)
+    await gateway.say(
+        frames.LeaseState(
+            device="base",
+            session=ask.session,
+            who="operator",
+            epoch=7,
+            asked=second.session,
+            refused="operator holds it",
+        )
+    )
+    news = await other.hear(page_wire.LeaseNews, lambda news: news.refused)
+    assert (news.holder, news.refused) == ("operator", "operator holds it")
+
+
+async def test_driving_frame_goes_down_as_it_came(hub, gateway) -> None:
+    page = await hub.page("operator")
+    ask = await take_lease(page, gateway)
+    await page.say(DRIVE)
+    drive = await gateway.hear(frames.Drive)
+    assert drive.session == ask.session
+    assert (drive.epoch, drive.seq, drive.tick, drive.held_ms) == (7, 1, 3, 2.0)
+    assert (drive.linear, drive.angular) == (0.1, 0.2)
+
+
+async def test_driving_frame_that_is_no_number_is_not_passed_on(hub, gateway) -> None:
+    page = await hub.page("operator")
+    await page.say(
+        page_wire.Drive(
+            site="agv", device="base", epoch=1, seq=1, tick=1, linear=float("nan"), angular=0.0
+        )
+    )
+    assert (await page.hear(page_wire.Problem)).code == "invalid"
+    await page.say(DRIVE)
+    assert (await gateway.hear(frames.Drive)).linear == 0.1
+
+
+async def test_ticks_go_to_the_holder_only(hub, gateway) -> None:
+    holder, other = await hub.page("operator"), await hub.page("admin")
+    await take_lease(holder, gateway)
+    await gateway.say(frames.Tick(tick=42))
+    await gateway.say(frames.DriveState(device="base", linear=0.1, angular=0.0, cap=1.0))
+    assert (await holder.hear(page_wire.TickNews)).tick == 42
+    await other.hear(page_wire.DriveNews)
+    assert not any(isinstance(each, page_wire.TickNews) for each in other.heard)
+
+
+async def test_closed_page_frees_its_lease_at_once(hub, gateway) -> None:
+    page = await hub.page("operator")
+    ask = await take_lease(page, gateway)
+    await page.hear(page_wire.LeaseNews)
+    await page.close()
+    free = await gateway.hear(frames.LeaseAsk, lambda ask: ask.op is LeaseOp.FREE)
+    assert (free.device, free.session) == ("base", ask.session)
+
+
+async def test_lost_link_shows_leases_as_free_and_commands_as_unknown(hub, gateway) -> None:
+    page = await hub.page("operator")
+    await take_lease(page, gateway)
+    await page.hear(page_wire.LeaseNews, lambda news: news.yours)
+    await page.say(WANDER)
+    await gateway.hear(frames.CommandAsk)
+    await gateway.close()
+    assert (await page.hear(page_wire.LeaseNews)).holder == ""
+    assert (await page.hear(page_wire.CommandNews)).phase is CommandPhase.UNKNOWN
+
+
+async def test_stop_needs_no_lease_and_its_confirmation_comes_back(hub, gateway) -> None:
+    page, other = await hub.page("operator"), await hub.page("admin")
+    await page.say(STOP)
+    ask = await gateway.hear(frames.StopAsk)
+    assert (ask.device, ask.id, ask.who) == ("base", "stop-1", "operator")
+    await gateway.say(frames.StopState(device="base", latched=True, who=ask.who, id=ask.id))
+    await gateway.say(frames.StopState(device="base", latched=True, confirmed=True, id=ask.id))
+    for each in (page, other):
+        news = await each.hear(page_wire.StopNews, lambda news: news.confirmed)
+        assert (news.latched, news.id) == (True, "stop-1")
+
+
+async def test_stop_is_told_to_a_page_that_comes_later(hub, gateway) -> None:
+    page = await hub.page("operator")
+    await gateway.say(frames.StopState(device="base", latched=True, confirmed=True))
+    await page.hear(page_wire.StopNews)
+    assert (await (await hub.page("admin")).hear(page_wire.StopNews)).latched
+
+
+async def test_reset_key_goes_to_the_one_who_asked(hub, gateway) -> None:
+    page, other = await hub.page("operator"), await hub.page("operator")
+    await page.say(page_wire.Reset(site="agv", device="base", epoch=7))
+    ask = await gateway.hear(frames.ResetAsk)
+    await gateway.say(frames.ResetToken(device="base", session=ask.session, token="key"))  # noqa: S106
+    assert (await page.hear(page_wire.ResetKey)).token == "key"  # noqa: S105
+    await gateway.say(frames.StopState(device="base", latched=False))
+    await other.hear(page_wire.StopNews)
+    assert not any(isinstance(each, page_wire.ResetKey) for each in other.heard)
+
+
+async def test_command_goes_down_once_and_its_phases_come_back(hub, gateway) -> None:
+    page, other = await hub.page("operator"), await hub.page("admin")
+    await page.say(WANDER)
+    ask = await gateway.hear(frames.CommandAsk)
+    assert (ask.command, ask.args, ask.ttl_ms, ask.who) == (
+        "wander",
+        {"active": True},
+        5000.0,
+        "operator",
+    )
+    await page.say(WANDER)
+    assert (await page.hear(page_wire.Problem)).code == "busy"
+    for phase in (CommandPhase.ACCEPTED, CommandPhase.SUCCEEDED):
+        await gateway.say(
+            frames.CommandState(id="c-1", device="base", command="wander", phase=phase)
+        )
+    for each in (page, other):
+        news = await each.hear(
+            page_wire.CommandNews, lambda news: news.phase is CommandPhase.SUCCEEDED
+        )
+        assert news.who == "operator"
+
+
+@pytest.mark.parametrize(
+    ("message", "code"),
+    [
+        (page_wire.Command(site="agv", device="base", command="fly", id="x"), "unknown"),
+        (
+            page_wire.Command(site="agv", device="base", command="wander", id="x", args={"up": 1}),
+            "invalid",
+        ),
+        (page_wire.Command(site="agv", device="wing", command="wander", id="x"), "unknown"),
+        (page_wire.Stop(site="moon", device="base", id="x"), "unknown"),
+    ],
+)
+async def test_what_the_description_does_not_know_is_refused(hub, gateway, message, code) -> None:
+    page = await hub.page("operator")
+    await page.say(message)
+    assert (await page.hear(page_wire.Problem)).code == code
+
+
+@pytest.mark.parametrize("message", [LEASE, DRIVE, STOP, WANDER])
+async def test_everything_asked_of_an_absent_gateway_is_answered_offline(
+    hub, gateway, message
+) -> None:
+    page = await hub.page("operator")
+    await gateway.close()
+    await page.hear(page_wire.SiteNews, lambda news: not news.online)
+    await page.say(message)
+    problem = await page.hear(page_wire.Problem)
+    assert (problem.code, problem.about) == ("offline", type(message).__struct_config__.tag)
+
+
+@pytest.mark.parametrize("message", [LEASE, DRIVE, STOP, WANDER])
+async def test_guest_acts_on_nothing(hub, gateway, message) -> None:
+    page = await hub.page("guest")
+    await page.say(message)
+    assert (await page.hear(page_wire.Problem)).code == "forbidden"
+    operator = await hub.page("operator")
+    await operator.say(STOP)
+    await gateway.hear(frames.StopAsk, lambda ask: ask.who == "operator")
+    assert not any(
+        isinstance(each, frames.Drive | frames.CommandAsk | frames.StopAsk)
+        for each in gateway.heard
+    )
+
+
+async def test_guest_is_told_nothing_of_what_others_do(hub, gateway) -> None:
+    guest, operator = await hub.page("guest"), await hub.page("operator")
+    await take_lease(operator, gateway)
+    await gateway.say(frames.DriveState(device="base", linear=0.1, angular=0.0, cap=1.0))
+    await gateway.say(frames.StopState(device="base", latched=True))
+    await gateway.say(frames.Event(kind="drive started", device="base"))
+    await operator.say(WANDER)
+    await gateway.hear(frames.CommandAsk)
+    await operator.hear(page_wire.EventNews, lambda news: news.kind == "drive started")
+    await gateway.samples(("base/speed", 1, 1.0))
+    await guest.say(page_wire.Subscribe(sub=1, site="agv", channels=["base/speed"]))
+    await guest.hear(page_wire.Subscribed)
+    allowed = (page_wire.Greeting, page_wire.SiteNews, page_wire.Values)
+    assert [each for each in guest.heard if not isinstance(each, allowed)] == []
+
+
+async def test_what_was_done_is_written_down_in_an_unbroken_chain(hub, gateway) -> None:
+    page = await hub.page("operator")
+    await take_lease(page, gateway)
+    await page.say(STOP)
+    await gateway.hear(frames.StopAsk)
+    audit: Audit = hub.hub._audit
+    await audit.written()
+    kinds = {entry.kind for entry in await audit.recent("agv", 100)}
+    assert {"gateway connected", "lease taken", "stop pressed"} <= kinds
+    assert await audit.broken_at() is None
+
+
+def picture(seq: int) -> frames.Picture:
+    return frames.Picture(
+        stream="camera/front",
+        seq=seq,
+        time_us=1,
+        mono_us=seq,
+        width=2,
+        height=2,
+        data=bytes([seq % 256]) * 100,
+    )
+
+
+async def test_stream_is_watched_while_someone_looks_and_rests_afterwards(hub, gateway) -> None:
+    assert (await gateway.hear(frames.Watch)).streams == []
+    viewer = await hub.viewer("operator", "camera/front")
+    assert (await gateway.hear(frames.Watch)).streams == ["camera/front"]
+    await viewer.close()
+    assert (await gateway.hear(frames.Watch)).streams == []
+
+
+async def test_slow_viewer_gets_two_pictures_and_then_the_newest(hub, gateway) -> None:
+    viewer = await hub.viewer("operator", "camera/front")
+    await gateway.hear(frames.Watch, lambda watch: watch.streams)
+    camera = await hub.camera()
+    for seq in (1, 2):
+        await camera.say(picture(seq))
+        shot = await viewer.hear(page_wire.Shot)
+        assert (shot.seq, shot.data) == (seq, picture(seq).data)
+    for seq in range(3, 11):
+        await camera.say(picture(seq))
+    # The answer to a beat says that the pictures before it were handed on.
+    await camera.say(frames.Beat(n=1, mono_us=1))
+    await camera.hear(frames.BeatReply)
+    assert not viewer.heard
+    await viewer.say(page_wire.Shown(seq=1))
+    assert (await viewer.hear(page_wire.Shot)).seq == 10
+
+
+async def test_guest_sees_no_stream_that_is_not_public(hub, gateway) -> None:
+    with pytest.raises(Exception, match="404"):
+        await hub.viewer("guest", "camera/front")
+
+
+async def test_twenty_viewers_that_never_answer_do_not_hold_up_one_that_does(hub, gateway) -> None:
+    idle = [await hub.viewer("operator", "camera/front") for _ in range(20)]
+    viewer = await hub.viewer("operator", "camera/front")
+    camera = await hub.camera()
+    for seq in range(1, 30):
+        await camera.say(picture(seq))
+        shot = await viewer.hear(page_wire.Shot)
+        assert shot.seq == seq
+        await viewer.say(page_wire.Shown(seq=seq))
+    await asyncio.gather(*(each.close() for each in idle))

@@ -1,0 +1,125 @@
+"""The policy table: a line for everything, and each line against each kind of person."""
+
+from typing import get_args
+
+import pytest
+from fastapi.routing import iter_route_contexts
+from talaia.hub.auth.permissions import Grants, Permission, Right
+from talaia.hub.policy import (
+    FROM_BROWSER,
+    FROM_GATEWAY,
+    ROUTES,
+    SOCKETS,
+    TO_BROWSER,
+    TO_GATEWAY,
+    Need,
+    allows,
+    need_of_message,
+    need_of_route,
+)
+from talaia.model.load import load_site
+from talaia.wire import browser, frames
+
+SITE = load_site(
+    """
+talaia: 1
+site: farm
+name: Farm
+ros2: {}
+devices:
+  gate:
+    name: Gate
+    visibility: public
+    signals: {angle: {name: Angle, source: {topic: /a, type: std_msgs/msg/Float64}}}
+  barn: {name: Barn}
+"""
+)
+PEOPLE = {
+    "nobody": None,
+    "guest": Grants(),
+    "barn operator": Grants(frozenset({Permission(Right.USE, "farm", "barn")})),
+    "operator": Grants(frozenset({Permission(Right.USE)})),
+    "elsewhere": Grants(frozenset({Permission(Right.ADMIN, "moon")})),
+    "admin": Grants(frozenset({Permission(Right.ADMIN)})),
+}
+# Who meets a need: about the public gate, about the barn, about the whole site, about nothing.
+EVERYONE = set(PEOPLE)
+SIGNED_IN = EVERYONE - {"nobody"}
+MEETS = {
+    Need.OPEN: (EVERYONE, EVERYONE, EVERYONE, EVERYONE),
+    Need.SESSION: (SIGNED_IN, SIGNED_IN, SIGNED_IN, SIGNED_IN),
+    Need.SEE: (SIGNED_IN, {"barn operator", "operator", "admin"}, SIGNED_IN, set()),
+    Need.VIEW: (
+        {"operator", "admin"},
+        {"barn operator", "operator", "admin"},
+        {"operator", "admin"},
+        set(),
+    ),
+    Need.USE: (
+        {"operator", "admin"},
+        {"barn operator", "operator", "admin"},
+        {"operator", "admin"},
+        set(),
+    ),
+    Need.ADMIN: ({"admin"}, {"admin"}, {"admin"}, {"admin"}),
+    Need.GATEWAY: (set(), set(), set(), set()),
+    Need.NEVER: (set(), set(), set(), set()),
+}
+OBJECTS = ((SITE, "gate"), (SITE, "barn"), (SITE, ""), (None, ""))
+
+
+def members(*unions: object) -> set[type]:
+    return {member for union in unions for member in (get_args(union) or (union,))}
+
+
+def test_every_route_of_the_application_has_a_line_and_no_line_is_left_over(hub_parts) -> None:
+    found = {
+        (method, context.path)
+        for context in iter_route_contexts(hub_parts.app.router.routes)
+        for method in (context.methods or ())
+        if method != "HEAD"
+    }
+    assert found == set(ROUTES)
+
+
+def test_every_socket_has_a_line_and_no_line_is_left_over(hub_parts) -> None:
+    found = {
+        route.path
+        for route in hub_parts.app.router.routes
+        if type(route).__name__ == "APIWebSocketRoute"
+    }
+    assert found == set(SOCKETS)
+
+
+@pytest.mark.parametrize(
+    ("table", "unions"),
+    [
+        (FROM_BROWSER, (browser.FromBrowser, browser.MediaFromBrowser)),
+        (TO_BROWSER, (browser.ToBrowser, browser.MediaToBrowser)),
+        (FROM_GATEWAY, (frames.FromGateway, frames.MediaFromGateway)),
+        (TO_GATEWAY, (frames.FromHub, frames.MediaFromHub)),
+    ],
+)
+def test_every_message_has_a_line_and_no_line_is_left_over(table, unions) -> None:
+    assert members(*unions) == set(table)
+
+
+def test_what_has_no_line_is_denied_to_everyone() -> None:
+    class Strange(frames.Message, frozen=True, tag="strange"):
+        pass
+
+    assert need_of_message(FROM_BROWSER, Strange()) is Need.NEVER
+    assert need_of_route("POST", "/api/sites") is Need.NEVER
+
+
+@pytest.mark.parametrize("need", Need)
+@pytest.mark.parametrize("at", range(len(OBJECTS)))
+def test_each_need_is_met_by_exactly_these(need, at) -> None:
+    site, device = OBJECTS[at]
+    met = {name for name, grants in PEOPLE.items() if allows(need, grants, site, device)}
+    assert met == MEETS[need][at]
+
+
+def test_device_that_is_not_there_is_nobodys() -> None:
+    for need in (Need.SEE, Need.VIEW, Need.USE, Need.ADMIN):
+        assert not allows(need, PEOPLE["admin"], SITE, "cellar")

@@ -1,0 +1,174 @@
+"""What a person reads when a description is wrong, and that a right one survives a round trip."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import msgspec
+import pytest
+from hypothesis import assume, given, strategies as st
+
+from talaia.model.check import check, raise_first
+from talaia.model.errors import DescriptionError, NotReadable
+from talaia.model.load import dump_site, load_site, read_site
+from talaia.model.site import Device, Ros2Settings, Signal, SignalType, Site, Source
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
+AGV = (Path(__file__).parents[2] / "examples/agv/site.yaml").read_text()
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.parent.name)
+def test_every_example_is_right_and_survives_a_round_trip(path: Path) -> None:
+    site = read_site(path)
+    assert check(site) == []
+    assert load_site(dump_site(site)) == site
+
+
+MISTAKES = [
+    # (what is written, instead of what, the place it is told, a word of the problem, of the remedy)
+    ("unit: m/z\n", "unit: m/s\n", "$.devices.base.signals.speed.unit", "'m/z'", "'m/s'"),
+    ("feild: range", "field: range", ".signals.ultrasonic1.source.feild", "'feild'", "'field'"),
+    ("kind: pwer", "kind: power", "$.devices.power.kind", "'pwer'", "'power'"),
+    (
+        "minimum: nine",
+        "minimum: 9",
+        "$.devices.power.signals.voltage.minimum",
+        "expected float",
+        "",
+    ),
+    ("minimum: 14", "minimum: 9", ".voltage.minimum", "not below the maximum", ""),
+    ("talaia: 2", "talaia: 1", "$.talaia", "found 2", "talaia: 1"),
+    ("Europe/Madird", "Europe/Madrid", "$.zone", "Europe/Madird", "Europe/Madrid"),
+    ("max_spede: 0.22", "max_speed: 0.22", "$.devices.base.drive", "max_spede", "max_speed"),
+    ("max_turn: -1", "max_turn: 2.84", "$.devices.base.drive.max_turn", "above 0", ""),
+    ("max_turn: .nan", "max_turn: 2.84", "$.devices.base.drive.max_turn", "above 0", ""),
+    ("max_turn: 1\n      ttl: 2", "max_turn: 2.84", "$.devices.base.drive.ttl", "0.5", "safety"),
+    ("max_turn: 1\n      lease: 60", "max_turn: 2.84", "drive.lease", "1 to 10", "safety"),
+    ("picture: camera/frnt", "picture: camera/front", "drive.picture", "frnt", "camera/front"),
+    ("position: base/speed", "position: base/pose", "drive.position", "base/speed", "base/pose"),
+    ("[base/spee, base/turn_rate]", "[base/speed, base/turn_rate]", "confirmed_by[0]", "spee", ""),
+    ("topic: odom,", "topic: /odom,", "speed.source.topic", "absolute", "/like/this"),
+    ("type: nav_msgs/Odometry", "type: nav_msgs/msg/Odometry", "source.type", "ROS type", "msg"),
+    ("type: std_srvs/msg/SetBool", "type: std_srvs/srv/SetBool", "wander.type", "ROS type", "srv"),
+    ('states: "off"', 'states: ["off", "on"]', "wandering.states", "expected array", ""),
+    ("unit: m", 'states: ["off", "on"]', "wandering", "states", "states"),
+    ("type: bolean", "type: boolean", "arguments.active.type", "bolean", "boolean"),
+    ("default: 3", "default: true", "arguments.active.default", "expected boolean", ""),
+    ("quality: 0", "quality: 70", "streams.front.quality", "1 to 95", ""),
+    ("max_rate: 0", "max_rate: 30", "streams.front.max_rate", "above 0", ""),
+    ("Power:", "power:", "$.devices.Power", "cannot be a name", "small letter"),
+    ("'; rm -rf':", "power:", "$.devices.; rm -rf", "cannot be a name", "small letter"),
+    ("name: ''", "name: Battery", "$.devices.power.name", "1 to 100", ""),
+    ("field: a..b", "field: range", "source.field", "path of a field", "pose.x"),
+    ("ros2: {domain: 400}", "ros2: {}", "$.ros2.domain", "0 to 232", ""),
+    ("base:\n    name: A\n  base:", "base:", "line ", "written twice", ""),
+    ("ros2: !!python/object:os.system {}", "ros2: {}", "line ", "could not determine", ""),
+    ("ros2: {", "ros2: {}", "line ", "", ""),
+]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "where", "problem", "remedy"), MISTAKES, ids=lambda each: str(each)[:30]
+)
+def test_a_mistake_is_told_with_its_place_and_the_remedy(
+    wrong: str, right: str, where: str, problem: str, remedy: str
+) -> None:
+    assert right in AGV
+    with pytest.raises(DescriptionError) as caught:
+        raise_first(load_site(AGV.replace(right, wrong, 1)))
+    assert where in caught.value.where
+    assert problem in caught.value.problem
+    assert remedy in caught.value.remedy
+
+
+def test_a_file_that_is_not_there_says_so(tmp_path: Path) -> None:
+    with pytest.raises(NotReadable, match="No such file"):
+        read_site(tmp_path / "site.yaml")
+
+
+def test_a_file_that_is_not_text_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "site.yaml"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(NotReadable, match="UTF-8"):
+        read_site(path)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "3", "just words", "a: &a [*a]", "? {a: 1}\n: 2"])
+def test_yaml_that_is_no_description_is_refused_with_a_sentence(text: str) -> None:
+    with pytest.raises(DescriptionError):
+        load_site(text)
+
+
+@given(st.text(max_size=300))
+def test_any_text_is_a_description_or_a_description_error(text: str) -> None:
+    with suppress(DescriptionError):
+        load_site(text)
+
+
+@given(
+    st.dictionaries(
+        st.from_regex(r"[a-z][a-z0-9_]{0,20}", fullmatch=True),
+        st.tuples(st.text(min_size=1, max_size=40), st.floats(allow_nan=False)),
+        max_size=6,
+    )
+)
+def test_what_is_right_and_dumped_is_loaded_back_equal(
+    signals: dict[str, tuple[str, float]],
+) -> None:
+    source = Source(topic="/a", type="std_msgs/msg/Float64", field="data")
+    site = Site(
+        talaia=1,
+        site="s",
+        name="S",
+        ros2=Ros2Settings(),
+        devices={
+            "d": Device(
+                name="D",
+                signals={
+                    key: Signal(name=name, source=source, minimum=low)
+                    for key, (name, low) in signals.items()
+                },
+            )
+        },
+    )
+    assume(not check(site))
+    assert load_site(dump_site(site)) == site
+
+
+@pytest.mark.parametrize("letter", ["\n", "\x85", "\u202e", "\u2028", "\x00"])
+def test_a_name_with_letters_that_cannot_be_seen_is_refused(letter: str) -> None:
+    site = msgspec.structs.replace(load_site(AGV), name=f"House{letter}vehicle")
+    assert [each.where for each in check(site)] == ["$.name"]
+
+
+def test_a_position_has_a_channel_for_each_of_its_numbers() -> None:
+    addresses = [each.address for each in load_site(AGV).channels()]
+    assert {"base/pose.x", "base/pose.y", "base/pose.yaw"} <= set(addresses)
+    assert {"sensors/fix.lat", "sensors/fix.lon", "sensors/fix.alt"} <= set(addresses)
+    assert len(addresses) == len(set(addresses))
+
+
+def test_ten_thousand_signals_are_read_and_checked() -> None:
+    source = Source(topic="/a", type="std_msgs/msg/Float64", field="data")
+    signals = {f"s{each}": Signal(name="S", source=source) for each in range(10_000)}
+    site = Site(
+        talaia=1, site="s", name="S", ros2=load_site(AGV).ros2,
+        devices={"d": Device(name="D", signals=signals)},
+    )  # fmt: skip
+    again = load_site(dump_site(site))
+    assert check(again) == []
+    assert len(again.channels()) == 10_000
+
+
+def test_text_has_no_unit_and_no_list_of_states() -> None:
+    source = Source(topic="/a", type="std_msgs/msg/String", field="data")
+    signal = Signal(name="T", source=source, type=SignalType.TEXT, unit="m", states=("a",))
+    site = Site(
+        talaia=1, site="s", name="S", ros2=load_site(AGV).ros2,
+        devices={"d": Device(name="D", signals={"t": signal})},
+    )  # fmt: skip
+    assert [each.where for each in check(site)] == [
+        "$.devices.d.signals.t.states",
+        "$.devices.d.signals.t.unit",
+    ]

@@ -1,0 +1,108 @@
+"""What the system tests stand on: the demo itself, and a real Chromium."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+REQUIRE_ALL = bool(os.environ.get("TALAIA_REQUIRE_ALL"))
+CHROMIUM_FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+class Demo(NamedTuple):
+    """A running demo: its address, its accounts, its folder."""
+
+    process: subprocess.Popen[str]
+    address: str
+    passwords: dict[str, str]
+    data: Path
+    seconds: float
+
+    @property
+    def actuations(self) -> Path:
+        """Where the simulated vehicle writes what it did."""
+        return self.data / "actuations.jsonl"
+
+
+def missing(what: str) -> None:
+    """Skip, or fail where nothing may be missing."""
+    if REQUIRE_ALL:
+        pytest.fail(f"{what} is missing, and TALAIA_REQUIRE_ALL is set")
+    pytest.skip(f"{what} is missing")
+
+
+def start_demo(data: Path, *more: str) -> Demo:
+    """Run ``talaia demo`` until it says that it is ready."""
+    for module in ("rclpy", "mujoco"):
+        if not __import__("importlib.util").util.find_spec(module):
+            missing(module)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", str(data), *more],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+    # A demo that says nothing is ended, so that the read below cannot wait for ever.
+    alarm = threading.Timer(90, process.kill)
+    alarm.start()
+    said = ""
+    assert process.stdout is not None
+    for line in process.stdout:
+        said += line
+        if "Ctrl-C" in line:
+            break
+    alarm.cancel()
+    ready = re.search(r"ready \(([\d.]+) s\):\s+(\S+)", said)
+    if not ready:
+        process.kill()
+        process.wait()
+        logs = "".join(f"\n{p.name}:\n{p.read_text()[-2000:]}" for p in data.glob("*.log"))
+        pytest.fail(f"the demo did not start:\n{said}{logs}")
+    passwords = dict(re.findall(r"^    (admin|operator|guest)\s+(\S+)$", said, re.MULTILINE))
+    return Demo(process, ready[2], passwords, data, float(ready[1]))
+
+
+def stop_demo(demo: Demo) -> int:
+    """Press Ctrl-C and give the exit code."""
+    demo.process.send_signal(signal.SIGINT)
+    code = demo.process.wait(20)
+    assert demo.process.stdout is not None
+    demo.process.stdout.close()
+    return code
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
+    running = start_demo(tmp_path_factory.mktemp("demo"))
+    try:
+        yield running
+    finally:
+        if running.process.poll() is None:
+            stop_demo(running)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    names = ("chromium", "chromium-browser", "google-chrome")
+    found = next((path for name in names if (path := shutil.which(name))), None)
+    if found is None:
+        missing("Chromium")
+    return str(found)

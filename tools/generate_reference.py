@@ -1,0 +1,202 @@
+"""Write docs/reference from the code; ``--check`` says whether what is there is what it would be.
+
+.venv/bin/python tools/generate_reference.py [--check]
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+import subprocess
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import get_args
+
+import msgspec
+
+from talaia.cli.main import WORDS
+from talaia.model import site
+from talaia.model.schema import site_schema
+from talaia.model.unit import UNITS
+from talaia.wire import browser, frames
+
+ROOT = Path(__file__).resolve().parent.parent
+TARGET = ROOT / "docs" / "reference"
+NOTE = "<!-- Made from the code by tools/generate_reference.py; do not edit. -->\n\n"
+
+
+def main(*, check_only: bool) -> int:
+    """Write every page, or compare it with what is there."""
+    pages = {
+        "site-description.md": site_page(),
+        "wire.md": wire_page(),
+        "commands.md": commands_page(),
+        "site.schema.json": json.dumps(site_schema(), indent=2, ensure_ascii=False) + "\n",
+    }
+    stale = []
+    TARGET.mkdir(parents=True, exist_ok=True)
+    for name, text in pages.items():
+        path = TARGET / name
+        if path.exists() and path.read_text() == text:
+            continue
+        stale.append(name)
+        if not check_only:
+            path.write_text(text)
+    if stale and check_only:
+        print(f"docs/reference is not what the code says: {', '.join(stale)}; run: make docs")
+        return 1
+    print(f"docs/reference: {len(pages)} pages, {len(stale)} {'written' if stale else 'changed'}")
+    return 0
+
+
+def site_page() -> str:
+    """Describe every key of the site description."""
+    shapes = [
+        site.Site, site.Ros2Settings, site.Device, site.Signal, site.Source, site.Stream,
+        site.Command, site.Argument, site.Drive, site.Stop,
+    ]  # fmt: skip
+    parts = [
+        NOTE + "# Site description\n",
+        "One YAML file says all there is to know of a site. `talaia check FILE` says whether it is"
+        " right; [site.schema.json](site.schema.json) lets an editor complete it.\n",
+        *(struct_section(shape) for shape in shapes),
+        "## Units\n",
+        table(
+            ("symbol", "name"),
+            [(f"`{u.symbol}`" if u.symbol else "", u.name) for u in UNITS.values()],
+        ),
+    ]
+    return "\n".join(parts)
+
+
+def wire_page() -> str:
+    """Describe every message, by who sends it."""
+    groups = [
+        ("Gateway to hub, `/gateway/link`", frames.FromGateway),
+        ("Hub to gateway, `/gateway/link`", frames.FromHub),
+        ("Gateway to hub, `/gateway/media`", frames.MediaFromGateway),
+        ("Browser to hub, `/ws`", browser.FromBrowser),
+        ("Hub to browser, `/ws`", browser.ToBrowser),
+        ("Hub to browser, `/ws/media`", browser.MediaToBrowser),
+        ("Browser to hub, `/ws/media`", browser.MediaFromBrowser),
+    ]
+    parts = [NOTE + "# Messages\n", (inspect.getdoc(frames) or "") + "\n"]
+    for title, union in groups:
+        parts.append(f"## {title}\n")
+        parts += [struct_section(shape, "###") for shape in (get_args(union) or (union,))]
+    return "\n".join(parts)
+
+
+def commands_page() -> str:
+    """Show the help of every word of the command line."""
+    parts = [NOTE + "# The `talaia` command\n"]
+    for name in WORDS:
+        done = subprocess.run(
+            [sys.executable, "-m", "talaia", name, "--help"],
+            capture_output=True, text=True, check=True, env={**child_environment()},
+        )  # fmt: skip
+        parts.append(f"## talaia {name}\n\n```text\n{done.stdout.strip()}\n```\n")
+    return "\n".join(parts)
+
+
+def child_environment() -> dict[str, str]:
+    """Fix what the help's layout depends on."""
+    import os
+
+    return {**os.environ, "COLUMNS": "100", "NO_COLOR": "1", "PYTHONPATH": str(ROOT / "src")}
+
+
+def struct_section(shape: type[msgspec.Struct], level: str = "##") -> str:
+    """Describe one struct: its sentence, then its fields."""
+    doc = inspect.getdoc(shape) or ""
+    head, _, attributes = doc.partition("Attributes:")
+    notes = attribute_notes(attributes)
+    info = msgspec.inspect.type_info(shape)
+    if not isinstance(info, msgspec.inspect.StructType):
+        raise TypeError(f"{shape} is not a struct")
+    rows = [
+        (
+            f"`{field.encode_name}`",
+            type_words(field.type),
+            "required" if field.required else default_words(field),
+            notes.get(field.encode_name, ""),
+        )
+        for field in info.fields
+    ]
+    tag = f" · `{info.tag}`" if isinstance(info.tag, str) else ""
+    return f"{level} {shape.__name__}{tag}\n\n{head.strip()}\n\n" + table(
+        ("field", "type", "default", "meaning"), rows
+    )
+
+
+def attribute_notes(text: str) -> dict[str, str]:
+    """Read a docstring's ``Attributes:`` block: name to sentence."""
+    flat = re.sub(r"\n\s{4,}(?=\S)", lambda m: "\n" if is_new(text, m.end()) else " ", "\n" + text)
+    notes = {}
+    for part in re.split(r"\n|(?<=\.)\s(?=[a-z_]+: )", flat):
+        match = re.match(r"\s*([a-z_][a-z0-9_]*): (.*)", part)
+        if match:
+            notes[match[1]] = match[2].strip()
+    return notes
+
+
+def is_new(text: str, at: int) -> bool:
+    """Tell whether an attribute's own line starts here."""
+    return bool(re.match(r"[a-z_][a-z0-9_]*: ", text[at - 1 :]))
+
+
+def type_words(kind: msgspec.inspect.Type) -> str:
+    """Say a type in words that people of the field read."""
+    match kind:
+        case msgspec.inspect.EnumType():
+            return " or ".join(f"`{each.value}`" for each in kind.cls if isinstance(each, StrEnum))
+        case msgspec.inspect.StructType():
+            return f"[{kind.cls.__name__}](#{kind.cls.__name__.lower()})"
+        case msgspec.inspect.UnionType():
+            return " or ".join(type_words(each) for each in kind.types)
+        case msgspec.inspect.DictType():
+            return f"mapping of {type_words(kind.key_type)} to {type_words(kind.value_type)}"
+        case msgspec.inspect.ListType() | msgspec.inspect.VarTupleType():
+            return f"list of {type_words(kind.item_type)}"
+        case msgspec.inspect.NoneType():
+            return "none"
+        case msgspec.inspect.StrType():
+            return "text"
+        case msgspec.inspect.IntType():
+            return "whole number"
+        case msgspec.inspect.FloatType():
+            return "number"
+        case msgspec.inspect.BoolType():
+            return "true or false"
+        case msgspec.inspect.BytesType():
+            return "bytes"
+        case _:
+            return type(kind).__name__.removesuffix("Type").lower()
+
+
+def default_words(field: msgspec.inspect.Field) -> str:
+    """Say what an absent field means."""
+    if field.default is msgspec.NODEFAULT:
+        return "empty"
+    if isinstance(field.default, StrEnum):
+        return f"`{field.default.value}`"
+    return "none" if field.default is None else f"`{json.dumps(field.default, ensure_ascii=False)}`"
+
+
+def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """Write a Markdown table."""
+    if not rows:
+        return ""
+    lines = [head, tuple("---" for _ in head), *rows]
+    return (
+        "\n".join(
+            "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines
+        )
+        + "\n"
+    )
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(check_only="--check" in sys.argv))

@@ -1,0 +1,166 @@
+"""Make .venv and the built pages, or see at once that both are up to date.
+
+    python3 tools/setup.py demo     what `make demo` needs
+    python3 tools/setup.py dev      what `make test` and the checks need besides
+
+Runs with the system's own Python and nothing else. As root on Debian or Ubuntu it installs the
+Debian packages that are missing; as anybody else it names the command that does.
+"""
+
+from __future__ import annotations
+
+import ctypes.util
+import hashlib
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+VENV = ROOT / ".venv"
+STATIC = ROOT / "src" / "talaia" / "web" / "static"
+MODULES = ROOT / "web" / "node_modules"
+
+
+def main(wanted: str) -> int:
+    """Bring the tree to the wanted state; 0 when it is there."""
+    if sys.version_info < (3, 11):
+        return fail(
+            f"Python 3.11 or newer is needed; this is {sys.version.split()[0]}",
+            "install a newer one and run: make PYTHON=python3.12 demo",
+        )
+    if debian_packages(wanted):
+        return 1
+    if python_packages(wanted):
+        return 1
+    return pages(wanted)
+
+
+def debian_packages(wanted: str) -> int:
+    """Install, or name, what comes from Debian: a venv, an OpenGL without a screen, a browser."""
+    missing = []
+    if not (VENV / "bin" / "python").exists() and not importlib.util.find_spec("ensurepip"):
+        missing.append("python3-venv")
+    # The ROS wheels need these two of glibc's neighbours, MuJoCo one of the renderers.
+    if not (ctypes.util.find_library("OSMesa") or has_egl()):
+        missing.append("libosmesa6")
+    if wanted == "dev" and not browser():
+        missing.append("chromium")
+    if not missing:
+        return 0
+    names = " ".join(missing)
+    if os.geteuid() != 0 or not shutil.which("apt-get"):
+        return fail(f"missing from the system: {names}", f"run: sudo apt install {names}")
+    say(f"installing Debian packages: {names}")
+    quiet = {
+        "stdout": subprocess.DEVNULL,
+        "env": {**os.environ, "DEBIAN_FRONTEND": "noninteractive"},
+    }
+    install = ["apt-get", "install", "-y", "-q", "--no-install-recommends", *missing]
+    if subprocess.run(install, check=False, stderr=subprocess.DEVNULL, **quiet).returncode == 0:
+        return 0
+    subprocess.run(["apt-get", "update", "-q"], check=False, **quiet)
+    if subprocess.run(install, check=False, **quiet).returncode:
+        return fail(f"apt-get could not install {names}", f"run: apt-get install {names}")
+    return 0
+
+
+def has_egl() -> bool:
+    """Tell whether EGL can render without a screen: the library and a Mesa driver behind it."""
+    return bool(ctypes.util.find_library("EGL") and ctypes.util.find_library("EGL_mesa"))
+
+
+def browser() -> str | None:
+    """Find a Chromium for the tests."""
+    names = ("chromium", "chromium-browser", "google-chrome")
+    return next((found for name in names if (found := shutil.which(name))), None)
+
+
+def python_packages(wanted: str) -> int:
+    """Install the locked packages into .venv, and this tree as an editable package."""
+    lock = ROOT / "requirements" / f"{wanted}.txt"
+    stamp = VENV / f".talaia-{wanted}"
+    state = digest(lock, ROOT / "pyproject.toml")
+    others = [VENV / ".talaia-dev"] if wanted == "demo" else []
+    dev_state = digest(ROOT / "requirements" / "dev.txt", ROOT / "pyproject.toml")
+    if stamp.exists() and stamp.read_text() == state:
+        return 0
+    if any(each.exists() and each.read_text() == dev_state for each in others):
+        return 0
+    if not (VENV / "bin" / "python").exists():
+        say("making .venv")
+        if subprocess.run([sys.executable, "-m", "venv", str(VENV)], check=False).returncode:
+            return fail("the virtual environment could not be made", "is python3-venv installed?")
+    say(f"installing {lock.relative_to(ROOT)} into .venv (a few minutes the first time)")
+    pip = [
+        str(VENV / "bin" / "python"),
+        "-m",
+        "pip",
+        "install",
+        "-q",
+        "--disable-pip-version-check",
+    ]
+    if subprocess.run([*pip, "--require-hashes", "-r", str(lock)], check=False).returncode:
+        return fail("the locked packages could not be installed", "see pip's message above")
+    editable = [*pip, "--no-deps", "--no-build-isolation", "-e", str(ROOT)]
+    if subprocess.run(editable, check=False).returncode:
+        return fail("this tree could not be installed into .venv", "see pip's message above")
+    stamp.write_text(state)
+    return 0
+
+
+def pages(wanted: str) -> int:
+    """Build the pages when a source of theirs is newer than the build."""
+    sources = sorted(
+        path
+        for path in (ROOT / "web").rglob("*")
+        if path.is_file() and not {"node_modules", "mock", "dist"} & set(path.parts)
+    )
+    state = digest(*sources)
+    stamp = STATIC / ".sources"
+    built = stamp.exists() and stamp.read_text() == state
+    tools = wanted != "dev" or (MODULES / ".talaia-lock").exists()
+    if built and tools:
+        return 0
+    node = [str(VENV / "bin" / "python"), str(ROOT / "tools" / "node.py")]
+    lock = digest(ROOT / "web" / "package-lock.json")
+    mark = MODULES / ".talaia-lock"
+    if not mark.exists() or mark.read_text() != lock:
+        say("installing what builds the pages")
+        if subprocess.run([*node, "ci", "--no-audit", "--no-fund"], check=False).returncode:
+            return fail("the pages' build tools could not be installed", "see npm's message above")
+        mark.write_text(lock)
+    if not built:
+        say("building the pages")
+        quiet = subprocess.run([*node, "run", "build"], check=False, capture_output=True, text=True)
+        if quiet.returncode:
+            print(quiet.stdout, quiet.stderr, sep="\n", file=sys.stderr)
+            return fail("the pages could not be built", "see the messages above")
+        stamp.write_text(state)
+    return 0
+
+
+def digest(*paths: Path) -> str:
+    """Name the content of files, with their places."""
+    total = hashlib.sha256()
+    for path in paths:
+        total.update(str(path.relative_to(ROOT)).encode() + b"\0")
+        total.update(path.read_bytes() if path.exists() else b"")
+    return total.hexdigest()
+
+
+def say(sentence: str) -> None:
+    """Tell what takes time."""
+    print(f"talaia set-up: {sentence} …", flush=True)
+
+
+def fail(problem: str, remedy: str) -> int:
+    """Tell what is wrong and what to do."""
+    print(f"talaia set-up: {problem}\n  {remedy}", file=sys.stderr)
+    return 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1] if len(sys.argv) > 1 else "dev"))
