@@ -54,6 +54,8 @@ class Commanding:
         self._browsers = browsers
         self._audit = audit
         self._clock = clock
+        # What each page (by its key) has asked the lease of: site and device.
+        self._asked: dict[str, set[tuple[str, str]]] = {}
 
     # ── from pages ──────────────────────────────────────────────────────────────────────────
 
@@ -65,14 +67,9 @@ class Commanding:
             return
         match asked:
             case page.Lease():
-                live.link.send(
-                    frames.LeaseAsk(
-                        device=asked.device,
-                        session=browser.key,
-                        who=browser.who.name,
-                        op=asked.op,
-                    )
-                )
+                if asked.op is not LeaseOp.FREE:
+                    self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
+                live.link.send(_lease_ask(browser, asked.device, asked.op))
             case page.Drive():
                 self._drive(browser, live, asked)
             case page.Stop():
@@ -108,21 +105,10 @@ class Commanding:
 
     def leave(self, browser: Browser) -> None:
         """Free, at once, what a page that has gone was holding or was about to get."""
-        for live in self._sites:
-            if live.link is None:
-                continue
-            for device, described in live.description.devices.items():
-                held = live.leases.get(device)
-                other = held is not None and held[0].session not in {"", browser.key}
-                if described.drive is not None and not other:
-                    live.link.send(
-                        frames.LeaseAsk(
-                            device=device,
-                            session=browser.key,
-                            who=browser.who.name,
-                            op=LeaseOp.FREE,
-                        )
-                    )
+        for site, device in self._asked.pop(browser.key, set()):
+            live = self._sites.get(site)
+            if live is not None and live.link is not None:
+                live.link.send(_lease_ask(browser, device, LeaseOp.FREE))
 
     def _drive(self, browser: Browser, live: LiveSite, asked: page.Drive) -> None:
         # The gateway checks all of this again; what cannot be right is not even sent.
@@ -363,6 +349,10 @@ def site_news(live: LiveSite) -> page.SiteNews:
         skew_ms=live.skew_ms,
         why=live.why,
     )
+
+
+def _lease_ask(browser: Browser, device: str, op: LeaseOp) -> frames.LeaseAsk:
+    return frames.LeaseAsk(device=device, session=browser.key, who=browser.who.name, op=op)
 
 
 def _stop_news(live: LiveSite, state: frames.StopState) -> page.StopNews:

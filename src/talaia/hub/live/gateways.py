@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 from typing import TYPE_CHECKING
 
 import numpy as np
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.websockets import WebSocketDisconnect
 
 from talaia import __version__
+from talaia.errors import TalaiaError
 from talaia.hub.live.cameras import GatewayCamera
 from talaia.hub.live.clocks import ClockOffset
 from talaia.hub.live.commanding import site_news
@@ -48,8 +51,10 @@ _NEWS_EVERY = 5
 _FAREWELL_S = 0.5
 _FINISH_S = 1.0
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+_STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
 REFUSED = 4400
 REPLACED = 4409
+TRY_LATER = 1013
 
 
 class GatewayLink:
@@ -147,9 +152,14 @@ class Gateways:
             return
         if hello is None or description is None:
             return
-        await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
-        acked = await ingest.start(hello.boot)
+        try:
+            await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
+            acked = await ingest.start(hello.boot)
+        except _STORE_FAILS as error:
+            _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
+            await link.farewell("the hub cannot store anything now; try again later", TRY_LATER)
+            return
         link.send(
             frames.Welcome(version=__version__, acked=acked, time_us=self._clock.wall_ns() // 1000)
         )
@@ -163,7 +173,8 @@ class Gateways:
             await asyncio.wait({storing}, timeout=_FINISH_S)
             storing.cancel()
             await asyncio.gather(storing, return_exceptions=True)
-            await self._registry.seen(site)
+            with contextlib.suppress(*_STORE_FAILS):
+                await self._registry.seen(site)
 
     async def serve_media(self, socket: WebSocket, site: str) -> None:
         """Take pictures of ``site`` until the gateway hangs up or a newer one comes."""
