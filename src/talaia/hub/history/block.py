@@ -1,4 +1,4 @@
-"""Samples of one channel as one piece of bytes, and how many go into one.
+"""Samples of one channel as one piece of bytes, and what goes into one.
 
 A block's bytes are: version (u8), length of the times (u32), the times, length of the values
 (u32), the values, and then, if there are any, the texts as MessagePack. Times and values are
@@ -8,6 +8,7 @@ A block's bytes are: version (u8), length of the times (u32), the times, length 
 from __future__ import annotations
 
 import struct
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
@@ -20,9 +21,8 @@ from talaia.hub.history.errors import HistoryError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["BLOCK", "Samples", "concatenate", "cut", "decode", "encode", "in_order"]
+__all__ = ["EMPTY", "Samples", "concatenate", "cut", "decode", "encode", "in_order"]
 
-BLOCK = 4096
 VERSION = 1
 _HEAD = struct.Struct("<BI")
 _LENGTH = struct.Struct("<I")
@@ -90,8 +90,8 @@ def in_order(samples: Samples) -> Samples:
     return samples.chosen(np.argsort(time_us, kind="stable"))
 
 
-def cut(samples: Samples) -> Iterator[Samples]:
-    """Cut samples in order of time into blocks of about `BLOCK`.
+def cut(samples: Samples, block: int) -> Iterator[Samples]:
+    """Cut samples in order of time into blocks of about ``block``.
 
     A block also ends at a long pause. So one sample with a wrong clock, or old samples that came
     late among new ones, do not make a block that every window overlaps.
@@ -101,9 +101,9 @@ def cut(samples: Samples) -> Iterator[Samples]:
     if step.size:
         pause = max(float(HOUR_US), PAUSE * float(np.median(step)))
         bounds[1:1] = [int(at) + 1 for at in np.flatnonzero(step > pause)]
-    for first, past in zip(bounds, bounds[1:], strict=False):
+    for first, past in pairwise(bounds):
         size = past - first
-        pieces = max(1, round(size / BLOCK))
+        pieces = max(1, round(size / block))
         for piece in range(pieces):
             yield samples.part(first + size * piece // pieces, first + size * (piece + 1) // pieces)
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from sqlalchemy import delete, func, insert, select
 
-from talaia.hub.history.block import BLOCK, concatenate, decode
+from talaia.hub.history.block import concatenate, decode
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.journal import part_of, read_row, write_row
 from talaia.hub.history.names import Names
@@ -32,15 +32,9 @@ if TYPE_CHECKING:
     from sqlalchemy import Connection, Engine
 
     from talaia.clock import Clock
+    from talaia.hub.history.limits import Limits
 
 __all__ = ["Append", "Below", "Gap", "Job", "Ledger"]
-
-# The journal may hold so many samples beside two blocks of each channel before slow channels'
-# tails are saved to free it: it is what has to be read again after a crash.
-JOURNAL = 500_000
-# With so many samples in a commit, it may seal one more channel. Twice as many as come.
-SEAL_EVERY = BLOCK // 2
-DELETE_AT_ONCE = 256
 
 
 class Append(NamedTuple):
@@ -103,12 +97,13 @@ class Ledger:
 
     """
 
-    def __init__(self, engine: Engine, clock: Clock) -> None:
+    def __init__(self, engine: Engine, clock: Clock, limits: Limits) -> None:
         """Use ``engine`` to write; `load` comes before anything else."""
         self._engine = engine
         self._clock = clock
+        self._limits = limits
         self.names = Names()
-        self.tails = Tails(1, 0)
+        self.tails = Tails(1, 0, limits.recent)
         self._stored: dict[int, Ranges] = {}
         self._settled: dict[int, Ranges] = {}
         self._changed: set[int] = set()
@@ -128,7 +123,7 @@ class Ledger:
             last_block = connection.scalar(select(func.max(tables.body.c.block_id))) or 0
             self._next_block = last_block + 1
             done = max(names.saved_row.values(), default=0)
-            tails = Tails(self._next_block, done)
+            tails = Tails(self._next_block, done, self._limits.recent)
             for row in connection.execute(select(tables.tail)):
                 tails.restore(row.channel_id, decode(row.body))
             self._next_row = done + 1
@@ -258,13 +253,13 @@ class Ledger:
         tails = self.tails
         if tails.is_due():
             tails.deal()
-        budget = 1 + draft.samples // SEAL_EVERY
+        # Twice as many as come, so that they are never more than a few behind.
+        budget = 1 + draft.samples // (self._limits.block // 2)
         # The fullest first: of channels that run in step, none falls behind for good.
-        due = [
-            (tail.size, channel) for channel, tail in tails.items().items() if tail.size >= BLOCK
-        ]
+        sizes = [(tail.size, channel) for channel, tail in tails.items().items()]
+        due = [(size, channel) for size, channel in sizes if size >= self._limits.block]
         chosen = [channel for _, channel in sorted(due, reverse=True)[:budget]]
-        full = self._in_journal > JOURNAL + 2 * BLOCK * len(tails.items())
+        full = self._in_journal > self._limits.journal + 2 * self._limits.block * len(tails.items())
         if full and len(chosen) < budget:
             waiting = [
                 (tail.oldest_row, channel)
@@ -272,7 +267,7 @@ class Ledger:
                 if tail.oldest_row is not None and channel not in chosen
             ]
             for _, channel in sorted(waiting)[: budget - len(chosen)]:
-                if tails.items()[channel].size >= BLOCK // 2:
+                if tails.items()[channel].size >= self._limits.block // 2:
                     chosen.append(channel)
                 else:
                     parts = concatenate(tails.items()[channel].parts)
@@ -288,6 +283,7 @@ class Ledger:
             self._next_block,
             self.names.longest_us[channel],
             concatenate(tail.parts),
+            self._limits.block,
             was_saved=tail.saved,
         )
         self._next_block += len(sealed.blocks)
@@ -301,9 +297,11 @@ class Ledger:
             connection.execute(insert(tables.hot), draft.rows)
         for row in draft.gaps:
             _write_gap(connection, row)
-        for each in (*draft.seals, *draft.saves):
-            each.write(connection)
-        return self._delete_done(connection, DELETE_AT_ONCE + 4 * len(draft.rows))
+        for sealed in draft.seals:
+            sealed.write(connection)
+        for saved in draft.saves:
+            saved.write(connection)
+        return self._delete_done(connection, self._limits.delete + 4 * len(draft.rows))
 
     def _delete_done(self, connection: Connection, most: int) -> int:
         """Delete journal rows that nobody needs; a range of numbers stands for them then."""
@@ -313,7 +311,7 @@ class Ledger:
             if row >= needed or most == 0:
                 break
             last, most = row, most - 1
-        if last and (most == 0 or self._in_journal > JOURNAL // 8):
+        if last and (most == 0 or self._in_journal > self._limits.journal // 8):
             self._write_ranges(connection)
             connection.execute(delete(tables.hot).where(tables.hot.c.id <= last))
             return last

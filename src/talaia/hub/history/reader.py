@@ -25,13 +25,10 @@ if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Connection, Engine
 
     from talaia.hub.history.ledger import Ledger
+    from talaia.hub.history.limits import Limits
 
 __all__ = ["Reader"]
 
-# Up to so many samples, decompressing is as quick as reading rollups, and more exact.
-RAW = 250_000
-# Texts have no rollups; of more than this the newest are shown, and the rest is a gap.
-TEXTS = 500_000
 FARTHEST_US = 2**62
 _BODIES_AT_ONCE = 200
 _block = tables.block
@@ -60,76 +57,85 @@ class _Window(NamedTuple):
 class Reader:
     """Reads in whatever thread it is called; never waits for a write."""
 
-    def __init__(self, engine: Engine, ledger: Ledger) -> None:
+    def __init__(self, engine: Engine, ledger: Ledger, limits: Limits) -> None:
         """Read by ``engine``, and look into the ledger's tails."""
         self._engine = engine
         self._ledger = ledger
+        self._limits = limits
 
     def read(
         self, site: str, addresses: Sequence[str], from_us: int, to_us: int, width: int
     ) -> list[Series]:
         """Read a window of several channels; see `HistoryStore.read`."""
-        from_us = max(-FARTHEST_US, min(FARTHEST_US, from_us))
-        to_us = max(-FARTHEST_US, min(FARTHEST_US, to_us))
+        # A driver would take numpy's whole numbers for something else.
+        from_us = max(-FARTHEST_US, min(FARTHEST_US, int(from_us)))
+        to_us = max(-FARTHEST_US, min(FARTHEST_US, int(to_us)))
+        # Memory before the database: what is sealed after this look is still in the snapshot, and
+        # its blocks stay out of the list. The other way round, samples could be in neither.
+        names, tails = self._ledger.names, self._ledger.tails
+        asked: list[tuple[str, _Window | None, Samples]] = []
+        for address in addresses:
+            channel = names.channels.get((site, address))
+            if channel is not None and from_us <= to_us:
+                samples, before = tails.snapshot(channel)
+                window = _Window(channel, from_us, to_us, names.longest_us[channel], before)
+                asked.append((address, window, samples))
+            else:
+                asked.append((address, None, EMPTY))
         with self._engine.begin() as connection:
             gaps = _gaps(connection, site, from_us, to_us)
-            found = []
-            for address in addresses:
-                channel = self._ledger.names.channels.get((site, address))
-                if channel is None or from_us > to_us:
-                    found.append(empty_series(address, gaps))
-                    continue
-                # Memory first: what is sealed after this look stays out of the blocks' list.
-                samples, before = self._ledger.tails.snapshot(channel)
-                longest_us = self._ledger.names.longest_us[channel]
-                window = _Window(channel, from_us, to_us, longest_us, before)
-                tail = in_order(samples).between(from_us, to_us)
-                found.append(_series(connection, address, window, tail, width, gaps))
-        return found
+            return [
+                empty_series(address, gaps)
+                if window is None
+                else self._series(connection, address, window, samples, width, gaps)
+                for address, window, samples in asked
+            ]
 
     def last(self, site: str, addresses: Sequence[str]) -> dict[str, tuple[int, float, str]]:
         """Find the newest sample of each channel; see `HistoryStore.last`."""
+        names, tails = self._ledger.names, self._ledger.tails
+        known = [(a, names.channels[site, a]) for a in addresses if (site, a) in names.channels]
+        asked = [(a, channel, tails.snapshot(channel).samples) for a, channel in known]
         found = {}
         with self._engine.begin() as connection:
-            for address in addresses:
-                channel = self._ledger.names.channels.get((site, address))
-                if channel is None:
-                    continue
-                tail = in_order(self._ledger.tails.snapshot(channel).samples)
-                samples = concatenate([_newest_block(connection, channel, tail), tail])
-                if not samples.time_us.size:
+            for address, channel, samples in asked:
+                tail = in_order(samples)
+                both = concatenate([_newest_block(connection, channel, tail), tail])
+                if not both.time_us.size:
                     continue
                 # Of equal times the one that came last; the tail came after the blocks.
-                at = samples.time_us.size - 1 - int(np.argmax(samples.time_us[::-1]))
-                text = samples.texts.get(at, "")
-                found[address] = (int(samples.time_us[at]), float(samples.value[at]), text)
+                at = both.time_us.size - 1 - int(np.argmax(both.time_us[::-1]))
+                text = both.texts.get(at, "")
+                found[address] = (int(both.time_us[at]), float(both.value[at]), text)
         return found
 
-
-def _series(  # noqa: PLR0913 - the question, and what is known of the answer
-    connection: Connection,
-    address: str,
-    window: _Window,
-    tail: Samples,
-    width: int,
-    gaps: list[HistoryGap],
-) -> Series:
-    query = select(func.coalesce(func.sum(_block.c.samples), 0)).where(*window.blocks())
-    count = int(connection.scalar(query) or 0)
-    span_us = window.to_us - window.from_us + 1
-    tier = tier_for(pixel_width(span_us, width) or span_us) if count > RAW else 0
-    if tier:
-        pixel_us = pixel_width(span_us, width, tier)
-        rolled = _rolled(connection, window, tier, pixel_us)
-        if not rolled.texts and not tail.texts:
-            return _drawn(address, in_order(concatenate([rolled, tail])), pixel_us, gaps)
-    samples, unread_us = _raw(connection, window)
-    if unread_us is not None:
-        gaps = [*gaps, HistoryGap(window.from_us, unread_us, "too many texts to show at once")]
-    samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
-    if samples.time_us.size <= 2 * width:
-        return Series(address, *samples, unread_us is None, gaps)
-    return _drawn(address, samples, pixel_width(span_us, width), gaps)
+    def _series(
+        self,
+        connection: Connection,
+        address: str,
+        window: _Window,
+        held: Samples,
+        width: int,
+        gaps: list[HistoryGap],
+    ) -> Series:
+        tail = in_order(held).between(window.from_us, window.to_us)
+        query = select(func.coalesce(func.sum(_block.c.samples), 0)).where(*window.blocks())
+        count = int(connection.scalar(query) or 0)
+        span_us = window.to_us - window.from_us + 1
+        many = count > max(self._limits.raw, 2 * width)
+        tier = tier_for(pixel_width(span_us, width) or span_us) if many else 0
+        if tier:
+            pixel_us = pixel_width(span_us, width, tier)
+            rolled = _rolled(connection, window, tier, pixel_us)
+            if not rolled.texts and not tail.texts:
+                return _drawn(address, in_order(concatenate([rolled, tail])), pixel_us, gaps)
+        samples, unread_us = _raw(connection, window, self._limits.texts)
+        if unread_us is not None:
+            gaps = [*gaps, HistoryGap(window.from_us, unread_us, "too many texts to show at once")]
+        samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
+        if samples.time_us.size <= 2 * width:
+            return Series(address, *samples, unread_us is None, gaps)
+        return _drawn(address, samples, pixel_width(span_us, width), gaps)
 
 
 def _drawn(address: str, samples: Samples, pixel_us: int, gaps: list[HistoryGap]) -> Series:
@@ -138,10 +144,10 @@ def _drawn(address: str, samples: Samples, pixel_us: int, gaps: list[HistoryGap]
         kept = edges_of(starts, samples.time_us.size)
     else:
         kept = np.unique(np.concatenate(extremes(samples.value, starts)))
-    return Series(address, *samples.chosen(kept), False, gaps)
+    return Series(address, *samples.chosen(kept), exact=False, gaps=gaps)
 
 
-def _raw(connection: Connection, window: _Window) -> tuple[Samples, int | None]:
+def _raw(connection: Connection, window: _Window, most_texts: int) -> tuple[Samples, int | None]:
     """Read all blocks of a window, and tell up to when they were not read, if there were too many.
 
     Samples come in the order of their blocks, which is that in which they came.
@@ -150,7 +156,7 @@ def _raw(connection: Connection, window: _Window) -> tuple[Samples, int | None]:
     blocks = [(row.id, row.last_us) for row in connection.execute(query)]
     read: dict[int, Samples] = {}
     size = 0
-    while blocks and (size < TEXTS or not any(part.texts for part in read.values())):
+    while blocks and (size < most_texts or not any(part.texts for part in read.values())):
         ids = [number for number, _ in blocks[-_BODIES_AT_ONCE:]]
         del blocks[-_BODIES_AT_ONCE:]
         some = _bodies(connection, ids)

@@ -7,7 +7,7 @@ least and the greatest carry their own time, so that a spike is drawn where it w
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
@@ -72,13 +72,15 @@ class Cells(NamedTuple):
         return np.concatenate((self.low_us, self.high_us)), np.concatenate((self.low, self.high))
 
 
+_INTS, _FLOATS = np.empty(0, np.int64), np.empty(0, np.float64)
+_NONE = Cells(_INTS, _INTS, _INTS, _FLOATS, _FLOATS, _INTS, _FLOATS, _INTS, _FLOATS, _INTS)
+
+
 def summarise(time_us: NDArray[np.int64], value: NDArray[np.float64], width_us: int) -> Cells:
     """Sum up samples in order of time; width 0 makes one cell of all that begins at the first."""
     starts = groups(time_us, width_us)
     if not starts.size:
-        return Cells(
-            *(np.empty(0, np.float64 if i in (3, 4, 6, 8) else np.int64) for i in range(10))
-        )
+        return _take(_NONE, starts)
     ends = np.append(starts[1:], time_us.size)
     finite = np.isfinite(value)
     low, high = extremes(value, starts)
@@ -167,4 +169,5 @@ def cover(from_us: int, past_us: int, width_us: int) -> list[Piece]:
 
 
 def _take(cells: Cells, order: NDArray[np.intp]) -> Cells:
-    return Cells(*(column[order] for column in cells))
+    columns: list[NDArray[Any]] = [column[order] for column in cells]
+    return Cells(*columns)

@@ -41,12 +41,11 @@ def cells_to_rows(cells: Cells, **same: int) -> list[dict[str, Any]]:
 def rows_to_cells(rows: Sequence[Sequence[Any]]) -> Cells:
     """Read rows of ``bucket_us`` and `SUMMARY` back."""
     columns = list(zip(*rows, strict=True)) or [()] * len(Cells._fields)
-    return Cells(
-        *(
-            to_float(column) if name in _FLOATS else np.array(column, np.int64)
-            for name, column in zip(Cells._fields, columns, strict=True)
-        )
-    )
+    arrays: list[NDArray[Any]] = [
+        to_float(column) if name in _FLOATS else np.array(column, np.int64)
+        for name, column in zip(Cells._fields, columns, strict=True)
+    ]
+    return Cells(*arrays)
 
 
 def to_float(column: Sequence[float | None]) -> NDArray[np.float64]:
@@ -57,9 +56,9 @@ def to_float(column: Sequence[float | None]) -> NDArray[np.float64]:
     return value
 
 
-def _out(column: NDArray[np.float64]) -> list[float | None]:
+def _out(column: NDArray[Any]) -> list[float | None]:
     # MariaDB keeps no infinities, and neither it nor SQLite keeps NaN.
     if np.isfinite(column).all():
         return column.tolist()  # type: ignore[no-any-return]
     clipped: list[float] = np.clip(column, -_MAX, _MAX).tolist()
-    return [None if value != value else value for value in clipped]  # noqa: PLR0124
+    return [None if value != value else value for value in clipped]

@@ -73,13 +73,20 @@ def save(channel: int, row: int, samples: Samples) -> Saved:
     return Saved(channel, row, encode(samples))
 
 
-def seal(  # noqa: PLR0913 - each is one fact of the tail
-    channel: int, row: int, first_block: int, longest_us: int, samples: Samples, *, was_saved: bool
+def seal(
+    channel: int,
+    row: int,
+    first_block: int,
+    longest_us: int,
+    samples: Samples,
+    block: int,
+    *,
+    was_saved: bool,
 ) -> Sealed:
     """Compress a tail into blocks and sum it up."""
     blocks, bodies = [], []
     rollups: dict[int, list[Cells]] = {}
-    for number, part in enumerate(cut(in_order(samples)), first_block):
+    for number, part in enumerate(cut(in_order(samples), block), first_block):
         # Texts have no least and no greatest; a block with texts is always read itself.
         finest = 0 if part.texts else finest_width(part.time_us)
         whole = summarise(part.time_us, part.value, 0)

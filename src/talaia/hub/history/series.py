@@ -41,4 +41,6 @@ class Series(NamedTuple):
 
 def empty_series(address: str, gaps: list[HistoryGap]) -> Series:
     """Give the series of a channel that has nothing to show."""
-    return Series(address, np.empty(0, np.int64), np.empty(0, np.float64), {}, True, gaps)
+    return Series(
+        address, np.empty(0, np.int64), np.empty(0, np.float64), {}, exact=True, gaps=gaps
+    )

@@ -11,6 +11,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_engine
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.ledger import Append, Below, Gap, Ledger
+from talaia.hub.history.limits import Limits
 from talaia.hub.history.reader import Reader
 from talaia.hub.history.writer import Writer
 from talaia.hub.store.history_tables import HISTORY_TABLES
@@ -37,20 +38,21 @@ class HistoryStore:
     epoch (UTC).
     """
 
-    def __init__(self, url: str, clock: Clock) -> None:
+    def __init__(self, url: str, clock: Clock, limits: Limits | None = None) -> None:
         """Prepare for a SQLAlchemy URL with a synchronous driver; nothing is opened yet.
 
         Raises:
             HistoryError: the URL cannot be read, or its driver is not installed.
 
         """
+        limits = limits or Limits()
         self._address = address_of(url)
         self._writing = open_engine(url, writes=True)
         self._reading = open_engine(url, writes=False)
-        ledger = Ledger(self._writing, clock)
+        ledger = Ledger(self._writing, clock, limits)
         self._checkpoints = Checkpoints(self._writing, self._reading)
         self._writer = Writer(ledger, self._checkpoints, clock)
-        self._reader = Reader(self._reading, ledger)
+        self._reader = Reader(self._reading, ledger, limits)
         # One connection less than the engine has: the checkpoint's is one of them.
         self._threads = ThreadPoolExecutor(READERS - 1, "history-reader")
 
@@ -92,7 +94,7 @@ class HistoryStore:
         if len(columns):
             await self._writer.do(Append(site, boot, first, addresses, columns))
 
-    async def record_gap(  # noqa: PLR0913 - a gap has that many sides
+    async def record_gap(
         self,
         site: str,
         boot: str,

@@ -8,6 +8,7 @@ the channels' *tails* a few thousand samples at a time. One thread writes, any t
 from __future__ import annotations
 
 import threading
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = ["Chunk", "Snapshot", "Tail", "Tails"]
-
-# Deal out when so many samples wait: a reader has to look through them.
-RECENT = 4096
 
 
 class Chunk(NamedTuple):
@@ -80,18 +78,20 @@ class Snapshot(NamedTuple):
 class Tails:
     """All tails, and the batches that are still to be dealt out to them."""
 
-    def __init__(self, block: int, row: int) -> None:
+    def __init__(self, block: int, row: int, recent: int) -> None:
         """Start empty.
 
         Args:
             block: id that the next block will get.
             row: journal rows up to this one have been dealt out.
+            recent: deal out when so many samples wait.
 
         """
         self._lock = threading.Lock()
         self._recent: list[Chunk] = []
         self._waiting = 0
         self._tails: dict[int, Tail] = {}
+        self._enough = recent
         self.block = block
         self.dealt_row = row
 
@@ -107,7 +107,7 @@ class Tails:
 
     def is_due(self) -> bool:
         """Tell whether enough batches wait to be dealt out."""
-        return self._waiting >= RECENT
+        return self._waiting >= self._enough
 
     def restore(self, channel: int, samples: Samples) -> None:
         """Take a tail that was saved in the database."""
@@ -170,7 +170,7 @@ def _deal(chunks: list[Chunk]) -> list[tuple[int, int, Samples]]:
     bounds = [*starts.tolist(), ids.size]
     return [
         (int(ids[first]), int(rows[order[first]]), _own(in_turn.part(first, past)))
-        for first, past in zip(bounds, bounds[1:], strict=False)
+        for first, past in pairwise(bounds)
     ]
 
 

@@ -7,10 +7,9 @@ because MariaDB keeps neither. The samples themselves, inside the bodies, keep e
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import (
-    DDL,
     BigInteger,
     Column,
     Double,
@@ -26,6 +25,9 @@ from sqlalchemy import (
 from sqlalchemy.dialects import mysql
 
 from talaia.hub.store.tables import metadata
+
+if TYPE_CHECKING:
+    from sqlalchemy import Connection
 
 __all__ = [
     "HISTORY_TABLES",
@@ -181,12 +183,14 @@ HISTORY_TABLES = (
     channel, boot, stored_range, gap, catalogue, hot, tail, block, body, rollup
 )  # fmt: skip
 
-# Bodies are compressed already; PostgreSQL must not try again.
+
+def _store_as_it_is(table: Table, connection: Connection, **_: object) -> None:
+    # Bodies are compressed already; PostgreSQL must not try again.
+    if connection.dialect.name == "postgresql":
+        connection.exec_driver_sql(
+            f"ALTER TABLE {table.name} ALTER COLUMN body SET STORAGE EXTERNAL"
+        )
+
+
 for _table in (hot, tail, body):
-    event.listen(
-        _table,
-        "after_create",
-        DDL(f"ALTER TABLE {_table.name} ALTER COLUMN body SET STORAGE EXTERNAL").execute_if(
-            dialect="postgresql"
-        ),
-    )
+    event.listen(_table, "after_create", _store_as_it_is)

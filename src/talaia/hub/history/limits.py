@@ -1,0 +1,30 @@
+"""How much the history holds back, writes at once and reads itself."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ["Limits"]
+
+
+class Limits(NamedTuple):
+    """Sizes in samples, unless said otherwise.
+
+    Attributes:
+        block: a block's size; a channel with so many in memory is sealed.
+        recent: committed batches are dealt out to the channels when they hold so many; a reader
+            has to look through them.
+        journal: what the journal may hold beside two blocks of each channel, before slow
+            channels' tails are saved to free it. It is what is read again after a crash.
+        delete: journal rows deleted in one commit, beside four for each row written.
+        raw: up to so many, decompressing is as quick as reading rollups, and more exact.
+        texts: of more texts than this the newest are shown, for they have no rollups.
+
+    """
+
+    block: int = 4_096
+    recent: int = 4_096
+    journal: int = 500_000
+    delete: int = 256
+    raw: int = 250_000
+    texts: int = 500_000

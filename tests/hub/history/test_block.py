@@ -1,0 +1,96 @@
+"""Blocks and journal rows: samples as bytes, every bit kept."""
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from talaia.hub.history.block import Samples, concatenate, cut, decode, encode, in_order
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.journal import part_of, read_row, write_row
+from talaia.wire.columns import Columns
+
+BLOCK = 4096
+times = st.one_of(st.integers(-(2**61), 2**61), st.integers(0, 10_000_000))
+bits = st.integers(0, 2**64 - 1)
+
+
+@st.composite
+def many(draw, least=1):
+    pairs = draw(st.lists(st.tuples(times, bits), min_size=least, max_size=50))
+    texts = draw(st.dictionaries(st.integers(0, max(0, len(pairs) - 1)), st.text(), max_size=5))
+    return Samples(
+        np.array([t for t, _ in pairs], np.int64),
+        np.array([b for _, b in pairs], np.uint64).view(np.float64),
+        texts if pairs else {},
+    )
+
+
+def same(one, other) -> bool:
+    return (
+        np.array_equal(one.time_us, other.time_us)
+        and np.array_equal(one.value.view(np.uint64), other.value.view(np.uint64))
+        and one.texts == other.texts
+    )
+
+
+@given(many())
+def test_a_block_keeps_every_bit(samples) -> None:
+    assert same(decode(encode(samples)), samples)
+
+
+@given(many(), st.data())
+def test_a_journal_row_keeps_every_bit(samples, data) -> None:
+    channel = np.arange(samples.time_us.size, dtype=np.uint16)
+    columns = Columns(channel, *samples)
+    assert same(read_row(write_row(columns)), samples)
+    first = data.draw(st.integers(0, channel.size - 1))
+    past = data.draw(st.integers(first + 1, channel.size))
+    part = read_row(write_row(part_of(columns, first, past)))
+    assert same(part, samples.part(first, past))
+    assert part.channel.tolist() == channel[first:past].tolist()
+
+
+@given(many(least=2))
+def test_cutting_loses_nothing_and_keeps_the_order(samples) -> None:
+    samples = in_order(samples)
+    assert same(concatenate(list(cut(samples, BLOCK))), samples)
+
+
+def test_one_time_stamp_keeps_the_order_of_arrival() -> None:
+    samples = in_order(Samples(np.array([5, 3, 5, 3]), np.array([1.0, 2.0, 3.0, 4.0]), {2: "x"}))
+    assert samples.value.tolist() == [2.0, 4.0, 1.0, 3.0]
+    assert samples.texts == {3: "x"}
+
+
+def test_a_wrong_clock_gets_a_block_of_its_own() -> None:
+    time_us = np.concatenate(([0], 1_700_000_000_000_000 + np.arange(100) * 10_000))
+    parts = list(cut(Samples(time_us, np.zeros(101), {}), BLOCK))
+    assert [part.time_us.size for part in parts] == [1, 100]
+
+
+def test_a_slow_channel_is_not_cut_at_each_sample() -> None:
+    day = 86_400_000_000
+    assert len(list(cut(Samples(np.arange(500) * day, np.zeros(500), {}), BLOCK))) == 1
+
+
+def test_a_long_tail_becomes_blocks_of_the_usual_size() -> None:
+    sizes = [
+        part.time_us.size for part in cut(Samples(np.arange(70_000), np.zeros(70_000), {}), BLOCK)
+    ]
+    assert all(BLOCK // 2 < size < 2 * BLOCK for size in sizes)
+
+
+@given(st.binary(max_size=200))
+def test_damaged_bytes_are_a_history_error(data) -> None:
+    for read in (decode, read_row):
+        try:
+            read(data)
+        except HistoryError:
+            continue
+
+
+@pytest.mark.parametrize("read", [decode, read_row])
+def test_bytes_of_a_newer_program_say_so(read) -> None:
+    body = encode(Samples(np.array([1]), np.array([1.0]), {}))
+    with pytest.raises(HistoryError, match="version 9"):
+        read(b"\x09" + body[1:] + bytes(32))

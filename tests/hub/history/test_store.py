@@ -1,0 +1,323 @@
+"""The history store: what comes out is what went in."""
+
+import asyncio
+import shutil
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
+
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.limits import Limits
+from talaia.hub.history.series import HistoryGap
+from talaia.wire.columns import Columns
+
+from .conftest import SMALL, opened
+from .samples import ALL, batch, rows_of, wanted
+
+SECOND = 1_000_000
+START = 1_700_000_000 * SECOND
+ADDRESSES = ["base/speed", "base/pose.x", "base/mode"]
+
+number = st.one_of(
+    st.floats(-10, 10),
+    st.sampled_from([float("nan"), float("inf"), float("-inf"), -0.0, 1.7976931348623157e308]),
+)
+# Times that repeat, go back, stand decades apart; all before the year 2100 or thereabouts.
+moment = st.one_of(
+    st.integers(START, START + 50), st.integers(START, START + 10**10), st.integers(0, 2**52)
+)
+row = st.one_of(
+    st.tuples(st.integers(0, 1), moment, number),
+    st.tuples(st.just(2), moment, st.text(max_size=5)),
+)
+# A stretch of the boot's samples by position and length: any order, repeats and overlaps.
+stretches = st.lists(st.tuples(st.integers(0, 299), st.integers(1, 120)), min_size=1, max_size=12)
+
+
+async def check(store, rows, stored):
+    known = [r for i, r in enumerate(rows) if i in stored]
+    for channel, series in enumerate(await store.read("agv", ADDRESSES, *ALL, 1000)):
+        assert series.exact
+        assert rows_of(series) == wanted(known, channel)
+        assert (np.diff(series.time_us) >= 0).all()
+    below = next(i for i in range(len(rows) + 1) if i not in stored)
+    assert await store.stored_below("agv", "b1") == below
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(row, min_size=1, max_size=30), stretches, st.sets(st.integers(0, 11)))
+def test_what_comes_out_went_in_for_any_order_overlap_and_crash(some, stretches, crashes) -> None:
+    """A crash: the files as they are at that moment, opened by a new run."""
+    again = (some * 300)[:300]
+    rows = [
+        (channel, time_us + i // len(some), value)
+        for i, (channel, time_us, value) in enumerate(again)
+    ]
+
+    async def run(folder: Path) -> None:
+        stored, number = set(), 0
+        paths = [folder / "0.db"]
+        store = opened(f"sqlite:///{paths[0]}")
+        current = await store.__aenter__()
+        for at, (first, length) in enumerate(stretches):
+            part = rows[first : first + length]
+            await current.append("agv", "b1", first, ADDRESSES, batch(part))
+            stored |= set(range(first, first + len(part)))
+            if at in crashes:
+                number += 1
+                for file in folder.glob(f"{number - 1}.db*"):
+                    if not file.name.endswith("-shm"):
+                        name = file.name.replace(str(number - 1), str(number))
+                        shutil.copy(file, folder / name)
+                await store.__aexit__(None, None, None)
+                store = opened(f"sqlite:///{folder / f'{number}.db'}")
+                current = await store.__aenter__()
+                await check(current, rows, stored)
+        await check(current, rows, stored)
+        await store.__aexit__(None, None, None)
+
+    with tempfile.TemporaryDirectory() as folder:
+        asyncio.run(run(Path(folder)))
+
+
+async def feed(store, count, rate=100, first=0, size=500, value=None):
+    """Store one channel at a rate (Hz) in batches."""
+    for at in range(first, first + count, size):
+        index = np.arange(at, min(at + size, first + count))
+        values = np.sin(index / 500) if value is None else value(index)
+        time_us = START + index * SECOND // rate
+        columns = Columns(np.zeros(index.size, np.uint16), time_us, values, {})
+        await store.append("agv", "b1", at, ["base/speed"], columns)
+
+
+async def test_many_samples_survive_sealing_and_reopening(url) -> None:
+    async with opened(url) as store:
+        await feed(store, 3000)
+    async with opened(url) as store:
+        await feed(store, 2000, first=2500)
+        (series,) = await store.read("agv", ["base/speed"], *ALL, 5000)
+        assert series.exact
+        np.testing.assert_array_equal(series.time_us, START + np.arange(4500) * SECOND // 100)
+        np.testing.assert_array_equal(series.value, np.sin(np.arange(4500) / 500))
+        assert await store.stored_below("agv", "b1") == 4500
+
+
+async def test_a_chart_has_at_most_two_points_a_pixel_and_every_spike(url) -> None:
+    def spiky(index):
+        value = np.sin(index / 5000)
+        value[index == 7_777] = 99.0
+        value[index == 31_313] = -99.0
+        return value
+
+    async with opened(url, SMALL._replace(block=512, recent=512)) as store:
+        await feed(store, 60_000, value=spiky)
+        for width in (1, 2, 7, 20, 25):
+            (series,) = await store.read("agv", ["base/speed"], START, START + 600 * SECOND, width)
+            assert not series.exact
+            assert series.time_us.size <= 2 * width
+            assert (np.diff(series.time_us) >= 0).all()
+            assert series.value.max() == 99.0
+            assert series.value.min() == -99.0
+            assert START + 77_770_000 in series.time_us
+        low, high = START + 77 * SECOND, START + 79 * SECOND
+        (series,) = await store.read("agv", ["base/speed"], low, high, 200)
+        assert series.exact
+        assert series.time_us.size == 201
+
+
+@pytest.mark.parametrize("rate", [1, 100])
+async def test_rollups_show_the_extremes_of_each_pixel_to_the_window_s_edge(url, rate) -> None:
+    noise = np.random.default_rng(rate).normal(size=20_000)
+    time_us = START + np.arange(20_000) * SECOND // rate
+    async with opened(url, SMALL._replace(block=512, recent=512)) as store:
+        await feed(store, 20_000, rate, value=lambda index: noise[index])
+        # Ends that cut through buckets of every width.
+        first, last = time_us[37] + 1, time_us[19_041] + 3
+        (series,) = await store.read("agv", ["base/speed"], first, last, 10)
+        inside = (time_us >= first) & (time_us <= last)
+        assert not series.exact
+        assert series.time_us.size <= 20
+        assert series.value.min() == noise[inside].min()
+        assert series.value.max() == noise[inside].max()
+        assert series.time_us.min() >= first
+        assert series.time_us.max() <= last
+        shown = dict(zip(time_us.tolist(), noise.tolist(), strict=True))
+        assert all(shown[t] == v for t, v in zip(*series[1:3], strict=True))
+
+
+async def test_late_samples_are_in_the_rollups_too(url) -> None:
+    async with opened(url, SMALL._replace(block=512, recent=512)) as store:
+        await feed(store, 10_000)
+        late = np.arange(600)
+        columns = Columns(
+            np.zeros(600, np.uint16), START + 20 * SECOND + late, np.full(600, 50.0), {}
+        )
+        await store.append("agv", "b1", 50_000, ["base/speed"], columns)
+        await feed(store, 5_000, first=10_000)
+        (series,) = await store.read("agv", ["base/speed"], START, START + 200 * SECOND, 20)
+        assert not series.exact
+        assert series.value.max() == 50.0
+
+
+async def test_nan_infinities_and_texts_come_back(url) -> None:
+    odd = [float("nan"), float("inf"), float("-inf"), -0.0, 5e-324, 1.7976931348623157e308]
+    rows = [(0, START + i, odd[i % 6]) for i in range(300)]
+    rows += [(2, START + i, "πλοίο 🚢\0" * (i % 3)) for i in range(300)]
+    async with opened(url) as store:
+        for at in range(0, 600, 60):
+            await store.append("agv", "b1", at, ADDRESSES, batch(rows[at : at + 60]))
+        for channel in (0, 2):
+            (series,) = await store.read("agv", [ADDRESSES[channel]], *ALL, 1000)
+            assert rows_of(series) == wanted(rows, channel)
+
+
+async def test_infinite_spikes_show_in_a_chart_of_rollups(url) -> None:
+    def odd(index):
+        value = np.full(index.size, np.nan)
+        value[index % 2000 == 999] = np.inf
+        value[index % 2000 == 1999] = -np.inf
+        return value
+
+    async with opened(url, SMALL._replace(block=512, recent=512)) as store:
+        await feed(store, 20_000, value=odd)
+        (series,) = await store.read("agv", ["base/speed"], START, START + 200 * SECOND, 15)
+        assert np.inf in series.value
+        assert -np.inf in series.value
+
+
+async def test_many_texts_are_thinned_and_too_many_leave_a_gap_that_says_so(url) -> None:
+    limits = SMALL._replace(texts=10_000)
+    rows = [(0, START + i * SECOND, f"line {i}") for i in range(2000)]
+    async with opened(url, limits) as store:
+        for at in range(0, 2000, 100):
+            await store.append("agv", "b1", at, ["base/mode"], batch(rows[at : at + 100]))
+        (series,) = await store.read("agv", ["base/mode"], *ALL, 10)
+        assert not series.exact
+        assert 2 <= len(series.texts) <= 20
+        assert series.texts[len(series.texts) - 1] == "line 1999"
+        assert not series.gaps
+
+
+async def test_gaps_are_kept_once_and_count_as_settled(url) -> None:
+    async with opened(url) as store:
+        await store.append("agv", "b1", 0, ADDRESSES, batch([(0, START, 1.0)] * 10))
+        for _ in range(2):
+            await store.record_gap("agv", "b1", 10, 19, START, START + SECOND, "spool full")
+        await store.append("agv", "b1", 20, ADDRESSES, batch([(0, START, 1.0)] * 5))
+        await store.record_gap("agv", "b1", 25, 24, START + 9 * SECOND, START + 10 * SECOND, "off")
+        assert await store.stored_below("agv", "b1") == 25
+    async with opened(url) as store:
+        assert await store.stored_below("agv", "b1") == 25
+        (series,) = await store.read("agv", ["base/speed"], START, START + 5 * SECOND, 100)
+        assert series.gaps == [HistoryGap(START, START + SECOND, "spool full")]
+        assert series.time_us.size == 15
+        (other,) = await store.read("dome", ["base/speed"], *ALL, 100)
+        assert other.gaps == []
+
+
+async def test_last_is_the_newest_by_time_and_of_equals_the_latest(url) -> None:
+    rows = [(0, START + i, float(i)) for i in range(100)]
+    rows += [(0, START + 99, 123.0), (0, START, -1.0), (2, START, "on")]
+    async with opened(url) as store:
+        await store.append("agv", "b1", 0, ADDRESSES, batch(rows))
+        wanted = {"base/speed": (START + 99, 123.0)}
+        for _ in range(2):
+            found = await store.last("agv", [*ADDRESSES, "no/such"])
+            assert found["base/speed"][:2] == wanted["base/speed"]
+            assert found["base/mode"][2] == "on"
+            assert "no/such" not in found
+            # The second time round the tail is in a block.
+            await store.append("agv", "b1", 200, ADDRESSES, batch([(1, START, 0.0)] * 40))
+
+
+async def test_sites_boots_and_addresses_are_kept_apart(url) -> None:
+    async with opened(url) as store:
+        for site in ("agv", "AGV"):
+            for boot in ("b1", "b2"):
+                await store.append(site, boot, 0, ["a/x", "A/x"], batch([(0, START, 1.0)]))
+        series = await store.read("agv", ["a/x", "A/x", "no/such"], *ALL, 100)
+        assert [each.time_us.size for each in series] == [2, 0, 0]
+
+
+async def test_a_changed_description_keeps_the_history_of_what_it_renamed(url) -> None:
+    async with opened(url) as store:
+        await store.append("agv", "b1", 0, ["a/old", "a/same"], batch([(0, 1, 1.0), (1, 1, 2.0)]))
+        await store.append("agv", "b1", 2, ["a/same", "a/new"], batch([(0, 2, 3.0), (1, 2, 4.0)]))
+        series = await store.read("agv", ["a/old", "a/same", "a/new"], *ALL, 100)
+        assert [each.value.tolist() for each in series] == [[1.0], [2.0, 3.0], [4.0]]
+
+
+async def test_a_batch_that_cannot_be_kept_does_not_harm_the_others(url) -> None:
+    good = batch([(0, START, 1.0)])
+    async with opened(url) as store:
+        bad = [
+            store.append("agv", "b1", 5, ["a/x"], batch([(3, START, 1.0)])),
+            store.append("agv", "b1", -1, ["a/x"], good),
+            store.append("agv", "b1", 5, ["a/\0"], good),
+            store.append("agv", "b1", 5, ["a/x"], batch([(0, START, "\ud800")])),
+            store.append("agv", "b1", 5, ["a/x"], Columns(*good[:3], {7: "x"})),
+            store.record_gap("agv", "b1", 9, 5, 0, 0, "backwards"),
+        ]
+        fine = [store.append("agv", "b1", i, ["a/x"], good) for i in range(5)]
+        answers = await asyncio.gather(*bad, *fine, return_exceptions=True)
+        assert [type(each) for each in answers] == [HistoryError] * 6 + [type(None)] * 5
+        (series,) = await store.read("agv", ["a/x"], *ALL, 100)
+        assert series.time_us.size == 5
+        assert await store.stored_below("agv", "b1") == 5
+
+
+async def test_slow_channels_do_not_keep_the_journal_from_shrinking(tmp_path) -> None:
+    import sqlite3
+
+    url = f"sqlite:///{tmp_path}/history.db"
+    async with opened(url, Limits(block=64, recent=32, journal=500, delete=4)) as store:
+        slow, sequence = [], 0
+        for at in range(200):
+            rows = [(0, START + at * 1000 + i, float(i)) for i in range(20)]
+            if at % 50 == 0:
+                rows.append((1, START + at, float(at)))
+                slow.append(float(at))
+            await store.append("agv", "b1", sequence, ADDRESSES, batch(rows))
+            sequence += len(rows)
+        database = sqlite3.connect(tmp_path / "history.db")
+        assert database.execute("select sum(samples) from history_hot").fetchone()[0] < 1000
+        database.close()
+    async with opened(url) as store:
+        fast, slowly = await store.read("agv", ADDRESSES[:2], *ALL, 5000)
+        assert fast.time_us.size == 4000
+        assert slowly.value.tolist() == slow
+        assert await store.stored_below("agv", "b1") == sequence
+
+
+async def test_reads_see_every_sample_while_blocks_are_sealed(url) -> None:
+    """A sample moves from memory to a block: a reader must find it once, in one of them."""
+    done = asyncio.Event()
+
+    async def write(store) -> None:
+        await feed(store, 4000, size=40)
+        done.set()
+
+    async with opened(url) as store:
+        writing = asyncio.create_task(write(store))
+        seen = 0
+        while not done.is_set():
+            (series,) = await store.read("agv", ["base/speed"], *ALL, 4000)
+            assert series.exact
+            assert series.time_us.size >= seen
+            assert np.unique(series.time_us).size == series.time_us.size
+            assert series.time_us.size % 40 == 0
+            seen = series.time_us.size
+        await writing
+
+
+async def test_a_database_without_tables_says_what_to_do(tmp_path) -> None:
+    from talaia.clock import SystemClock
+    from talaia.hub.history.store import HistoryStore
+
+    store = HistoryStore(f"sqlite:///{tmp_path}/empty.db", SystemClock())
+    with pytest.raises(HistoryError, match="tables are up to date"):
+        await store.open()
+    await store.close()
