@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LOCKS = {"dev.txt": ["--extra", "dev"], "demo.txt": ["--extra", "hub", "--extra", "sim"]}
-ALWAYS = "hatchling>=1.27\n"
+ALWAYS = "hatchling>=1.27\neditables>=0.5\n"  # both for the editable install
 
 
 def main() -> int:

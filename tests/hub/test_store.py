@@ -1,6 +1,7 @@
 """The database: migrations, the audit log's chain, gateway keys."""
 
 import asyncio
+from dataclasses import replace
 
 import pytest
 from alembic.autogenerate import compare_metadata
@@ -10,8 +11,9 @@ from sqlalchemy import inspect, text
 from talaia.clock import SystemClock
 from talaia.hub import accounts
 from talaia.hub.errors import NameTaken, StoreError
+from talaia.hub.settings import Settings
 from talaia.hub.store.audit import Audit
-from talaia.hub.store.database import Database, blocking_url
+from talaia.hub.store.database import Database
 from talaia.hub.store.sites import SiteRegistry
 from talaia.hub.store.tables import metadata
 
@@ -76,9 +78,11 @@ def test_unknown_database_is_refused_with_an_example() -> None:
         Database("nonsense")
 
 
-def test_history_gets_the_same_database_with_a_driver_for_threads() -> None:
-    assert blocking_url("sqlite+aiosqlite:////a/b.db") == "sqlite:////a/b.db"
-    assert blocking_url("postgresql+asyncpg://u:p@h/d") == "postgresql+psycopg://u:p@h/d"
+def test_history_gets_the_same_database_with_a_driver_for_threads(tmp_path) -> None:
+    settings = Settings(data=tmp_path)
+    assert settings.history_url == f"sqlite:///{tmp_path / 'talaia.db'}"
+    server = replace(settings, database_url="postgresql+asyncpg://u:p@h/d")
+    assert server.history_url == "postgresql+psycopg://u:p@h/d"
 
 
 async def written(audit: Audit, *kinds: str) -> None:

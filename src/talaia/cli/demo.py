@@ -98,7 +98,7 @@ async def _run(options: argparse.Namespace, data: Path, began: float) -> None:
 async def _start(options: argparse.Namespace, data: Path, parts: list[Part], began: float) -> None:
     port = _free_port(options.port)
     address = f"http://localhost:{port}"
-    world = domain.reserve()
+    world = domain.reserve().domain  # kept until this process ends
     here = domain.environment(world)
     simulator = ["sim", "vehicle", "--domain", str(world), "--seed", str(options.seed)]
     simulator += ["--log", str(data / "actuations.jsonl")]
@@ -120,7 +120,7 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     parts.append(await start("hub", hub, data / "hub.log"))
     parts.append(await start("gateway", gateway, data / "gateway.log", here))
     await asyncio.gather(
-        parts[0].says("ready", 30), parts[1].says("ready", 30), parts[2].says("connected", 30)
+        parts[0].says("ready", 30), parts[1].says("ready", 30), parts[2].says("linked to", 30)
     )
     _greet(address, logins, data, time.monotonic() - began)
     if not options.no_browser and _has_screen():

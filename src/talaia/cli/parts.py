@@ -60,7 +60,7 @@ class Part:
             PartStopped: always.
 
         """
-        await self._reader
+        await asyncio.shield(self._reader)
         code = await self.process.wait()
         raise PartStopped(self.name, code, "\n".join(self.last))
 

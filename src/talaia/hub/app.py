@@ -29,7 +29,7 @@ from talaia.hub.live.media import Media
 from talaia.hub.live.seats import Seats
 from talaia.hub.live.sites import Sites
 from talaia.hub.store.audit import Audit
-from talaia.hub.store.database import Database, blocking_url
+from talaia.hub.store.database import Database
 from talaia.hub.store.people import People
 from talaia.hub.store.sites import SiteRegistry
 from talaia.model.errors import DescriptionError
@@ -65,7 +65,7 @@ class Hub:
         self.setup_token: str | None = None
         self._clock = clock
         self._database = Database(settings.url)
-        self._history = history or HistoryStore(blocking_url(settings.url), clock)
+        self._history = history or HistoryStore(settings.history_url, clock)
         self._people = People(self._database, clock)
         self._registry = SiteRegistry(self._database, clock)
         self._audit = Audit(self._database, clock)

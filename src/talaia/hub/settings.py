@@ -14,6 +14,15 @@ if TYPE_CHECKING:
 __all__ = ["Settings", "is_loopback"]
 
 
+# The history works in threads of its own, with a driver that waits.
+_BLOCKING = {
+    "sqlite": "sqlite",
+    "postgresql": "postgresql+psycopg",
+    "mysql": "mysql+pymysql",
+    "mariadb": "mariadb+pymysql",
+}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """What a hub is told at its start.
@@ -65,6 +74,13 @@ class Settings:
     def url(self) -> str:
         """Give the database's SQLAlchemy URL."""
         return self.database_url or f"sqlite+aiosqlite:///{self.data.absolute() / 'talaia.db'}"
+
+    @property
+    def history_url(self) -> str:
+        """Give the same database's URL for the history, whose threads need a blocking driver."""
+        scheme, _, rest = self.url.partition("://")
+        engine = scheme.partition("+")[0]
+        return f"{_BLOCKING.get(engine, scheme)}://{rest}"
 
     @property
     def host_names(self) -> frozenset[str]:

@@ -21,27 +21,10 @@ if TYPE_CHECKING:
     from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
     from sqlalchemy.pool import ConnectionPoolEntry
 
-__all__ = ["Database", "blocking_url"]
+__all__ = ["Database"]
 
 _MIGRATIONS = Path(__file__).parent / "migrations"
 _WRITES = "talaia_writes"
-# The history works in threads of its own: the driver that waits, for each that does not.
-_BLOCKING = {
-    "sqlite+aiosqlite": "sqlite",
-    "postgresql+asyncpg": "postgresql+psycopg",
-    "postgresql+psycopg_async": "postgresql+psycopg",
-    "mysql+aiomysql": "mysql+pymysql",
-    "mysql+asyncmy": "mysql+pymysql",
-    "mariadb+aiomysql": "mariadb+pymysql",
-    "mariadb+asyncmy": "mariadb+pymysql",
-}
-
-
-def blocking_url(url: str) -> str:
-    """Give the URL of the same database with a driver for threads."""
-    parsed = make_url(url)
-    driver = _BLOCKING.get(parsed.drivername, parsed.drivername)
-    return parsed.set(drivername=driver).render_as_string(hide_password=False)
 
 
 class Database:

@@ -1,0 +1,1 @@
+"""The process beside the robot: reads it, drives it, keeps it safe, and dials the hub."""

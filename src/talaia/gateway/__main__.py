@@ -1,0 +1,9 @@
+"""``python -m talaia.gateway``."""
+
+from __future__ import annotations
+
+import sys
+
+from talaia.gateway.run import main
+
+sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,1 @@
+"""The parts that speak one robot protocol each."""

@@ -1,0 +1,48 @@
+"""The adapter of a site that has no robot connection: hears nothing, refuses all."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from talaia.gateway.ports import Outcome
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from talaia.gateway.ports import Reading
+    from talaia.wire.frames import Scalar
+
+__all__ = ["Nobody"]
+
+
+class Nobody:
+    """An `Adapter`."""
+
+    async def run(self) -> None:
+        """Do nothing until cancelled."""
+        await asyncio.Event().wait()
+
+    def watch(self, streams: Collection[str]) -> None:
+        """Take no pictures."""
+
+    def latest(self, address: str) -> Reading | None:
+        """Give nothing."""
+        return None
+
+    def drive(self, device: str, linear: float, angular: float) -> None:
+        """Tell nobody."""
+
+    def stop(self, device: str, *, stopped: bool) -> None:
+        """Tell nobody."""
+
+    def act(
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Scalar],
+        done: Callable[[Outcome], None],
+    ) -> None:
+        """Refuse."""
+        done(Outcome(CommandPhase.REFUSED, "this site has no robot connection"))

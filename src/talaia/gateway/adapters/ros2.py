@@ -1,0 +1,361 @@
+"""The ROS 2 adapter: hears what the description names and tells the robot what it may be told.
+
+This file joins the parts: `ros2_waitset` (the thread), `ros2_decode` (messages to samples),
+`ros2_pictures` (images to JPEG), `ros2_services` (commands), `ros2_qos`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from typing import TYPE_CHECKING, Any
+
+# Where ROS comes from Python wheels, this finds their libraries, starting the process anew
+# (same pid) if need be; so it stands before the first import of rclpy.
+with contextlib.suppress(ImportError):
+    import ros_wheels_bootstrapper  # noqa: F401
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from rclpy.signals import SignalHandlerOptions
+
+from talaia.gateway.adapters.ros2_decode import Gathered, TopicPlan, decoder_for, plans_of
+from talaia.gateway.adapters.ros2_pictures import PictureStream, PictureWorker
+from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
+from talaia.gateway.adapters.ros2_requests import class_of, velocity_message
+from talaia.gateway.adapters.ros2_services import Ros2Commands
+from talaia.gateway.adapters.ros2_waitset import WaitThread
+from talaia.gateway.errors import AdapterLost, TypeMissing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from talaia.clock import Clock
+    from talaia.gateway.ports import EventSink, Outcome, PictureSink, Reading, SampleSink
+    from talaia.model.site import Site, Stream
+    from talaia.wire.frames import Scalar
+
+__all__ = ["Ros2"]
+
+log = logging.getLogger(__name__)
+# Enough for what comes between two turns of the wait set at 5 kHz a topic.
+DEPTH = 100
+PICTURE_DEPTH = 1
+
+
+class _Listening:
+    """A topic that is wanted: its class, who takes its messages, and the subscription, if any."""
+
+    def __init__(
+        self,
+        topic: str,
+        kind: Any,  # noqa: ANN401 - rclpy ships no types
+        depth: int,
+        take: Callable[[bytes, Any], None],
+    ) -> None:
+        self.topic = topic
+        self.kind = kind
+        self.depth = depth
+        self.take = take
+        self.quality: Quality | None = None
+        self.subscription: Any = None
+
+
+class Ros2:
+    """An `Adapter` for ROS 2. See `talaia.gateway.ports` for its promises."""
+
+    def __init__(
+        self,
+        site: Site,
+        clock: Clock,
+        samples: SampleSink,
+        pictures: PictureSink,
+        events: EventSink,
+        domain: int | None = None,
+    ) -> None:
+        """Take the description and where things go; `run` joins ROS."""
+        self._site = site
+        self._clock = clock
+        self._samples = samples
+        self._pictures = pictures
+        self._events = events
+        settings = site.ros2
+        own = settings.domain if settings is not None else None
+        self._domain = own if domain is None else domain
+        self._node_name = settings.node if settings is not None else "talaia_gateway"
+        self._latest: dict[str, Reading] = {}
+        self._gathered = Gathered()
+        self._plans = plans_of(site, self._latest, self._complain)
+        self._watched: frozenset[str] = frozenset()
+        self._listening: dict[str, _Listening] = {}
+        self._velocity: dict[str, tuple[Any, Any]] = {}
+        self._stops: dict[str, tuple[Any, Any]] = {}
+        self._missing: set[str] = set()
+        self._commands: Ros2Commands | None = None
+        self._thread: WaitThread | None = None
+        self._worker: PictureWorker | None = None
+        self._node: Any = None
+        self._turn = 0
+
+    # ── Adapter ──
+
+    async def run(self) -> None:
+        """See `Adapter.run`."""
+        loop = asyncio.get_running_loop()
+        failed: asyncio.Future[None] = loop.create_future()
+
+        def fail(error: BaseException) -> None:
+            loop.call_soon_threadsafe(_fail, failed, error)
+
+        context = Context()
+        try:
+            self._join(context, fail)
+        except Exception as error:
+            self._leave(context)
+            raise AdapterLost(f"ROS 2 cannot be joined: {error}") from error
+        try:
+            await failed
+        finally:
+            await asyncio.shield(loop.run_in_executor(None, self._leave, context))
+
+    def watch(self, streams: Collection[str]) -> None:
+        """See `Adapter.watch`."""
+        self._watched = frozenset(streams)
+        if self._thread is not None:
+            self._thread.do(self._look)
+
+    def latest(self, address: str) -> Reading | None:
+        """See `Readings.latest`."""
+        return self._latest.get(address)
+
+    def drive(self, device: str, linear: float, angular: float) -> None:
+        """See `CommandTarget.drive`."""
+        found = self._velocity.get(device)
+        rule = self._site.devices[device].drive
+        if found is not None and rule is not None:
+            publisher, message = found
+            publisher.publish(velocity_message(rule, message, linear, angular))
+
+    def stop(self, device: str, *, stopped: bool) -> None:
+        """See `CommandTarget.stop`."""
+        found = self._stops.get(device)
+        if found is not None:
+            publisher, message = found
+            message.data = stopped
+            publisher.publish(message)
+
+    def act(
+        self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+    ) -> None:
+        """See `CommandTarget.act`."""
+        thread, commands = self._thread, self._commands
+        if thread is None or commands is None:
+            done(Ros2Commands.away())
+            return
+        thread.do(lambda: commands.act(f"{device}/{command}", fields, done))
+
+    # ── joining and leaving ──
+
+    def _join(self, context: Any, fail: Callable[[BaseException], None]) -> None:  # noqa: ANN401
+        rclpy.init(
+            args=["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"],
+            context=context,
+            domain_id=self._domain,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        # Nothing spins this node, so it offers no services that nobody would answer.
+        quiet = Parameter("start_type_description_service", value=False)
+        self._node = Node(
+            self._node_name,
+            context=context,
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+            parameter_overrides=[quiet],
+        )
+        guard = self._node.create_guard_condition(lambda: None)
+        thread = WaitThread(
+            context.handle, guard.handle, after=self._after, idle=self._on_idle, failed=fail
+        )
+        self._worker = PictureWorker(self._pictures, self._clock)
+        self._commands = Ros2Commands(self._site, self._node, thread, self._tell_missing)
+        for plan in self._plans:
+            self._plan(plan)
+        self._advertise()
+        self._worker.start()
+        self._thread = thread
+        thread.start()
+
+    def _leave(self, context: Any) -> None:  # noqa: ANN401
+        thread, self._thread = self._thread, None
+        # First nobody publishes any more, then the thread ends, then the node goes.
+        self._velocity, self._stops, self._commands = {}, {}, None
+        if thread is not None:
+            thread.end()
+        if self._worker is not None:
+            self._worker.close()
+        self._listening.clear()
+        self._latest.clear()
+        if self._node is not None:
+            self._node.destroy_node()
+            self._node = None
+        rclpy.try_shutdown(context=context)
+
+    def _plan(self, plan: TopicPlan) -> None:
+        kind = self._class(plan.type_name, plan.topic)
+        if kind is None:
+            return
+        decode = decoder_for(plan.type_name, lambda data: deserialize_message(data, kind))
+
+        def take(raw: bytes, info: Any) -> None:  # noqa: ANN401
+            now_us = self._clock.wall_ns() // 1000
+            came_us = info["received_timestamp"] // 1000
+            # The middleware's time of arrival is finer than our turns; unless clocks jumped.
+            time_us = came_us if 0 <= now_us - came_us < 1_000_000 else now_us
+            plan.take(decode(raw), time_us, self._clock.monotonic_ns(), self._gathered)
+
+        self._listening[f"{plan.topic} {plan.type_name}"] = _Listening(
+            plan.topic, kind, DEPTH, take
+        )
+
+    def _advertise(self) -> None:
+        newest = QoSProfile(
+            history=HistoryPolicy.KEEP_LAST,
+            depth=1,
+            reliability=ReliabilityPolicy.RELIABLE,
+            durability=DurabilityPolicy.VOLATILE,
+        )
+        latched = QoSProfile(
+            history=HistoryPolicy.KEEP_LAST,
+            depth=1,
+            reliability=ReliabilityPolicy.RELIABLE,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL,
+        )
+        for name, device in self._site.devices.items():
+            rule = device.drive
+            if rule is None:
+                continue
+            kind = self._class(rule.message, rule.topic)
+            if kind is not None:
+                # Never latched: a velocity must not reach a robot that comes later.
+                publisher = self._node.create_publisher(kind, rule.topic, newest)
+                self._velocity[name] = (publisher, kind())
+            bool_kind = self._class("std_msgs/msg/Bool", rule.stop.topic)
+            if rule.stop.topic and bool_kind is not None:
+                publisher = self._node.create_publisher(bool_kind, rule.stop.topic, latched)
+                self._stops[name] = (publisher, bool_kind())
+
+    def _class(self, type_name: str, used_by: str) -> Any:  # noqa: ANN401
+        try:
+            return class_of(type_name, used_by)
+        except TypeMissing as error:
+            self._tell_missing(error)
+            return None
+
+    def _tell_missing(self, error: TypeMissing) -> None:
+        if str(error) not in self._missing:
+            self._missing.add(str(error))
+            log.warning("%s", error)
+            self._events.tell("type_missing", str(error))
+
+    def _complain(self, address: str, problem: str) -> None:
+        log.warning("%s: %s", address, problem)
+        self._events.tell("unreadable", f"{address}: {problem}", device=address.split("/", 1)[0])
+
+    # ── on the wait-set thread ──
+
+    def _after(self) -> bool:
+        now_us = self._clock.wall_ns() // 1000
+        held = False
+        for plan in self._plans:
+            held = plan.take_due(now_us, self._gathered) or held
+        columns = self._gathered.take()
+        if columns is not None:
+            self._samples.put(columns)
+        return held
+
+    def _on_idle(self) -> None:
+        self._turn += 1
+        self._look(everything=self._turn % 4 == 0)
+
+    def _look(self, *, everything: bool = True) -> None:
+        """Bring subscriptions in line with what is wanted and with what publishers offer."""
+        self._look_at_streams()
+        for listening in self._listening.values():
+            if everything or listening.subscription is None:
+                self._match(listening)
+
+    def _look_at_streams(self) -> None:
+        for device_id, device in self._site.devices.items():
+            for stream_id, stream in device.streams.items():
+                address = f"{device_id}/{stream_id}"
+                key = f"stream {address}"
+                if address in self._watched and key not in self._listening:
+                    self._begin_stream(key, address, stream)
+                elif address not in self._watched and key in self._listening:
+                    self._drop(self._listening.pop(key))
+
+    def _begin_stream(self, key: str, address: str, stream: Stream) -> None:
+        kind = self._class(stream.source.type, stream.source.topic)
+        if kind is None:
+            return
+        decode = decoder_for(stream.source.type, lambda data: deserialize_message(data, kind))
+        taker = PictureStream(address, stream, decode, self._complain)
+        worker = self._worker
+
+        def take(raw: bytes, _: Any) -> None:  # noqa: ANN401
+            if worker is not None:
+                worker.offer(taker, raw)
+
+        self._listening[key] = _Listening(stream.source.topic, kind, PICTURE_DEPTH, take)
+
+    def _match(self, listening: _Listening) -> None:
+        offers = [
+            Quality(
+                info.qos_profile.reliability != ReliabilityPolicy.BEST_EFFORT,
+                info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,
+            )
+            for info in self._node.get_publishers_info_by_topic(listening.topic)
+        ]
+        # Before anybody publishes there is nothing to match, and a wrong guess would have to be
+        # changed just when the first messages come.
+        if not offers or (listening.quality is not None and fits(listening.quality, offers)):
+            return
+        self._drop(listening)
+        listening.quality = quality_for(offers)
+        profile = QoSProfile(
+            history=HistoryPolicy.KEEP_LAST,
+            depth=listening.depth,
+            reliability=ReliabilityPolicy.RELIABLE
+            if listening.quality.reliable
+            else ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL
+            if listening.quality.latched
+            else DurabilityPolicy.VOLATILE,
+        )
+        listening.subscription = self._node.create_subscription(
+            listening.kind, listening.topic, _never, profile, raw=True
+        )
+        if self._thread is not None:
+            self._thread.add_subscription(
+                listening.subscription.handle, listening.kind, listening.take
+            )
+
+    def _drop(self, listening: _Listening) -> None:
+        if listening.subscription is not None and self._thread is not None:
+            self._thread.remove_subscription(listening.subscription.handle)
+            self._node.destroy_subscription(listening.subscription)
+        listening.subscription, listening.quality = None, None
+
+
+def _never(_: object) -> None:
+    """Stand where rclpy wants a callback; the wait-set thread takes messages itself."""
+
+
+def _fail(future: asyncio.Future[None], error: BaseException) -> None:
+    if not future.done():
+        future.set_exception(AdapterLost(f"ROS 2 was lost: {type(error).__name__}: {error}"))

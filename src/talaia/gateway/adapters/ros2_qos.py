@@ -1,0 +1,36 @@
+"""Which quality of service a subscription asks for, by what the publishers offer. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+__all__ = ["Quality", "fits", "quality_for"]
+
+
+class Quality(NamedTuple):
+    """Of a publisher: what it offers. Of a subscription: what it asks for."""
+
+    reliable: bool
+    latched: bool
+
+
+def quality_for(offered: Collection[Quality]) -> Quality:
+    """Ask for the most that every publisher offers; a subscription that asks more hears nothing."""
+    return Quality(
+        reliable=all(each.reliable for each in offered),
+        latched=all(each.latched for each in offered),
+    )
+
+
+def fits(asked: Quality, offered: Collection[Quality]) -> bool:
+    """Tell whether a subscription hears all publishers.
+
+    One that asks for less than it could is left alone: changing it would lose messages.
+    """
+    return all(
+        (each.reliable or not asked.reliable) and (each.latched or not asked.latched)
+        for each in offered
+    )

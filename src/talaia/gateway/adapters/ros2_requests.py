@@ -1,0 +1,106 @@
+"""Messages to the robot: fields by path, velocities in the three forms robots listen to."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from talaia.gateway.errors import FieldError, TypeMissing
+from talaia.gateway.fields import parse_path
+from talaia.gateway.ports import Outcome
+from talaia.model.site import Drive, DriveMessage
+from talaia.wire.frames import CommandPhase, Scalar
+
+__all__ = ["class_of", "fill", "key_of", "outcome_of", "velocity_message"]
+
+
+def class_of(type_name: str, used_by: str) -> Any:  # noqa: ANN401 - ROS's packages are untyped
+    """Import the Python class of a ROS type.
+
+    Raises:
+        TypeMissing: its package is not installed, or has no such type.
+
+    """
+    package, middle, name = type_name.split("/")
+    try:
+        return getattr(import_module(f"{package}.{middle}"), name)
+    except (ImportError, AttributeError) as error:
+        raise TypeMissing(type_name, used_by) from error
+
+
+def fill(message: Any, fields: dict[str, Scalar]) -> None:  # noqa: ANN401
+    """Set fields of a message by path, as the types the message has there.
+
+    Raises:
+        FieldError: no such field, or a value that does not fit it.
+
+    """
+    for path, value in fields.items():
+        steps = parse_path(path)
+        try:
+            at = message
+            for step in steps[:-1]:
+                at = getattr(at, step) if isinstance(step, str) else at[step]
+            last = steps[-1]
+            if isinstance(last, str):
+                setattr(at, last, _as(getattr(at, last), value, path))
+            else:
+                at[last] = _as(at[last], value, path)
+        except (AttributeError, IndexError, TypeError) as error:
+            raise FieldError(path, f"the message has no such field ({error})") from error
+        except (AssertionError, ValueError, OverflowError) as error:
+            raise FieldError(path, f"{value!r} does not fit ({error})") from error
+
+
+def _as(now: object, value: Scalar, path: str) -> Scalar:
+    """Give the value in the type that the field holds now; never a silent cut."""
+    if isinstance(now, bool):
+        if not isinstance(value, bool):
+            raise FieldError(path, f"expected true or false, found {value!r}")
+        return value
+    if isinstance(now, str):
+        return value if isinstance(value, str) else str(value)
+    if isinstance(value, str):
+        raise FieldError(path, f"expected a number, found {value!r}")
+    if isinstance(now, int):
+        if int(value) != value:
+            raise FieldError(path, f"expected a whole number, found {value!r}")
+        return int(value)
+    return float(value)
+
+
+def outcome_of(response: object) -> Outcome:
+    """Read a service's answer: ``success`` and ``message`` where it has them."""
+    said = getattr(response, "message", "")
+    message = said if isinstance(said, str) else ""
+    if getattr(response, "success", True) is False:
+        return Outcome(CommandPhase.FAILED, message or "the robot says it did not succeed")
+    return Outcome(CommandPhase.SUCCEEDED, message)
+
+
+def key_of(drive: Drive, linear: float, angular: float) -> str:
+    """Give CloudConnect's character for a velocity: the stronger direction, by the limits."""
+    reverse = drive.max_speed if drive.max_reverse is None else drive.max_reverse
+    limit = drive.max_speed if linear >= 0 else reverse
+    ahead = abs(linear) / limit if limit else 0.0
+    aside = abs(angular) / drive.max_turn
+    if ahead == 0.0 and aside == 0.0:
+        return "s"
+    if ahead >= aside:
+        return "w" if linear > 0 else "x"
+    return "a" if angular > 0 else "d"
+
+
+def velocity_message(drive: Drive, message: Any, linear: float, angular: float) -> Any:  # noqa: ANN401
+    """Set a velocity in a message of the drive's type, and give it.
+
+    A stamp stays 0: the robot takes that for its own now, and nobody else's clock can delay it.
+    """
+    match drive.message:
+        case DriveMessage.KEYS:
+            message.data = key_of(drive, linear, angular)
+        case DriveMessage.TWIST:
+            message.linear.x, message.angular.z = linear, angular
+        case DriveMessage.TWIST_STAMPED:
+            message.twist.linear.x, message.twist.angular.z = linear, angular
+    return message

@@ -1,0 +1,117 @@
+"""Commands as ROS 2 service calls and publications."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from talaia.gateway.adapters.ros2_requests import class_of, fill, outcome_of
+from talaia.gateway.errors import FieldError, TypeMissing
+from talaia.gateway.ports import Outcome
+from talaia.model.site import CommandKind
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.adapters.ros2_waitset import WaitThread
+    from talaia.model.site import Command, Site
+    from talaia.wire.frames import Scalar
+
+__all__ = ["Ros2Commands"]
+
+# Calls that were never answered are forgotten beyond so many; their callers have long given up.
+MAX_PENDING = 1000
+
+
+class _Client(NamedTuple):
+    """A service client and the calls that wait for its answer, by request number."""
+
+    entity: Any
+    kind: Any
+    pending: dict[int, Callable[[Outcome], None]]
+
+
+class Ros2Commands:
+    """All commands of a site. Used on the wait-set thread, but for the making."""
+
+    def __init__(
+        self,
+        site: Site,
+        node: Any,  # noqa: ANN401 - rclpy ships no types
+        thread: WaitThread,
+        missing: Callable[[TypeMissing], None],
+    ) -> None:
+        """Make a client or publisher for each command, so that they are known before they act."""
+        self._clients: dict[str, _Client] = {}
+        self._publishers: dict[str, tuple[Any, Any]] = {}
+        self._problems: dict[str, str] = {}
+        self._commands: dict[str, Command] = {}
+        for device_id, device in site.devices.items():
+            for command_id, command in device.commands.items():
+                address = f"{device_id}/{command_id}"
+                self._commands[address] = command
+                try:
+                    kind = class_of(command.type, command.target)
+                except TypeMissing as error:
+                    self._problems[address] = str(error)
+                    missing(error)
+                    continue
+                if command.kind is CommandKind.TOPIC:
+                    publisher = node.create_publisher(kind, command.target, 10)
+                    self._publishers[address] = (publisher, kind)
+                else:
+                    client = _Client(node.create_client(kind, command.target), kind, {})
+                    self._clients[address] = client
+                    thread.add_client(client.entity.handle, kind.Response, _taker(client))
+
+    @staticmethod
+    def away() -> Outcome:
+        """Say that there is nobody to ask."""
+        return Outcome(CommandPhase.REFUSED, "the robot is not connected")
+
+    def act(self, address: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]) -> None:
+        """Call the service or publish; see `CommandTarget.act`."""
+        problem = self._problems.get(address)
+        if problem is not None:
+            done(Outcome(CommandPhase.REFUSED, problem))
+            return
+        try:
+            if address in self._publishers:
+                done(self._publish(address, fields))
+            else:
+                self._call(address, fields, done)
+        except FieldError as error:
+            done(Outcome(CommandPhase.REFUSED, str(error)))
+
+    def _publish(self, address: str, fields: dict[str, Scalar]) -> Outcome:
+        publisher, kind = self._publishers[address]
+        message = kind()
+        fill(message, fields)
+        if publisher.get_subscription_count() == 0:
+            target = self._commands[address].target
+            return Outcome(CommandPhase.REFUSED, f"nobody on the robot listens to {target}")
+        publisher.publish(message)
+        return Outcome(CommandPhase.SUCCEEDED, "published")
+
+    def _call(
+        self, address: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+    ) -> None:
+        client = self._clients[address]
+        request = client.kind.Request()
+        fill(request, fields)
+        if not client.entity.service_is_ready():
+            target = self._commands[address].target
+            done(Outcome(CommandPhase.REFUSED, f"the robot does not offer {target} now"))
+            return
+        if len(client.pending) >= MAX_PENDING:
+            client.pending.pop(next(iter(client.pending)))
+        client.pending[client.entity.handle.send_request(request)] = done
+
+
+def _taker(client: _Client) -> Callable[[int, Any], None]:
+    def take(number: int, response: object) -> None:
+        done = client.pending.pop(number, None)
+        if done is not None:
+            done(outcome_of(response))
+
+    return take

@@ -1,0 +1,157 @@
+"""Samples from adapter threads become numbered batches, at most one every 20 ms.
+
+Threads hand over columns, not samples: the event loop sees a few arrays for each flush, however
+fast the robot speaks, and nothing at all while it is silent.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.gateway.spool.segment import Record
+from talaia.wire.columns import MAX_SAMPLES, Columns, pack
+from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+
+if TYPE_CHECKING:
+    import asyncio
+    from collections.abc import Callable
+
+__all__ = ["Batcher", "joined", "records_of"]
+
+MAX_WAITING = 1_000_000
+OVERRUN = "the gateway could not keep up"
+
+
+def joined(chunks: list[Columns]) -> Columns:
+    """Put columns one after another."""
+    if len(chunks) == 1:
+        return chunks[0]
+    texts: dict[int, str] = {}
+    at = 0
+    for chunk in chunks:
+        for position, text in chunk.texts.items():
+            texts[at + position] = text
+        at += len(chunk)
+    return Columns(
+        np.concatenate([chunk.channel for chunk in chunks]),
+        np.concatenate([chunk.time_us for chunk in chunks]),
+        np.concatenate([chunk.value for chunk in chunks]),
+        texts,
+    )
+
+
+def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[Record]:
+    """Encode columns as `Samples` frames; several if one cannot hold them.
+
+    A batch is halved until it fits: more samples than a batch may hold, or a wall clock that
+    jumped further than offsets can tell.
+    """
+    count = len(columns)
+    if count == 0:
+        return []
+    if count <= MAX_SAMPLES:
+        try:
+            base, channel, offset, value = pack(columns)
+        except ValueError:
+            if count == 1:
+                raise
+        else:
+            frame = Samples(
+                boot=boot,
+                first=first,
+                catalogue=catalogue,
+                base_us=base,
+                channel=channel,
+                offset=offset,
+                value=value,
+                texts=columns.texts,
+            )
+            low, high = int(columns.time_us.min()), int(columns.time_us.max())
+            return [Record(first, count, low, high, LINK_FROM_GATEWAY.encode(frame))]
+    middle = count // 2
+    return [
+        *records_of(_part(columns, 0, middle), boot, catalogue, first),
+        *records_of(_part(columns, middle, count), boot, catalogue, first + middle),
+    ]
+
+
+def _part(columns: Columns, begin: int, end: int) -> Columns:
+    texts = {at - begin: text for at, text in columns.texts.items() if begin <= at < end}
+    return Columns(
+        columns.channel[begin:end], columns.time_us[begin:end], columns.value[begin:end], texts
+    )
+
+
+class Batcher:
+    """A `SampleSink`: numbers samples and gives each batch to the spool and to the link."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        boot: str,
+        catalogue: str,
+        flush: float,
+        keep: Callable[[Record], None],
+        lose: Callable[[Record, str], None],
+    ) -> None:
+        """Start at sequence 0.
+
+        Args:
+            loop: where batches are made.
+            boot: this run's name.
+            catalogue: the channel list's name.
+            flush: samples wait at most so long (s).
+            keep: takes each batch, in order.
+            lose: takes the range (a record without body) of samples that had to be dropped.
+
+        """
+        self._loop = loop
+        self._boot = boot
+        self._catalogue = catalogue
+        self._flush_s = flush
+        self._keep = keep
+        self._lose = lose
+        self._chunks: deque[Columns] = deque()
+        self._waiting = 0
+        self._armed = False
+        self._dropped = 0
+        self._dropped_us = 0
+        self.next = 0
+
+    def put(self, columns: Columns) -> None:
+        """Take samples; any thread."""
+        if self._waiting > MAX_WAITING:
+            self._dropped += len(columns)
+            self._dropped_us = int(columns.time_us[-1])
+            return
+        self._chunks.append(columns)
+        self._waiting += len(columns)
+        if not self._armed:
+            # Only the first of a batch wakes the loop.
+            self._armed = True
+            self._loop.call_soon_threadsafe(self._arm)
+
+    def _arm(self) -> None:
+        self._loop.call_later(self._flush_s, self.flush)
+
+    def flush(self) -> None:
+        """Make batches of what waits; event loop only."""
+        # Before the chunks are taken: what is put from here on arms anew.
+        self._armed = False
+        chunks = []
+        while self._chunks:
+            chunks.append(self._chunks.popleft())
+        self._waiting = 0
+        if chunks:
+            made = records_of(joined(chunks), self._boot, self._catalogue, self.next)
+            self.next = made[-1].end if made else self.next
+            for record in made:
+                self._keep(record)
+        if self._dropped:
+            dropped, self._dropped = self._dropped, 0
+            at_us = self._dropped_us
+            self._lose(Record(self.next, dropped, at_us, at_us, b""), OVERRUN)
+            self.next += dropped

@@ -1,0 +1,198 @@
+"""Act on commands: written to disk before the robot is asked, each id at most once."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.gateway.commands import FINAL, CommandBook, fields_of
+from talaia.gateway.errors import SpoolError
+from talaia.gateway.keep import write_whole
+from talaia.wire.frames import CommandPhase, CommandState
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+    from pathlib import Path
+
+    from talaia.clock import Clock
+    from talaia.gateway.ports import CommandTarget, Outcome
+    from talaia.model.site import Command, Site
+    from talaia.wire.frames import CommandAsk
+
+__all__ = ["Commanding", "Journal"]
+
+log = logging.getLogger(__name__)
+_line = msgspec.json.Decoder(CommandState)
+_encode = msgspec.json.Encoder().encode
+
+
+class Journal:
+    """Command states on disk, one JSON line each; a line cut short by a crash is ignored."""
+
+    def __init__(self, path: Path) -> None:
+        """Read what is there.
+
+        Raises:
+            SpoolError: the file cannot be read.
+
+        """
+        self._path = path
+        self.remembered: list[CommandState] = []
+        try:
+            lines = path.read_bytes().splitlines()
+        except FileNotFoundError:
+            lines = []
+        except OSError as error:
+            raise SpoolError(f"{path} cannot be read: {error}") from error
+        for line in filter(None, lines):
+            try:
+                self.remembered.append(_line.decode(line))
+            except msgspec.DecodeError:
+                log.warning("%s: a line was cut short; ignored", path)
+
+    def compact(self, states: list[CommandState]) -> None:
+        """Keep the newest state of each id only.
+
+        Raises:
+            OSError: not written; the journal is as it was.
+
+        """
+        write_whole(self._path, b"".join(_encode(state) + b"\n" for state in states))
+
+    def write(self, state: CommandState, *, sure: bool) -> None:
+        """Add a state; with ``sure`` it is on disk when this returns.
+
+        Raises:
+            OSError: not written.
+
+        """
+        with self._path.open("ab") as file:
+            # The leading line end closes a line that a failed write may have left open.
+            file.write(b"\n" + _encode(state) + b"\n" if file.tell() else _encode(state) + b"\n")
+            file.flush()
+            if sure:
+                os.fsync(file.fileno())
+
+
+class Commanding:
+    """Takes asks from the hub and sees each to its end."""
+
+    def __init__(
+        self,
+        site: Site,
+        clock: Clock,
+        target: CommandTarget,
+        journal: Journal,
+        on_disk: Callable[[Callable[[], None]], Awaitable[None]],
+        send: Callable[[CommandState], None],
+    ) -> None:
+        """Take up what the journal remembers.
+
+        Raises:
+            SpoolError: the journal cannot be written.
+
+        """
+        self._site = site
+        self._clock = clock
+        self._target = target
+        self._journal = journal
+        self._on_disk = on_disk
+        self._send = send
+        self._book = CommandBook(journal.remembered)
+        self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._writes: set[asyncio.Task[None]] = set()
+        try:
+            journal.compact(self._book.states())
+        except OSError as error:
+            raise SpoolError(f"the journal of commands cannot be written: {error}") from error
+
+    def report(self) -> None:
+        """Tell a new link of the commands that a restart interrupted; once."""
+        for state in self._book.interrupted:
+            self._send(state)
+        self._book.interrupted.clear()
+
+    async def ask(self, ask: CommandAsk) -> None:
+        """Act on a command, or say why not. A known id is only answered."""
+        began_ns = self._clock.monotonic_ns()
+        known = self._book.get(ask.id)
+        if known is not None:
+            self._send(known)
+            return
+        state = CommandState(
+            id=ask.id,
+            device=ask.device,
+            command=ask.command,
+            phase=CommandPhase.ACCEPTED,
+            who=ask.who,
+        )
+        self._book.open(state)
+        device = self._site.devices.get(ask.device)
+        command = device.commands.get(ask.command) if device is not None else None
+        if command is None:
+            problem = f"{ask.device}/{ask.command} is not a command of this site"
+            self._move(ask.id, CommandPhase.REFUSED, problem)
+            return
+        fields = fields_of(command, ask.args)
+        if isinstance(fields, str):
+            self._move(ask.id, CommandPhase.REFUSED, fields)
+            return
+        try:
+            await self._on_disk(lambda: self._journal.write(state, sure=True))
+        except OSError as error:
+            problem = f"the gateway cannot write its journal: {error}"
+            self._move(ask.id, CommandPhase.REFUSED, problem)
+            return
+        ttl_ns = min(ask.ttl_ms * 1e6, command.ttl * 1e9)
+        # Written so that NaN refuses as well.
+        if not self._clock.monotonic_ns() - began_ns <= ttl_ns or ttl_ns <= 0:
+            self._move(ask.id, CommandPhase.REFUSED, "it came too late to be accepted")
+            return
+        self._send(state)
+        self._begin(ask, command, fields)
+
+    def _begin(
+        self, ask: CommandAsk, command: Command, fields: dict[str, float | int | bool | str]
+    ) -> None:
+        loop = asyncio.get_running_loop()
+        self._move(ask.id, CommandPhase.RUNNING)
+        message = f"no answer for {command.timeout:g} s; look at the device"
+        self._timers[ask.id] = loop.call_later(
+            command.timeout, self._move, ask.id, CommandPhase.UNKNOWN, message
+        )
+
+        def done(outcome: Outcome) -> None:
+            loop.call_soon_threadsafe(self._move, ask.id, outcome.phase, outcome.message)
+
+        self._target.act(ask.device, ask.command, fields, done)
+
+    def _move(self, command_id: str, phase: CommandPhase, message: str = "") -> None:
+        state = self._book.move(command_id, phase, message)
+        if state is None:
+            log.info("command %s: %s came after its end", command_id, phase)
+            return
+        self._send(state)
+        if phase in FINAL:
+            timer = self._timers.pop(command_id, None)
+            if timer is not None:
+                timer.cancel()
+            # Not forced to disk: should this line be lost, the command reads as unknown.
+            task = asyncio.ensure_future(self._keep(state))
+            self._writes.add(task)
+            task.add_done_callback(self._writes.discard)
+
+    async def _keep(self, state: CommandState) -> None:
+        try:
+            await self._on_disk(lambda: self._journal.write(state, sure=False))
+        except OSError as error:
+            log.warning("the journal of commands cannot be written: %s", error)
+
+    async def close(self) -> None:
+        """Stop the timers and finish the writes. What still runs will read as unknown."""
+        for timer in self._timers.values():
+            timer.cancel()
+        await asyncio.gather(*self._writes)

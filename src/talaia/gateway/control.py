@@ -1,0 +1,239 @@
+"""All driven devices of a site: gives each message to its seat, sends ticks, keeps time.
+
+Messages are acted on inside the call that brings them; what must be repeated waits for `step`,
+which a timer calls at `due_ns`. Only writing STOP to disk leaves the caller's thread, and it
+never stands before stopping.
+"""
+
+from __future__ import annotations
+
+import secrets
+from typing import TYPE_CHECKING
+
+from talaia.clock import MS, SECOND
+from talaia.gateway.seat import Seat
+from talaia.gateway.stop import Latched, Proof
+from talaia.model.site import LinkLoss
+from talaia.wire.frames import ResetToken, Tick
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from talaia.clock import Clock
+    from talaia.gateway.keep import KeptStops
+    from talaia.gateway.ports import Readings
+    from talaia.gateway.seat import Mouth
+    from talaia.model.site import Site
+    from talaia.wire.frames import Drive, LeaseAsk, ResetAsk, StopAsk
+
+__all__ = ["Control", "Ticks"]
+
+TICK_NS = 50 * MS
+
+
+class Ticks:
+    """The gateway's own time marks, by which the age of a driver's frame is told. Pure."""
+
+    KEPT = 64
+
+    def __init__(self) -> None:
+        """Start before the first."""
+        self._sent: dict[int, int] = {}
+        self.last = -1
+        self.last_ns = -TICK_NS
+
+    def next(self, now_ns: int) -> int:
+        """Make the next mark."""
+        self.last += 1
+        self.last_ns = now_ns
+        self._sent[self.last] = now_ns
+        self._sent.pop(self.last - self.KEPT, None)
+        return self.last
+
+    def age_ns(self, tick: int, now_ns: int) -> int:
+        """Tell how long ago a mark was sent; negative if it never was."""
+        if not 0 <= tick <= self.last:
+            return -1
+        sent = self._sent.get(tick)
+        # Older than all that is kept: far beyond every time to live.
+        return 3600 * SECOND if sent is None else now_ns - sent
+
+
+class Control:
+    """Driving, leases and STOP of a site."""
+
+    def __init__(
+        self,
+        site: Site,
+        clock: Clock,
+        mouth: Mouth,
+        readings: Readings,
+        next_epoch: Callable[[], int],
+        stops: KeptStops,
+        on_disk: Callable[[Callable[[], None]], Awaitable[None]],
+    ) -> None:
+        """Make a seat for each driven device.
+
+        Args:
+            site: the description.
+            clock: monotonic for every decision, wall only for the record.
+            mouth: see `Mouth`.
+            readings: for the confirmation of STOP.
+            next_epoch: see `Lease`.
+            stops: latches kept on disk.
+            on_disk: runs a blocking write elsewhere, in order; raises what it raises.
+
+        """
+        self._site = site
+        self._clock = clock
+        self._mouth = mouth
+        self._readings = readings
+        self._stops = stops
+        self._on_disk = on_disk
+        self.ticks = Ticks()
+        self._linked = False
+        self.seats = {
+            name: Seat(name, device.drive, mouth, next_epoch, stops.get(name))
+            for name, device in site.devices.items()
+            if device.drive is not None
+        }
+
+    # ── from the hub ──
+
+    def lease(self, ask: LeaseAsk) -> None:
+        """Take, renew or free a lease."""
+        now = self._clock.monotonic_ns()
+        seat = self.seats.get(ask.device)
+        if seat is None:
+            self._mouth.note(
+                "lease_refused", "", f"no such driven device: {ask.device}", ask.who, good=False
+            )
+            return
+        seat.on_lease(ask, now)
+        held = seat.lease.holder(now)
+        if held is not None and held.session == ask.session and ask.op is ask.op.TAKE:
+            # So that the new driver need not wait for a tick to echo.
+            self._tick(now)
+
+    def drive(self, frame: Drive) -> None:
+        """Take a driving frame; what is accepted is published before this returns."""
+        seat = self.seats.get(frame.device)
+        if seat is not None:
+            now = self._clock.monotonic_ns()
+            seat.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
+
+    def stop(self, ask: StopAsk) -> Latched | None:
+        """Stop at once; give what `keep_stop` is to write when it was not stopped before."""
+        seat = self.seats.get(ask.device)
+        if seat is None:
+            problem = f"STOP for {ask.device}, which is not a driven device"
+            self._mouth.note("stop_refused", "", problem, ask.who, good=False)
+            return None
+        latched = Latched(ask.id, ask.who, self._clock.wall_ns() // 1000)
+        return latched if seat.on_stop(latched, self._clock.monotonic_ns()) else None
+
+    async def keep_stop(self, device: str, latched: Latched) -> None:
+        """Write a STOP to disk, so that it survives a restart."""
+        try:
+            await self._on_disk(lambda: self._stops.write(device, latched))
+        except OSError as error:
+            problem = f"STOP is on, but cannot be kept over a restart: {error}"
+            self._mouth.note("disk_failed", device, problem, latched.who, good=False)
+
+    async def reset(self, ask: ResetAsk) -> None:
+        """Give a token, or take it and release STOP."""
+        seat = self.seats.get(ask.device)
+        if seat is None:
+            return
+        now = self._clock.monotonic_ns()
+        held = seat.lease.holder(now)
+        token, refused = "", ""
+        if held is None or held.session != ask.session or held.epoch != ask.epoch:
+            refused = "only who holds the lease may reset STOP"
+        elif not ask.token:
+            token = secrets.token_urlsafe(16)
+            refused = seat.latch.offer_token(ask.session, token, now)
+        else:
+            refused = seat.latch.check_token(ask.session, ask.token, now)
+        if refused or not ask.token:
+            self._mouth.send(
+                ResetToken(
+                    device=ask.device,
+                    session=ask.session,
+                    token="" if refused else token,
+                    refused=refused,
+                )
+            )
+            return
+        await self._release(seat, ask)
+
+    async def _release(self, seat: Seat, ask: ResetAsk) -> None:
+        was = seat.latch.latched
+        try:
+            await self._on_disk(lambda: self._stops.write(seat.device, None))
+        except OSError as error:
+            refused = f"the gateway cannot write its disk: {error}"
+            self._mouth.send(ResetToken(device=seat.device, session=ask.session, refused=refused))
+            return
+        if seat.latch.latched is was:
+            seat.on_reset(ask.who, self._clock.monotonic_ns())
+
+    # ── link and time ──
+
+    def link_up(self) -> None:
+        """Tell a new link how things stand. Nothing is replayed and nobody holds anything."""
+        self._linked = True
+        now = self._clock.monotonic_ns()
+        for seat in self.seats.values():
+            self._mouth.send(seat.stop_state())
+            self._mouth.send(seat.lease_state(now))
+
+    def link_lost(self) -> None:
+        """End every lease and every hold."""
+        if not self._linked:
+            return
+        self._linked = False
+        now = self._clock.monotonic_ns()
+        for seat in self.seats.values():
+            seat.link_lost(now, stop_robot=seat.rule.link_loss is LinkLoss.STOP)
+
+    def halt(self) -> None:
+        """End every hold with a zero now: the process is about to end."""
+        now = self._clock.monotonic_ns()
+        for seat in self.seats.values():
+            seat.link_lost(now, stop_robot=False)
+
+    def due_ns(self) -> int | None:
+        """Give when `step` wants to be called next (monotonic), or none while all rests."""
+        times = [due for seat in self.seats.values() if (due := seat.due_ns()) is not None]
+        if self._anyone_holds():
+            times.append(self.ticks.last_ns + TICK_NS)
+        return min(times, default=None)
+
+    def step(self) -> None:
+        """Do what is due now."""
+        now = self._clock.monotonic_ns()
+        for seat in self.seats.values():
+            seat.step(now, lambda seat=seat: self._proofs(seat))  # type: ignore[misc]
+        if self._anyone_holds() and now - self.ticks.last_ns >= TICK_NS:
+            self._tick(now)
+
+    def _anyone_holds(self) -> bool:
+        now = self._clock.monotonic_ns()
+        return any(seat.lease.holder(now) is not None for seat in self.seats.values())
+
+    def _tick(self, now_ns: int) -> None:
+        self._mouth.send(Tick(tick=self.ticks.next(now_ns)))
+
+    def _proofs(self, seat: Seat) -> list[Proof | None]:
+        proofs: list[Proof | None] = []
+        for address in seat.rule.stop.confirmed_by:
+            reading = self._readings.latest(address)
+            device, _, signal = address.partition("/")
+            max_age = self._site.devices[device].signals[signal].max_age
+            proofs.append(
+                None
+                if reading is None
+                else Proof(reading.value, reading.mono_ns, round(max_age * SECOND))
+            )
+        return proofs

@@ -1,0 +1,192 @@
+"""Where the hub's messages are acted on, and who keeps the time of what must be repeated."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from talaia.wire.frames import (
+    Ack,
+    CommandAsk,
+    Drive,
+    Event,
+    LeaseAsk,
+    ResetAsk,
+    StopAsk,
+    Watch,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Coroutine
+
+    from talaia.clock import Clock
+    from talaia.gateway.commanding import Commanding
+    from talaia.gateway.control import Control
+    from talaia.gateway.ports import Adapter
+    from talaia.gateway.spool.keeper import Keeper
+    from talaia.gateway.uplink.lanes import Lanes
+    from talaia.wire.frames import FromGateway, FromHub, Welcome
+
+__all__ = ["FrontDesk", "Pacer", "Voice"]
+
+log = logging.getLogger(__name__)
+
+
+class Voice:
+    """A `Mouth` and an `EventSink`: to the robot through the adapter, to the hub through lanes."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, clock: Clock, lanes: Lanes) -> None:
+        """Start without an adapter, as one that is away."""
+        self._loop = loop
+        self._clock = clock
+        self._lanes = lanes
+        self.adapter: Adapter | None = None
+
+    def drive(self, device: str, linear: float, angular: float) -> None:
+        """Publish a velocity."""
+        if self.adapter is not None:
+            self.adapter.drive(device, linear, angular)
+
+    def stop(self, device: str, *, stopped: bool) -> None:
+        """Publish on the STOP topic."""
+        if self.adapter is not None:
+            self.adapter.stop(device, stopped=stopped)
+
+    def send(self, message: FromGateway) -> None:
+        """Send to the hub."""
+        self._lanes.send(message)
+
+    def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+        """Write down, here and at the hub."""
+        log.info("%s %s %s %s", kind, device, message, who)
+        time_us = self._clock.wall_ns() // 1000
+        self._lanes.send(
+            Event(
+                kind=kind,
+                device=device,
+                message=message[:2000],
+                who=who,
+                time_us=time_us,
+                good=good,
+            )
+        )
+
+    def tell(self, kind: str, message: str, *, device: str = "", good: bool = False) -> None:
+        """Write down, from any thread."""
+        time_us = self._clock.wall_ns() // 1000
+        event = Event(kind=kind, device=device, message=message[:2000], time_us=time_us, good=good)
+        self._loop.call_soon_threadsafe(self._lanes.send, event)
+
+
+class Pacer:
+    """Calls `Control.step` when it is due. One timer; none while all rests."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, clock: Clock, control: Control) -> None:
+        """Start at rest; `touch` after anything that may have changed what is due."""
+        self._loop = loop
+        self._clock = clock
+        self._control = control
+        self._timer: asyncio.TimerHandle | None = None
+        self._due_ns = 0
+
+    def touch(self) -> None:
+        """Set the timer anew if what is due has changed."""
+        due = self._control.due_ns()
+        if self._timer is not None:
+            if due == self._due_ns:
+                return
+            self._timer.cancel()
+            self._timer = None
+        if due is not None:
+            self._due_ns = due
+            wait_s = max(0.0, (due - self._clock.monotonic_ns()) / 1e9)
+            self._timer = self._loop.call_later(wait_s, self._ring)
+
+    def _ring(self) -> None:
+        self._timer = None
+        try:
+            self._control.step()
+        finally:
+            self.touch()
+
+    def close(self) -> None:
+        """Ring no more."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+
+class FrontDesk:
+    """A `Desk`: gives each message to whom it concerns."""
+
+    def __init__(
+        self,
+        boot: str,
+        control: Control,
+        pacer: Pacer,
+        commanding: Commanding,
+        keeper: Keeper,
+        adapter: Adapter,
+    ) -> None:
+        """Take all who act."""
+        self._boot = boot
+        self._control = control
+        self._pacer = pacer
+        self._commanding = commanding
+        self._keeper = keeper
+        self._adapter = adapter
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def link_up(self, welcome: Welcome) -> None:
+        """Trim what the hub has, and tell it how things stand."""
+        self._keeper.ack(self._boot, welcome.acked)
+        self._control.link_up()
+        self._commanding.report()
+        self._pacer.touch()
+
+    def link_lost(self) -> None:
+        """End leases and holds; nobody looks at pictures any more."""
+        self._control.link_lost()
+        self._pacer.touch()
+        self._adapter.watch(())
+
+    def handle(self, message: FromHub) -> None:
+        """Act on one message. STOP and driving are done when this returns."""
+        match message:
+            case Ack():
+                self._keeper.ack(message.boot, message.below)
+                return
+            case Drive():
+                self._control.drive(message)
+            case StopAsk():
+                latched = self._control.stop(message)
+                if latched is not None:
+                    self._spawn(self._control.keep_stop(message.device, latched))
+            case LeaseAsk():
+                self._control.lease(message)
+            case ResetAsk():
+                self._spawn(self._control.reset(message))
+            case CommandAsk():
+                self._spawn(self._commanding.ask(message))
+            case Watch():
+                self._adapter.watch(message.streams)
+            case _:
+                log.debug("nothing to do for %s", type(message).__name__)
+        self._pacer.touch()
+
+    def _spawn(self, work: Coroutine[None, None, None]) -> None:
+        task = asyncio.ensure_future(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._ended)
+
+    def _ended(self, task: asyncio.Task[None]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and task.exception() is not None:
+            log.error("a request failed", exc_info=task.exception())
+        self._pacer.touch()
+
+    async def close(self) -> None:
+        """Finish what was begun."""
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._commanding.close()

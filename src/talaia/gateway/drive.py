@@ -1,0 +1,229 @@
+"""What a driven device is told: limits, ramp, speed cap, watchdog, explicit zeros. Pure.
+
+Every bound of the safety rules on a velocity stands here. Nothing outside this file makes a
+number that reaches an actuator.
+"""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import MS, SECOND
+
+if TYPE_CHECKING:
+    from talaia.model.site import Drive as DriveRule
+    from talaia.wire.frames import Drive as DriveFrame
+
+__all__ = ["STILL", "Demand", "Driving", "cap_of_loop", "cap_of_picture"]
+
+FULL_LOOP_MS = 150.0
+HALF_LOOP_MS = 300.0
+NO_LOOP_MS = 500.0
+OLD_PICTURE_MS = 500.0
+DEAD_PICTURE_MS = 1000.0
+
+
+class Demand(NamedTuple):
+    """A velocity for the robot: m/s forward, rad/s counter-clockwise."""
+
+    linear: float
+    angular: float
+
+
+STILL = Demand(0.0, 0.0)
+
+
+class Phase(Enum):
+    """What is published: nothing, the driver's wish, or explicit zeros until a time."""
+
+    SILENT = "silent"
+    DRIVING = "driving"
+    ZEROS = "zeros"
+
+
+def cap_of_loop(loop_ms: float) -> float:
+    """Give the speed cap for a measured round trip: 1 up to 150 ms, half up to 300, 0 at 500."""
+    if not loop_ms <= NO_LOOP_MS:
+        return 0.0
+    if loop_ms <= FULL_LOOP_MS:
+        return 1.0
+    if loop_ms <= HALF_LOOP_MS:
+        return 0.5
+    return 0.5 * (NO_LOOP_MS - loop_ms) / (NO_LOOP_MS - HALF_LOOP_MS)
+
+
+def cap_of_picture(picture_ms: float, *, has_picture: bool) -> float:
+    """Give the speed cap for the age of the picture that the driver looks at.
+
+    Half over 500 ms, none over 1 s. No picture at all counts as an old one where the description
+    gives the driver a picture: whoever drives without it does so slowly.
+    """
+    if picture_ms < 0:
+        return 0.5 if has_picture else 1.0
+    if picture_ms <= OLD_PICTURE_MS:
+        return 1.0
+    return 0.5 if picture_ms <= DEAD_PICTURE_MS else 0.0
+
+
+class Driving:
+    """One driven device. `offer` takes frames, `step` says what to publish and when next."""
+
+    def __init__(self, rule: DriveRule) -> None:
+        """Start silent: after any restart nothing moves and nothing is said."""
+        self._rule = rule
+        self._ttl_ns = round(rule.ttl * SECOND)
+        self._period_ns = round(SECOND / rule.rate)
+        self._reverse = rule.max_speed if rule.max_reverse is None else rule.max_reverse
+        self._phase = Phase.SILENT
+        self._wish = STILL
+        self._output = STILL
+        self._until_ns = 0
+        self._said_ns: int | None = None
+        self._seq = -1
+        self._epoch = -1
+        self._rest = False
+        self._offered_ns = 0
+        self.cap = 1.0
+        self.loop_ms = 0.0
+        self.accepted = 0
+        self.refused = 0
+
+    @property
+    def output(self) -> Demand:
+        """The last demand given out."""
+        return self._output
+
+    @property
+    def moving(self) -> bool:
+        """Tell whether a hold is on: frames were accepted and have not ended."""
+        return self._phase is Phase.DRIVING
+
+    @property
+    def silent(self) -> bool:
+        """Tell whether there is nothing to publish, zeros included."""
+        return self._phase is Phase.SILENT
+
+    def offer(self, frame: DriveFrame, epoch: int, age_ns: int, now_ns: int) -> str:
+        """Take a frame whose session holds the lease, or give the reason for refusing it.
+
+        Args:
+            frame: as it came.
+            epoch: of the lease now.
+            age_ns: how long ago the tick it echoes was sent, by the gateway's own clock;
+                negative for a tick that was never sent.
+            now_ns: monotonic.
+
+        """
+        why = self._why_not(frame, epoch, age_ns) or self._restless(frame, now_ns)
+        self._offered_ns = now_ns
+        if why:
+            self.refused += 1
+            return why
+        self._epoch, self._seq = epoch, frame.seq
+        if self._phase is not Phase.DRIVING:
+            self.accepted = 0
+        self.accepted += 1
+        self._phase = Phase.DRIVING
+        self._until_ns = now_ns + self._ttl_ns
+        # What the page says of its own waiting may shorten the loop, never below nothing.
+        self.loop_ms = max(0.0, age_ns / MS - max(0.0, frame.held_ms))
+        self.cap = min(
+            cap_of_loop(self.loop_ms),
+            cap_of_picture(frame.picture_ms, has_picture=bool(self._rule.picture)),
+        )
+        self._wish = Demand(
+            min(max(frame.linear, -self._reverse), self._rule.max_speed),
+            min(max(frame.angular, -self._rule.max_turn), self._rule.max_turn),
+        )
+        return ""
+
+    def _why_not(self, frame: DriveFrame, epoch: int, age_ns: int) -> str:
+        numbers = (frame.linear, frame.angular, frame.held_ms, frame.ttl_ms, frame.picture_ms)
+        if not all(map(math.isfinite, numbers)):
+            return "a value is not a finite number"
+        if frame.epoch != epoch:
+            return "the frame belongs to an earlier lease"
+        if epoch == self._epoch and frame.seq <= self._seq:
+            return "the frame is repeated or out of order"
+        if age_ns < 0:
+            return "the frame echoes a tick that was never sent"
+        # A frame may ask for a shorter life than the description gives it, never for a longer.
+        ttl_ns = self._ttl_ns
+        if frame.ttl_ms > 0:
+            ttl_ns = min(ttl_ns, round(min(frame.ttl_ms, 1e6) * MS))
+        if age_ns > ttl_ns:
+            return f"the frame is too old ({age_ns // MS} ms)"
+        return ""
+
+    def _restless(self, frame: DriveFrame, now_ns: int) -> str:
+        let_go = frame.linear == 0.0 and frame.angular == 0.0
+        paused = now_ns - self._offered_ns > 2 * self._ttl_ns
+        if self._rest and not let_go and not paused:
+            return "let go first, then press anew"
+        self._rest = False
+        return ""
+
+    def demand_rest(self) -> None:
+        """Let nothing move before the driver has let go: a reset of STOP starts no motion."""
+        self._rest = True
+
+    def halt(self, now_ns: int) -> None:
+        """End the hold now: zeros for the stated time, then silence. Nothing is ramped."""
+        self._wish = STILL
+        self._phase = Phase.ZEROS
+        self._until_ns = now_ns + round(self._rule.zeros_for * SECOND)
+        self._said_ns = None
+
+    def prompt(self, now_ns: int) -> bool:
+        """Tell whether a fresh wish may be published at once instead of at the next turn.
+
+        A demand for zero always may. Otherwise half a period must have passed, so that a flood
+        of frames cannot raise the rate to the robot beyond twice the control rate.
+        """
+        if self._wish == STILL and self._output != STILL:
+            return True
+        return self._said_ns is None or now_ns - self._said_ns >= self._period_ns // 2
+
+    def due_ns(self) -> int | None:
+        """Give when `step` wants to be called next, or none while silent."""
+        if self._phase is Phase.SILENT:
+            return None
+        turn = 0 if self._said_ns is None else self._said_ns + self._period_ns
+        return min(turn, self._until_ns)
+
+    def step(self, now_ns: int) -> Demand | None:
+        """Give what to publish now, or none for silence."""
+        if self._phase is Phase.DRIVING and now_ns >= self._until_ns:
+            self.halt(now_ns)
+        if self._phase is Phase.ZEROS and now_ns >= self._until_ns:
+            self._phase = Phase.SILENT
+        if self._phase is Phase.SILENT:
+            self._output, self._said_ns = STILL, None
+            return None
+        self._output = self._next(now_ns) if self._phase is Phase.DRIVING else STILL
+        self._said_ns = now_ns
+        return self._output
+
+    def _next(self, now_ns: int) -> Demand:
+        since = self._period_ns if self._said_ns is None else now_ns - self._said_ns
+        # A late turn does not buy a larger jump than two turns' worth.
+        seconds = min(max(since, 0), 2 * self._period_ns) / SECOND
+        rule = self._rule
+        linear = _ramp(self._output.linear, self._wish.linear, rule.max_acceleration * seconds)
+        turn = rule.max_turn_acceleration * seconds
+        angular = _ramp(self._output.angular, self._wish.angular, turn)
+        limit = self.cap * (rule.max_speed if linear >= 0 else self._reverse)
+        return Demand(_within(linear, limit), _within(angular, self.cap * rule.max_turn))
+
+
+def _ramp(now: float, wish: float, step: float) -> float:
+    """Move from ``now`` toward ``wish`` by at most ``step``; zero is reached at once."""
+    if wish == 0.0:
+        return 0.0
+    return min(max(wish, now - step), now + step)
+
+
+def _within(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)

@@ -1,0 +1,92 @@
+"""What can go wrong beside the robot.
+
+GatewayError
+├── FieldError        a message does not hold what the description says
+├── TypeMissing       a message or service type that this machine does not know
+├── AdapterLost       the robot's side cannot be reached
+├── SpoolError        the data folder cannot be used
+├── SettingsError     the gateway was started with settings that do not fit
+└── LinkLost          the hub cannot be reached
+    └── KeyRefused    the hub does not know our key
+"""
+
+from __future__ import annotations
+
+from talaia.errors import TalaiaError
+
+__all__ = [
+    "AdapterLost",
+    "FieldError",
+    "GatewayError",
+    "KeyRefused",
+    "LinkLost",
+    "SettingsError",
+    "SpoolError",
+    "TypeMissing",
+]
+
+
+class GatewayError(TalaiaError):
+    """A robot, a device or the spool failed."""
+
+
+class FieldError(GatewayError):
+    """A message does not hold what the description says."""
+
+    def __init__(self, path: str, problem: str) -> None:
+        """Keep the field's path and what is wrong with it."""
+        super().__init__(path, problem)
+        self.path = path
+        self.problem = problem
+
+    def __str__(self) -> str:
+        return f"field {self.path!r}: {self.problem}" if self.path else self.problem
+
+
+class TypeMissing(GatewayError):
+    """A message or service type that this machine does not know."""
+
+    def __init__(self, name: str, used_by: str) -> None:
+        """Keep the type's name and who needs it."""
+        super().__init__(name, used_by)
+        self.name = name
+        self.used_by = used_by
+
+    def __str__(self) -> str:
+        package = self.name.split("/", 1)[0]
+        return (
+            f"{self.used_by} is of type {self.name}, which this machine does not know; "
+            f"install the ROS package {package} where the gateway runs"
+        )
+
+
+class AdapterLost(GatewayError):
+    """The robot's side cannot be reached."""
+
+
+class SpoolError(GatewayError):
+    """The data folder cannot be used."""
+
+
+class SettingsError(GatewayError):
+    """The gateway was started with settings that do not fit."""
+
+
+class LinkLost(GatewayError):
+    """The hub cannot be reached, or stopped answering."""
+
+
+class KeyRefused(LinkLost):
+    """The hub does not know our key."""
+
+    def __init__(self, status: int, hub: str) -> None:
+        """Keep the HTTP status and who said so."""
+        super().__init__(status, hub)
+        self.status = status
+        self.hub = hub
+
+    def __str__(self) -> str:
+        return (
+            f"{self.hub} refuses this gateway's key (HTTP {self.status}); "
+            "enrol the gateway again or give another --key-file"
+        )

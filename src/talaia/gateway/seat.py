@@ -1,0 +1,297 @@
+"""One driven device: its lease, its velocity and its STOP together, under one clock. Pure.
+
+This is where the arbitration of the safety rules is decided: STOP before the lease holder, and
+nobody else. A seat holds no timer; it says when it wants to be called (`due_ns`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+from talaia.clock import MS, SECOND
+from talaia.gateway.drive import STILL, Demand, Driving
+from talaia.gateway.lease import Lease
+from talaia.gateway.stop import Latched, StopLatch
+from talaia.wire.frames import DriveState, LeaseState, StopState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.stop import Proof
+    from talaia.model.site import Drive as DriveRule
+    from talaia.wire.frames import Drive, FromGateway, LeaseAsk
+
+__all__ = ["Mouth", "Seat"]
+
+REPORT_NS = 100 * MS
+STOP_OFTEN_NS = SECOND
+STOP_SELDOM_NS = SECOND
+
+
+class Mouth(Protocol):
+    """What a seat says: to the robot, to the hub, and to the record."""
+
+    def drive(self, device: str, linear: float, angular: float) -> None:
+        """Publish a velocity."""
+        ...
+
+    def stop(self, device: str, *, stopped: bool) -> None:
+        """Publish on the STOP topic."""
+        ...
+
+    def send(self, message: FromGateway) -> None:
+        """Send to the hub."""
+        ...
+
+    def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+        """Write down."""
+        ...
+
+
+class Seat:
+    """Who drives one device, and what it is told."""
+
+    def __init__(
+        self,
+        device: str,
+        rule: DriveRule,
+        mouth: Mouth,
+        next_epoch: Callable[[], int],
+        stopped: Latched | None,
+    ) -> None:
+        """Start with no lease and nothing moving; STOP as it was kept on disk."""
+        self.device = device
+        self.rule = rule
+        self._mouth = mouth
+        self.lease = Lease(round(rule.lease * SECOND), next_epoch)
+        self.driving = Driving(rule)
+        self.latch = StopLatch(rule.stop.below, stopped)
+        self._period_ns = round(SECOND / rule.rate)
+        self._zero_ns = 0
+        self._told_robot_ns = 0
+        self._stopped_ns = 0
+        self._driver = ""
+        self._told: tuple[Demand, float, str] | None = None
+        self._reported_ns = -REPORT_NS
+        self._why = ""
+        self._noted_refusal = False
+        self._had: tuple[str, str] | None = None
+
+    # ── lease ──
+
+    def on_lease(self, ask: LeaseAsk, now_ns: int) -> None:
+        """Take, renew or free, and answer."""
+        before = self.lease.holder(now_ns)
+        refused = ""
+        match ask.op:
+            case ask.op.TAKE:
+                refused = self.lease.take(ask.session, ask.who, now_ns)
+                if not refused:
+                    # A take-over, even from oneself, passes through zero.
+                    self._end(now_ns, "taken anew")
+                    self._why = ""
+                    self._noted_refusal = False
+                    self._mouth.note("lease_granted", self.device, "", ask.who, good=True)
+            case ask.op.RENEW:
+                refused = self.lease.renew(ask.session, now_ns)
+            case ask.op.FREE:
+                if self.lease.free(ask.session, now_ns):
+                    self._end(now_ns, "lease given back")
+                    self._mouth.note("lease_freed", self.device, "", ask.who, good=True)
+        if refused and before is not None and ask.op is ask.op.TAKE:
+            self._mouth.note("lease_refused", self.device, refused, ask.who, good=True)
+        self._remember(now_ns)
+        self._mouth.send(self.lease_state(now_ns, ask.session, refused))
+
+    def lease_state(self, now_ns: int, asked: str = "", refused: str = "") -> LeaseState:
+        """Say who holds the device."""
+        held = self.lease.holder(now_ns)
+        if held is None:
+            return LeaseState(device=self.device, asked=asked, refused=refused)
+        return LeaseState(
+            device=self.device,
+            session=held.session,
+            who=held.who,
+            epoch=held.epoch,
+            remains_ms=max(0, (held.until_ns - now_ns) // MS),
+            asked=asked,
+            refused=refused,
+        )
+
+    def _remember(self, now_ns: int) -> None:
+        held = self.lease.holder(now_ns)
+        self._had = None if held is None else (held.session, held.who)
+
+    # ── driving ──
+
+    def on_drive(self, frame: Drive, age_ns: int, now_ns: int) -> None:
+        """Take one frame; a wish that is accepted is published before this returns."""
+        held = self.lease.holder(now_ns)
+        if self.latch.latched is not None:
+            self.driving.demand_rest()
+            why = "STOP is on"
+        elif held is None:
+            why = "nobody holds the lease"
+        elif held.session != frame.session:
+            why = f"{held.who} holds the lease"
+        else:
+            was_moving = self.driving.moving
+            why = self.driving.offer(frame, held.epoch, age_ns, now_ns)
+            if not why:
+                self._driver = held.who
+                if not was_moving:
+                    self._noted_refusal = False
+                    self._why = ""
+                    self._mouth.note("drive_started", self.device, "", held.who, good=True)
+                if self.driving.prompt(now_ns):
+                    self._publish(now_ns)
+                self._report(now_ns)
+                return
+        if self.latch.latched is not None or held is None or held.session != frame.session:
+            self.driving.refused += 1
+        self._refuse(why, "" if held is None else held.who)
+        self._report(now_ns)
+
+    def _refuse(self, why: str, who: str) -> None:
+        changed, self._why = why != self._why, why
+        if changed and not self._noted_refusal:
+            # Once for a hold: a page that drives on in vain must not fill the record.
+            self._noted_refusal = True
+            self._mouth.note("drive_refused", self.device, why, who, good=False)
+
+    def _publish(self, now_ns: int) -> None:
+        was_moving = self.driving.moving
+        demand = self.driving.step(now_ns)
+        if demand is not None:
+            self._mouth.drive(self.device, *demand)
+        if was_moving and not self.driving.moving:
+            self._note_end("no fresh frame")
+
+    def _end(self, now_ns: int, why: str) -> None:
+        """End a hold, if one is on, with zeros."""
+        if self.driving.moving:
+            self.driving.halt(now_ns)
+            self._note_end(why)
+        if not self.driving.silent:
+            self._publish(now_ns)
+
+    def _note_end(self, why: str) -> None:
+        count = f"{self.driving.accepted} frames, {self.driving.refused} refused"
+        self.driving.refused = 0
+        self._mouth.note("drive_ended", self.device, f"{why}; {count}", self._driver, good=True)
+
+    def _report(self, now_ns: int) -> None:
+        """Tell the hub what the robot is told, when it changed, at most ten times a second."""
+        driving = self.driving
+        told = (driving.output, driving.cap, self._why)
+        if told == self._told or now_ns - self._reported_ns < REPORT_NS:
+            return
+        self._told, self._reported_ns = told, now_ns
+        self._mouth.send(
+            DriveState(
+                device=self.device,
+                linear=driving.output.linear,
+                angular=driving.output.angular,
+                cap=driving.cap,
+                loop_ms=driving.loop_ms,
+                accepted=driving.accepted,
+                refused=driving.refused,
+                why=self._why,
+            )
+        )
+
+    # ── STOP ──
+
+    def on_stop(self, latched: Latched, now_ns: int) -> bool:
+        """Stop now and answer; tell whether it was open before, so that it is kept on disk."""
+        fresh = self.latch.ask(latched, now_ns)
+        self._end(now_ns, "STOP")
+        if fresh:
+            self._stopped_ns = now_ns
+            self.driving.demand_rest()
+            self._say_stop(now_ns)
+            self._say_zero(now_ns)
+            self._mouth.note("stop", self.device, "STOP (software)", latched.who, good=False)
+        self._mouth.send(self.stop_state(latched.id))
+        return fresh
+
+    def on_reset(self, who: str, now_ns: int) -> None:
+        """Release STOP, after token and disk; nothing moves by this."""
+        self.latch.open()
+        self.driving.halt(now_ns)
+        self.driving.demand_rest()
+        self._mouth.stop(self.device, stopped=False)
+        self._mouth.note("stop_reset", self.device, "", who, good=True)
+        self._mouth.send(self.stop_state())
+
+    def stop_state(self, asked: str = "") -> StopState:
+        """Say whether it is stopped, answering the ask with this id if any."""
+        latched = self.latch.latched
+        if latched is None:
+            return StopState(device=self.device, latched=False, id=asked)
+        return StopState(
+            device=self.device,
+            latched=True,
+            confirmed=self.latch.confirmed,
+            who=latched.who,
+            time_us=latched.time_us,
+            id=asked or latched.id,
+        )
+
+    def _say_stop(self, now_ns: int) -> None:
+        self._told_robot_ns = now_ns
+        self._mouth.stop(self.device, stopped=True)
+
+    def _say_zero(self, now_ns: int) -> None:
+        self._zero_ns = now_ns
+        self._mouth.drive(self.device, *STILL)
+
+    # ── time and link ──
+
+    def link_lost(self, now_ns: int, *, stop_robot: bool) -> None:
+        """End lease and hold; where the description says so, zeros even if nobody drove."""
+        self.lease.drop()
+        self._had = None
+        was_moving = self.driving.moving
+        self._end(now_ns, "link lost")
+        if stop_robot and not was_moving:
+            self.driving.halt(now_ns)
+            self._publish(now_ns)
+
+    def due_ns(self) -> int | None:
+        """Give when `step` wants to be called next, or none."""
+        times = []
+        if self.latch.latched is not None:
+            times += [self._zero_ns + self._period_ns]
+        elif (turn := self.driving.due_ns()) is not None:
+            times.append(turn)
+        if self._told is not None and self._told[0] != self.driving.output:
+            times.append(self._reported_ns + REPORT_NS)
+        if (until := self.lease.until_ns()) is not None:
+            times.append(until)
+        return min(times, default=None)
+
+    def step(self, now_ns: int, proofs: Callable[[], list[Proof | None]]) -> None:
+        """Do what is due: lease that ends, zeros, STOP repeated and judged, reports."""
+        if self._had is not None and self.lease.holder(now_ns) is None:
+            self._mouth.note("lease_ended", self.device, "not renewed", self._had[1], good=True)
+            self._end(now_ns, "lease ended")
+            self._had = None
+            self._mouth.send(self.lease_state(now_ns))
+        if self.latch.latched is not None:
+            self._step_stopped(now_ns, proofs)
+        else:
+            turn = self.driving.due_ns()
+            if turn is not None and now_ns >= turn:
+                self._publish(now_ns)
+        self._report(now_ns)
+
+    def _step_stopped(self, now_ns: int, proofs: Callable[[], list[Proof | None]]) -> None:
+        if now_ns - self._zero_ns >= self._period_ns:
+            self._say_zero(now_ns)
+            self.driving.step(now_ns)
+            early = now_ns - self._stopped_ns <= STOP_OFTEN_NS
+            if early or now_ns - self._told_robot_ns >= STOP_SELDOM_NS:
+                self._say_stop(now_ns)
+        if self.latch.judge(proofs(), now_ns):
+            self._mouth.send(self.stop_state())

@@ -1,0 +1,86 @@
+"""Numbers and places a gateway is started with; what the description does not say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from talaia.gateway.errors import SettingsError
+
+__all__ = ["HubAddress", "Settings"]
+
+_LOOPBACK = ("127.0.0.1", "::1", "localhost")
+
+
+@dataclass(frozen=True, slots=True)
+class HubAddress:
+    """Where the hub is and how it proves itself.
+
+    Attributes:
+        url: ``wss://host:port``, without a path.
+        fingerprint: SHA-256 of the hub's certificate, hex without colons; empty to use a CA.
+        ca: file of certificate authorities; none takes the system's.
+
+    """
+
+    url: str
+    fingerprint: str = ""
+    ca: Path | None = None
+
+    @classmethod
+    def checked(
+        cls, url: str, *, fingerprint: str = "", ca: Path | None = None, allow_plain: bool = False
+    ) -> HubAddress:
+        """Check an address as a person gave it.
+
+        Raises:
+            SettingsError: not a WebSocket address; plain text without being asked for or to
+                another machine; a fingerprint that is none.
+
+        """
+        shown = f"hub address {url!r}"
+        parts = urlsplit(url)
+        if parts.scheme in ("http", "https"):
+            parts = parts._replace(scheme="ws" if parts.scheme == "http" else "wss")
+        if parts.scheme not in ("ws", "wss") or not parts.hostname:
+            raise SettingsError(f"{shown}: expected wss://host:port")
+        if parts.scheme == "ws" and not allow_plain:
+            raise SettingsError(f"{shown}: plain text; use wss://, or --allow-plain on loopback")
+        if parts.scheme == "ws" and parts.hostname not in _LOOPBACK:
+            raise SettingsError(f"{shown}: plain text is for loopback only; use wss://")
+        pin = fingerprint.replace(":", "").lower()
+        if pin and (len(pin) != 64 or set(pin) - set("0123456789abcdef")):
+            raise SettingsError(
+                f"fingerprint {fingerprint!r}: expected 64 hexadecimal digits (SHA-256)"
+            )
+        return cls(parts._replace(path="", query="", fragment="").geturl(), pin, ca)
+
+    @property
+    def plain(self) -> bool:
+        """Tell whether the link is not encrypted."""
+        return self.url.startswith("ws://")
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How one gateway runs.
+
+    Attributes:
+        key: proves the gateway to the hub; never logged.
+        data: folder of spool, journal, epochs and STOP latches.
+        spool_bytes: most that may wait on disk; the oldest gives way.
+        flush: samples wait at most so long to be batched (s).
+        sync: the spool is forced to disk so often (s); a power cut loses no more than this.
+        backfill_bytes: old samples go out at this rate beside the live ones (bytes/s).
+
+    """
+
+    hub: HubAddress
+    key: str = field(repr=False)
+    data: Path = Path("talaia-gateway")
+    domain: int | None = None
+    spool_bytes: int = 256 * 1024 * 1024
+    flush: float = 0.02
+    sync: float = 1.0
+    backfill_bytes: int = 512 * 1024

@@ -1,0 +1,1 @@
+"""What the hub has not stored yet, on disk, bounded."""

@@ -1,0 +1,101 @@
+"""One file of the spool: records one after another, each with its own checksum.
+
+A record is a fixed head (magic, kind, length, checksum, sequence range, time span) and a body.
+A crash leaves at most a torn tail, which is cut off; damage in the middle costs the records it
+touches and no others, since reading finds the next magic.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["HEAD", "Kind", "Record", "pack_record", "records"]
+
+MAGIC = b"\xf7TLR"
+# magic, kind, body length, CRC-32 of all that follows it, first, count, from_us, to_us
+_HEAD = struct.Struct("<4sB3xIIQIqq")
+_CHECKED = struct.Struct("<QIqq")
+HEAD = _HEAD.size
+_MAX_BODY = 16 * 1024 * 1024
+
+
+class Kind:
+    """What a record holds: the segment's own head, or a batch of samples."""
+
+    SEGMENT = 0
+    SAMPLES = 1
+
+
+class Record(NamedTuple):
+    """A batch as it is kept.
+
+    Attributes:
+        first: sequence number of the first sample.
+        samples: how many.
+        from_us: earliest time (wall).
+        to_us: latest time.
+        body: the encoded frame.
+        kind: see `Kind`.
+
+    """
+
+    first: int
+    samples: int
+    from_us: int
+    to_us: int
+    body: bytes
+    kind: int = Kind.SAMPLES
+
+    @property
+    def end(self) -> int:
+        """One past the last sequence number."""
+        return self.first + self.samples
+
+
+def pack_record(record: Record) -> bytes:
+    """Give a record's bytes."""
+    checked = _CHECKED.pack(record.first, record.samples, record.from_us, record.to_us)
+    crc = zlib.crc32(record.body, zlib.crc32(checked, record.kind))
+    head = _HEAD.pack(
+        MAGIC,
+        record.kind,
+        len(record.body),
+        crc,
+        record.first,
+        record.samples,
+        record.from_us,
+        record.to_us,
+    )
+    return head + record.body
+
+
+def records(data: bytes, at: int = 0) -> Iterator[tuple[int, Record]]:
+    """Give the whole records of ``data`` from ``at`` on, each with the offset where it ends."""
+    while True:
+        at = data.find(MAGIC, at)
+        if at < 0:
+            return
+        record = _read(data, at)
+        if record is None:
+            at += 1
+            continue
+        at += HEAD + len(record.body)
+        yield at, record
+
+
+def _read(data: bytes, at: int) -> Record | None:
+    if len(data) - at < HEAD:
+        return None
+    _, kind, length, crc, first, count, from_us, to_us = _HEAD.unpack_from(data, at)
+    if length > _MAX_BODY or len(data) - at - HEAD < length:
+        return None
+    body = data[at + HEAD : at + HEAD + length]
+    checked = _CHECKED.pack(first, count, from_us, to_us)
+    if zlib.crc32(body, zlib.crc32(checked, kind)) != crc:
+        return None
+    return Record(first, count, from_us, to_us, body, kind)

@@ -1,0 +1,106 @@
+"""STOP (software): latched until reset in two steps, confirmed by the robot itself. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import SECOND
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Latched", "Proof", "StopLatch"]
+
+TOKEN_NS = 10 * SECOND
+
+
+class Latched(NamedTuple):
+    """Who stopped the device, by which ask, and when (wall time)."""
+
+    id: str
+    who: str
+    time_us: int
+
+
+class Proof(NamedTuple):
+    """A reading that tells whether the robot stands still.
+
+    Attributes:
+        value: newest reading, in its unit.
+        mono_ns: when it came.
+        max_age_ns: older than this it proves nothing.
+
+    """
+
+    value: float
+    mono_ns: int
+    max_age_ns: int
+
+
+class StopLatch:
+    """The STOP of one device.
+
+    Asking again changes nothing but is answered each time. It opens only with the token that the
+    same session was given at most ten seconds before, once.
+    """
+
+    def __init__(self, below: float, latched: Latched | None = None) -> None:
+        """Take how near zero counts as standing still, and the state kept on disk."""
+        self._below = below
+        self._token: tuple[str, str, int] | None = None
+        self._since_ns = 0
+        self.latched = latched
+        self.confirmed = False
+
+    def ask(self, latched: Latched, now_ns: int) -> bool:
+        """Latch; tell whether it was open before. The first who asked stays on record."""
+        self._token = None
+        if self.latched is not None:
+            return False
+        self.latched = latched
+        self._since_ns = now_ns
+        self.confirmed = False
+        return True
+
+    def judge(self, proofs: Iterable[Proof | None], now_ns: int) -> bool:
+        """Confirm or unconfirm by the newest readings; tell whether that changed.
+
+        All must have come after STOP, be fresh, and be within ``below`` of zero. With no reading
+        named in the description nothing can be confirmed. NaN proves nothing.
+        """
+        seen = list(proofs)
+        still = bool(seen) and all(
+            proof is not None
+            and proof.mono_ns >= self._since_ns
+            and now_ns - proof.mono_ns <= proof.max_age_ns
+            and abs(proof.value) <= self._below
+            for proof in seen
+        )
+        still = still and self.latched is not None
+        changed = still is not self.confirmed
+        self.confirmed = still
+        return changed
+
+    def offer_token(self, session: str, token: str, now_ns: int) -> str:
+        """Keep a fresh token for ``session``; give the reason when there is nothing to reset."""
+        if self.latched is None:
+            return "STOP is not on"
+        self._token = (session, token, now_ns + TOKEN_NS)
+        return ""
+
+    def check_token(self, session: str, token: str, now_ns: int) -> str:
+        """Use up the token; give the reason when it does not open. The latch itself stays."""
+        kept, self._token = self._token, None
+        if self.latched is None:
+            return "STOP is not on"
+        if kept is None or kept[0] != session or kept[1] != token:
+            return "this reset was not prepared; begin again"
+        if now_ns >= kept[2]:
+            return "the reset was prepared too long ago; begin again"
+        return ""
+
+    def open(self) -> None:
+        """Release it. This starts no motion: the driver must press anew."""
+        self.latched = None
+        self.confirmed = False
+        self._token = None

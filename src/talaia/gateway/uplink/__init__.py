@@ -1,0 +1,1 @@
+"""The connection to the hub: dialling, lanes, catching up."""

@@ -1,0 +1,278 @@
+"""The link and the media connection: one socket each, from handshake to loss.
+
+What is sent comes from elsewhere (`Lanes`, `Pictures`), and so does what received messages mean
+(`Desk`); here frames only pass, beats are kept, and a loss becomes one `LinkLost` with a reason.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Protocol
+
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
+
+from talaia.gateway.errors import KeyRefused, LinkLost
+from talaia.gateway.uplink.beats import Beats, reply_to
+from talaia.wire.errors import PeerError
+from talaia.wire.frames import (
+    LINK_FROM_GATEWAY,
+    LINK_FROM_HUB,
+    MEDIA_FROM_GATEWAY,
+    MEDIA_FROM_HUB,
+    Beat,
+    BeatReply,
+    Bye,
+    Hello,
+    Welcome,
+)
+from talaia.wire.shape import PROTOCOL
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from websockets.asyncio.client import ClientConnection
+
+    from talaia.clock import Clock
+    from talaia.gateway.settings import Settings
+    from talaia.gateway.uplink.lanes import Lanes
+    from talaia.gateway.uplink.pictures import Pictures
+    from talaia.gateway.uplink.tls import Trust
+    from talaia.wire.frames import FromHub
+
+__all__ = ["Desk", "LinkRun", "dial", "run_media"]
+
+log = logging.getLogger(__name__)
+HANDSHAKE_S = 5.0
+# Small, so that what waits is in our lanes, where importance counts, and not in the socket.
+WRITE_LIMIT = 32 * 1024
+
+
+class Desk(Protocol):
+    """Where the hub's messages are acted on. Returns at once; raises nothing."""
+
+    def link_up(self, welcome: Welcome) -> None:
+        """The hub has answered."""
+        ...
+
+    def link_lost(self) -> None:
+        """The link is gone; also called when it never stood."""
+        ...
+
+    def handle(self, message: FromHub) -> None:
+        """Act on one message."""
+        ...
+
+
+@asynccontextmanager
+async def dial(settings: Settings, trust: Trust, path: str) -> AsyncIterator[ClientConnection]:
+    """Open a WebSocket to the hub; a loss inside the block becomes `LinkLost`.
+
+    Raises:
+        LinkLost: the hub cannot be reached or went away.
+        KeyRefused: it does not know our key.
+
+    """
+    url = settings.hub.url + path
+    socket: ClientConnection | None = None
+    try:
+        async with asyncio.timeout(2 * HANDSHAKE_S):
+            socket = await connect(
+                url,
+                ssl=await trust.context(),
+                compression=None,
+                ping_interval=None,
+                open_timeout=HANDSHAKE_S,
+                close_timeout=1,
+                max_size=LINK_FROM_HUB.max_frame,
+                write_limit=WRITE_LIMIT,
+                additional_headers={"Authorization": f"Bearer {settings.key}"},
+                user_agent_header=None,
+                proxy=None,
+            )
+        yield socket
+    except InvalidStatus as error:
+        if error.response.status_code in (401, 403):
+            raise KeyRefused(error.response.status_code, settings.hub.url) from error
+        raise LinkLost(f"{url} answers HTTP {error.response.status_code}") from error
+    except ConnectionClosed as error:
+        reason = error.rcvd.reason if error.rcvd is not None and error.rcvd.reason else str(error)
+        raise LinkLost(f"the hub closed the link: {reason}") from error
+    except PeerError as error:
+        if socket is not None:
+            await socket.close(error.code, error.problem[:100])
+        raise LinkLost(f"the hub sent {error.problem}") from error
+    except (OSError, TimeoutError, WebSocketException) as error:
+        trust.forget()
+        raise LinkLost(f"{url} cannot be reached: {str(error) or type(error).__name__}") from error
+    finally:
+        if socket is not None:
+            await _close(socket)
+
+
+async def _close(socket: ClientConnection) -> None:
+    """Say good-bye, but never wait long for a peer that is gone."""
+    try:
+        async with asyncio.timeout(0.5):
+            await socket.close()
+    except (TimeoutError, OSError, WebSocketException):
+        pass
+    finally:
+        socket.transport.abort()
+
+
+async def _beat(socket_send: Callable[[Beat], None], beats: Beats, clock: Clock, what: str) -> None:
+    while True:
+        if beats.dead:
+            raise LinkLost(f"{what} has not answered for {beats.MISSED} s")
+        socket_send(beats.next(clock.monotonic_ns()))
+        await asyncio.sleep(beats.PERIOD_S)
+
+
+class LinkRun:
+    """The link, once: hello, welcome, then frames both ways until it is lost."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        trust: Trust,
+        clock: Clock,
+        lanes: Lanes,
+        wake: asyncio.Event,
+        desk: Desk,
+    ) -> None:
+        """Take what to send and who acts on what comes."""
+        self._settings = settings
+        self._trust = trust
+        self._clock = clock
+        self._lanes = lanes
+        self._wake = wake
+        self._desk = desk
+
+    async def once(self, hello: Hello, beside: Callable[[Welcome], asyncio.Task[None]]) -> None:
+        """Run one link to its end.
+
+        Args:
+            hello: first frame.
+            beside: starts what runs beside the link (catching up); cancelled with it.
+
+        Raises:
+            LinkLost: always, with the reason.
+
+        """
+        try:
+            async with dial(self._settings, self._trust, "/gateway/link") as socket:
+                await socket.send(LINK_FROM_GATEWAY.encode(hello))
+                async with asyncio.timeout(HANDSHAKE_S):
+                    welcome = LINK_FROM_HUB.decode(await socket.recv())
+                self._check(welcome)
+                assert isinstance(welcome, Welcome)  # noqa: S101 - told to mypy; _check raised
+                self._lanes.link_up()
+                self._desk.link_up(welcome)
+                log.info("linked to %s", self._settings.hub.url)
+                beats = Beats(self._clock.monotonic_ns())
+                tasks = [
+                    asyncio.ensure_future(self._read(socket, beats)),
+                    asyncio.ensure_future(self._write(socket)),
+                    asyncio.ensure_future(_beat(self._lanes.send, beats, self._clock, "the hub")),
+                    beside(welcome),
+                ]
+                await first_to_end(tasks)
+        finally:
+            self._lanes.link_lost()
+            self._desk.link_lost()
+
+    def _check(self, welcome: FromHub) -> None:
+        if isinstance(welcome, Bye):
+            raise LinkLost(f"the hub refuses this gateway: {welcome.reason}")
+        if not isinstance(welcome, Welcome):
+            raise PeerError(f"{type(welcome).__name__} before the welcome")
+        if welcome.protocol != PROTOCOL:
+            raise LinkLost(
+                f"the hub speaks protocol {welcome.protocol}, this gateway {PROTOCOL}; "
+                "bring both to the same version"
+            )
+
+    async def _read(self, socket: ClientConnection, beats: Beats) -> None:
+        while True:
+            data = await socket.recv()
+            message = LINK_FROM_HUB.decode(data)
+            now = self._clock.monotonic_ns()
+            frozen = beats.stood_still_s(now)
+            if frozen > 0:
+                raise LinkLost(f"this process stood still for {frozen:.1f} s; starting clean")
+            match message:
+                case Beat():
+                    self._lanes.send(reply_to(message, now))
+                case BeatReply():
+                    beats.answered(message, now)
+                case Bye():
+                    raise LinkLost(f"the hub closes the link: {message.reason}")
+                case Welcome():
+                    raise PeerError("a second welcome")
+                case _:
+                    self._desk.handle(message)
+
+    async def _write(self, socket: ClientConnection) -> None:
+        while True:
+            data = self._lanes.next()
+            if data is None:
+                self._wake.clear()
+                await self._wake.wait()
+            else:
+                await socket.send(data)
+
+
+async def first_to_end(tasks: list[asyncio.Task[None]]) -> None:
+    """Wait for the first to end, cancel the others, and raise what it raised."""
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+    for task in done:
+        task.result()
+
+
+async def run_media(settings: Settings, trust: Trust, clock: Clock, pictures: Pictures) -> None:
+    """Send pictures until the connection is lost.
+
+    Raises:
+        LinkLost: always, with the reason.
+
+    """
+    async with dial(settings, trust, "/gateway/media") as socket:
+        beats = Beats(clock.monotonic_ns())
+        pictures.link_up()
+
+        async def read() -> None:
+            while True:
+                message = MEDIA_FROM_HUB.decode(await socket.recv())
+                now = clock.monotonic_ns()
+                if isinstance(message, Beat):
+                    pictures.say(MEDIA_FROM_GATEWAY.encode(reply_to(message, now)))
+                elif isinstance(message, BeatReply):
+                    beats.answered(message, now)
+                else:
+                    raise LinkLost("the hub closes the media connection")
+
+        async def write() -> None:
+            while True:
+                await socket.send(await pictures.next())
+
+        def say(beat: Beat) -> None:
+            pictures.say(MEDIA_FROM_GATEWAY.encode(beat))
+
+        try:
+            await first_to_end(
+                [
+                    asyncio.ensure_future(read()),
+                    asyncio.ensure_future(write()),
+                    asyncio.ensure_future(_beat(say, beats, clock, "the hub's media side")),
+                ]
+            )
+        finally:
+            pictures.link_lost()

@@ -1,0 +1,141 @@
+"""What waits to be sent, by importance. Pure, and bounded lane by lane.
+
+A driving frame's answer never waits behind a batch of samples, and live samples never behind old
+ones. Each lane says what gives way when it is full.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from enum import IntEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.wire.frames import (
+    LINK_FROM_GATEWAY,
+    Beat,
+    BeatReply,
+    Bye,
+    CommandState,
+    DriveState,
+    Event,
+    LeaseState,
+    ResetToken,
+    StopState,
+    Tick,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.wire.frames import FromGateway
+
+__all__ = ["Lane", "Lanes", "Waiting"]
+
+
+class Lane(IntEnum):
+    """From the most urgent to the least."""
+
+    CONTROL = 0
+    COMMANDS = 1
+    LIVE = 2
+    BACKFILL = 3
+
+
+_CONTROL = (StopState, DriveState, Tick, LeaseState, ResetToken, Beat, BeatReply, Bye)
+_COMMANDS = (CommandState, Event)
+
+
+class Waiting(NamedTuple):
+    """An encoded frame, and for samples the sequence range it holds."""
+
+    data: bytes
+    first: int = 0
+    end: int = 0
+
+
+class Lanes:
+    """The lanes of one gateway.
+
+    CONTROL lives for one link: after a loss the state is told anew, nothing is replayed. COMMANDS
+    outlives it: results and events are facts; of more than ``MAX_COMMANDS`` the oldest go. LIVE
+    over ``MAX_LIVE`` bytes is emptied whole: what was in it is in the spool, and comes behind.
+    """
+
+    MAX_CONTROL = 2_000
+    MAX_COMMANDS = 2_000
+    MAX_LIVE = 4 * 1024 * 1024
+
+    def __init__(self, wake: Callable[[], None]) -> None:
+        """Take what to call when something begins to wait."""
+        self._wake = wake
+        self._lanes: tuple[deque[Waiting], ...] = tuple(deque() for _ in Lane)
+        self._live_bytes = 0
+        self.linked = False
+        self.dropped_events = 0
+        self.overflowed: tuple[int, int] | None = None
+
+    def send(self, message: FromGateway) -> None:
+        """Queue a message in the lane of its kind."""
+        if isinstance(message, _COMMANDS):
+            lane = self._lanes[Lane.COMMANDS]
+            if len(lane) >= self.MAX_COMMANDS:
+                lane.popleft()
+                self.dropped_events += 1
+        elif not self.linked:
+            return
+        elif isinstance(message, _CONTROL):
+            lane = self._lanes[Lane.CONTROL]
+            if len(lane) >= self.MAX_CONTROL:
+                lane.popleft()
+        else:
+            lane = self._lanes[Lane.BACKFILL]
+        lane.append(Waiting(LINK_FROM_GATEWAY.encode(message)))
+        self._wake()
+
+    def live(self, data: bytes, first: int, end: int) -> None:
+        """Queue a batch of live samples; without a link it is the spool's matter alone."""
+        if not self.linked:
+            return
+        lane = self._lanes[Lane.LIVE]
+        if self._live_bytes + len(data) > self.MAX_LIVE and lane:
+            begin = lane[0].first if self.overflowed is None else self.overflowed[0]
+            self.overflowed = (begin, lane[-1].end)
+            lane.clear()
+            self._live_bytes = 0
+        lane.append(Waiting(data, first, end))
+        self._live_bytes += len(data)
+        self._wake()
+
+    def backfill(self, data: bytes) -> None:
+        """Queue a frame of old samples; the caller keeps the rate and the bound."""
+        self._lanes[Lane.BACKFILL].append(Waiting(data))
+        self._wake()
+
+    @property
+    def backfill_waiting(self) -> int:
+        """How many old frames wait."""
+        return len(self._lanes[Lane.BACKFILL])
+
+    def next(self) -> bytes | None:
+        """Give the most urgent frame, or none."""
+        for index, lane in enumerate(self._lanes):
+            if lane:
+                waiting = lane.popleft()
+                if index == Lane.LIVE:
+                    self._live_bytes -= len(waiting.data)
+                return waiting.data
+        return None
+
+    def link_up(self) -> None:
+        """Begin a link with nothing of the last one but facts."""
+        self.link_lost()
+        self.linked = True
+        self._wake()
+
+    def link_lost(self) -> None:
+        """Forget all but results and events."""
+        self.linked = False
+        self.overflowed = None
+        self._live_bytes = 0
+        for lane in (Lane.CONTROL, Lane.LIVE, Lane.BACKFILL):
+            self._lanes[lane].clear()

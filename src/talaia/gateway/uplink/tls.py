@@ -1,0 +1,90 @@
+"""How the hub proves itself: a pinned certificate, a given CA, or the system's trust."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import ssl
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+from talaia.gateway.errors import LinkLost, SettingsError
+
+if TYPE_CHECKING:
+    from talaia.gateway.settings import HubAddress
+
+__all__ = ["Trust"]
+
+
+class Trust:
+    """Makes the TLS context for a hub.
+
+    With a fingerprint, the certificate is fetched once without telling the hub anything, compared,
+    and from then on is the only one TLS accepts. So the key is never sent to an impostor, as it
+    would be if the fingerprint were looked at after the request.
+    """
+
+    def __init__(self, hub: HubAddress) -> None:
+        """Take the address and how it is to be trusted."""
+        self._hub = hub
+        self._context: ssl.SSLContext | None = None
+
+    async def context(self) -> ssl.SSLContext | None:
+        """Give the context; none for plain text.
+
+        Raises:
+            LinkLost: the hub is not there, or shows another certificate than the pinned one.
+            SettingsError: the CA file cannot be used.
+
+        """
+        if self._hub.plain:
+            return None
+        if self._context is None:
+            self._context = await self._pinned() if self._hub.fingerprint else self._by_authority()
+        return self._context
+
+    def _by_authority(self) -> ssl.SSLContext:
+        try:
+            return ssl.create_default_context(
+                cafile=str(self._hub.ca) if self._hub.ca is not None else None
+            )
+        except OSError as error:
+            raise SettingsError(f"--ca {self._hub.ca}: {error}") from error
+
+    async def _pinned(self) -> ssl.SSLContext:
+        shown = await self._shown()
+        found = hashlib.sha256(shown).hexdigest()
+        if found != self._hub.fingerprint:
+            raise LinkLost(
+                f"{self._hub.url} shows the certificate {found}, "
+                f"expected {self._hub.fingerprint}; if the hub's certificate was renewed, "
+                "give the new fingerprint, else somebody stands between"
+            )
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        # The name is not compared: the certificate itself is known, whatever name it bears.
+        context.check_hostname = False
+        context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
+        context.load_verify_locations(cadata=shown)
+        return context
+
+    async def _shown(self) -> bytes:
+        parts = urlsplit(self._hub.url)
+        looking = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        looking.check_hostname = False
+        looking.verify_mode = ssl.CERT_NONE
+        try:
+            async with asyncio.timeout(5):
+                _, writer = await asyncio.open_connection(
+                    parts.hostname, parts.port or 443, ssl=looking
+                )
+        except (OSError, TimeoutError) as error:
+            raise LinkLost(f"{self._hub.url} cannot be reached: {error}") from error
+        try:
+            peer: ssl.SSLObject = writer.get_extra_info("ssl_object")
+            return peer.getpeercert(binary_form=True) or b""
+        finally:
+            writer.transport.abort()
+
+    def forget(self) -> None:
+        """Look again next time: the hub's certificate may have been renewed to the pinned one."""
+        self._context = None

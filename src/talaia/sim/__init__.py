@@ -1,0 +1,1 @@
+"""Robots that are not there: simulators that ship with the product and are its test peers."""

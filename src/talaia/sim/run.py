@@ -1,0 +1,31 @@
+"""``talaia sim``: robots that are not there, one word each."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from talaia.sim.vehicle import run as vehicle
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+__all__ = ["ROBOTS", "main"]
+
+ROBOTS: dict[str, tuple[Callable[[Sequence[str]], int], str]] = {
+    "vehicle": (vehicle.main, "a TurtleBot3-like vehicle in a furnished house, as ROS 2 nodes"),
+}
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the robot that is named; 2 when there is none of that name."""
+    name = argv[0] if argv else "--help"
+    if name in ROBOTS:
+        return ROBOTS[name][0](argv[1:])
+    rows = "\n".join(f"  {each:<9} {what}" for each, (_, what) in ROBOTS.items())
+    usage = f"usage: talaia sim ROBOT …\n\n{rows}\n\ntalaia sim ROBOT --help tells more.\n"
+    if name in ("-h", "--help"):
+        sys.stdout.write(usage)
+        raise SystemExit(0)
+    sys.stderr.write(f"talaia sim: there is no robot {name!r}\n\n{usage}")
+    return 2

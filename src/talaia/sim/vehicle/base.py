@@ -1,0 +1,178 @@
+"""Who moves the vehicle: commands, keys, wandering, STOP and the time-out. Pure: times come in.
+
+In order: STOP (latched until released) > a command from outside (``/cmd_vel``, ``/control``) >
+wandering. A command from outside ends wandering for good; it must be asked for again.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from talaia.clock import MS
+
+__all__ = ["MAX_SPEED", "MAX_TURN", "STANDSTILL_NS", "Base", "Change", "Ramp", "Source"]
+
+MAX_SPEED = 0.22
+"""m/s, as a TurtleBot3."""
+MAX_TURN = 2.84
+"""rad/s, as a TurtleBot3."""
+STANDSTILL_NS = 500 * MS
+"""So long after the last command the vehicle stands still."""
+BRAKING_NS = 80 * MS
+"""Part of that: a control period and the time it takes to brake from full speed."""
+
+KEYS = {
+    "w": (0.15, 0.0),
+    "x": (-0.15, 0.0),
+    "a": (0.0, 1.0),
+    "d": (0.0, -1.0),
+    "s": (0.0, 0.0),
+}
+"""What the keys of the CloudConnect contract ask for, each until its own time-out."""
+
+
+class Source(StrEnum):
+    """What moved the vehicle, or stopped it."""
+
+    TWIST = "cmd_vel"
+    KEY = "control"
+    WANDER = "wander"
+    TIME_OUT = "timeout"
+    STOP = "stop"
+
+
+@dataclass(frozen=True)
+class Change:
+    """A new wanted velocity: ``speed`` in m/s, ``turn`` in rad/s."""
+
+    source: Source
+    speed: float
+    turn: float
+
+
+class Base:
+    """Decides the wanted velocity.
+
+    Every method that may change it returns the change, or None when all stays as it was.
+    """
+
+    def __init__(self, *, wandering: bool = False) -> None:
+        """Start standing still."""
+        self._wanted = Change(Source.TIME_OUT, 0.0, 0.0)
+        self._commanded_ns: int | None = None
+        self._stopped = False
+        self._wandering = wandering
+
+    @property
+    def speed(self) -> float:
+        """Wanted, forward (m/s)."""
+        return self._wanted.speed
+
+    @property
+    def turn(self) -> float:
+        """Wanted, counter-clockwise (rad/s)."""
+        return self._wanted.turn
+
+    @property
+    def wandering(self) -> bool:
+        """Whether it drives about by itself."""
+        return self._wandering
+
+    @property
+    def stopped(self) -> bool:
+        """Whether STOP is latched."""
+        return self._stopped
+
+    def command(self, now_ns: int, speed: float, turn: float) -> Change | None:
+        """Take a velocity from outside, cut to the vehicle's limits.
+
+        A value that is not finite is no velocity; such a command stands for standing still.
+        """
+        if not (math.isfinite(speed) and math.isfinite(turn)):
+            speed = turn = 0.0
+        speed = min(max(speed, -MAX_SPEED), MAX_SPEED)
+        turn = min(max(turn, -MAX_TURN), MAX_TURN)
+        return self._outside(now_ns, Change(Source.TWIST, speed, turn))
+
+    def key(self, now_ns: int, key: str) -> Change | None:
+        """Take a key of the CloudConnect contract. Other keys change nothing."""
+        asked = KEYS.get(key)
+        if asked is None:
+            return None
+        return self._outside(now_ns, Change(Source.KEY, *asked))
+
+    def roam(self, speed: float, turn: float) -> Change | None:
+        """Take where wandering would go; without effect unless it is on."""
+        if not self._wandering:
+            return None
+        return self._want(Change(Source.WANDER, speed, turn))
+
+    def wander(self, *, on: bool) -> tuple[bool, Change | None]:
+        """Turn wandering on or off; says whether that was accepted. STOP refuses it."""
+        if on:
+            if self._stopped:
+                return False, None
+            self._wandering = True
+            return True, None
+        was, self._wandering = self._wandering, False
+        return True, self._want(Change(Source.WANDER, 0.0, 0.0)) if was else None
+
+    def stop(self, *, engaged: bool) -> Change | None:
+        """Latch STOP, or release it. A release never moves anything."""
+        self._stopped = engaged
+        if not engaged:
+            return None
+        self._wandering = False
+        self._commanded_ns = None
+        return self._want(Change(Source.STOP, 0.0, 0.0))
+
+    def pass_time(self, now_ns: int) -> Change | None:
+        """Notice that the last command is too old."""
+        if self._commanded_ns is None:
+            return None
+        if now_ns - self._commanded_ns < STANDSTILL_NS - BRAKING_NS:
+            return None
+        self._commanded_ns = None
+        return self._want(Change(Source.TIME_OUT, 0.0, 0.0))
+
+    def _outside(self, now_ns: int, change: Change) -> Change | None:
+        if self._stopped:
+            return None
+        self._wandering = False
+        self._commanded_ns = now_ns
+        return self._want(change)
+
+    def _want(self, change: Change) -> Change | None:
+        before, self._wanted = self._wanted, change
+        if (before.speed, before.turn) == (change.speed, change.turn) and (
+            before.source == change.source or change.source is Source.TIME_OUT
+        ):
+            return None
+        return change
+
+
+class Ramp:
+    """Bounds how fast the wanted velocity is taken up; braking is quicker than speeding up."""
+
+    SPEED_UP = 2.5
+    BRAKE = 5.0
+    TURN_UP = 15.0
+    TURN_BRAKE = 60.0
+
+    def __init__(self) -> None:
+        """Start standing still."""
+        self.speed = 0.0
+        self.turn = 0.0
+
+    def follow(self, seconds: float, speed: float, turn: float) -> None:
+        """Move both towards what is wanted (m/s, rad/s) for a while."""
+        self.speed = _towards(self.speed, speed, self.SPEED_UP * seconds, self.BRAKE * seconds)
+        self.turn = _towards(self.turn, turn, self.TURN_UP * seconds, self.TURN_BRAKE * seconds)
+
+
+def _towards(value: float, goal: float, faster: float, slower: float) -> float:
+    braking = abs(goal) < abs(value) or goal * value < 0
+    most = slower if braking else faster
+    return goal if abs(goal - value) <= most else value + math.copysign(most, goal - value)

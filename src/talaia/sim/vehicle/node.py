@@ -1,0 +1,217 @@
+"""The vehicle as ROS 2 topics: takes commands in one thread, lets the world go on in another."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+from geometry_msgs.msg import Twist
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from std_msgs.msg import Bool, String
+from std_srvs.srv import SetBool
+
+from talaia.sim.vehicle.base import Base, Change, Ramp
+from talaia.sim.vehicle.reports import RELIABLE, Reports
+from talaia.sim.vehicle.sensors import Battery
+from talaia.sim.vehicle.wander import Wander
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy as np
+    import numpy.typing as npt
+    from rclpy.node import Node
+
+    from talaia.clock import Clock
+    from talaia.sim.vehicle.actuation_log import ActuationLog
+    from talaia.sim.vehicle.world import Motion, World
+
+__all__ = ["TICK_S", "Inputs", "Loop"]
+
+TICK_S = 0.02
+"""Control period: odometry and inertia are published as often."""
+LATE_S = 0.25
+"""A machine that was away for longer does not make the world catch up."""
+
+Message = Any
+"""ROS messages carry no types."""
+
+logger = logging.getLogger(__name__)
+
+
+class Inputs:
+    """Subscriptions and the service, served by a thread of their own.
+
+    Args:
+        node: subscribes.
+        base: decides what a command does; touched under ``lock`` only.
+        lock: shared with `Loop`.
+        log: is told of every change, at the moment it is accepted.
+        clock: dates the commands.
+
+    """
+
+    def __init__(
+        self, node: Node, base: Base, lock: threading.Lock, log: ActuationLog, clock: Clock
+    ) -> None:
+        """Create the subscriptions."""
+        self._base = base
+        self._lock = lock
+        self._log = log
+        self._clock = clock
+        self._ended = threading.Event()
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(node)
+        node.create_subscription(Twist, "/cmd_vel", self._twist, RELIABLE)
+        node.create_subscription(String, "/control", self._key, RELIABLE)
+        node.create_subscription(Bool, "/stop", self._stop, RELIABLE)
+        node.create_service(SetBool, "/wander", self._wander)
+        self._thread = threading.Thread(target=self._run, name="inputs", daemon=True)
+
+    def start(self) -> None:
+        """Begin to listen."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop listening and end the thread."""
+        self._ended.set()
+        self._executor.wake()
+        self._thread.join(timeout=5.0)
+        self._executor.shutdown(timeout_sec=1.0)
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            try:
+                self._executor.spin_once(timeout_sec=1.0)
+            except ExternalShutdownException:
+                return
+            except Exception:
+                # A wrong message must not leave the vehicle deaf to STOP.
+                logger.exception("a ROS message or request could not be handled")
+
+    def _apply(self, change: Callable[[], Change | None]) -> None:
+        with self._lock:
+            self._log.write(change())
+
+    def _twist(self, message: Message) -> None:
+        now = self._clock.monotonic_ns()
+        self._apply(lambda: self._base.command(now, message.linear.x, message.angular.z))
+
+    def _key(self, message: Message) -> None:
+        now = self._clock.monotonic_ns()
+        self._apply(lambda: self._base.key(now, message.data))
+
+    def _stop(self, message: Message) -> None:
+        self._apply(lambda: self._base.stop(engaged=message.data))
+
+    def _wander(self, request: Message, response: Message) -> Message:
+        with self._lock:
+            accepted, change = self._base.wander(on=request.data)
+            self._log.write(change)
+        response.success = accepted
+        if not accepted:
+            response.message = "refused: STOP is latched; release it first"
+        else:
+            response.message = "wandering" if request.data else "not wandering"
+        return response
+
+
+class Loop:
+    """Lets the world go on with the machine's clock and reports it.
+
+    Args:
+        node: gives ROS time.
+        world: goes on.
+        base: decides the wanted velocity; touched under ``lock`` only.
+        lock: shared with `Inputs`.
+        log: is told of time-outs and of wandering's turns.
+        clock: measures the control period.
+        seed: for wandering.
+
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        world: World,
+        base: Base,
+        lock: threading.Lock,
+        log: ActuationLog,
+        clock: Clock,
+        *,
+        seed: int,
+    ) -> None:
+        """Create the publishers."""
+        self._node = node
+        self._world = world
+        self._base = base
+        self._lock = lock
+        self._log = log
+        self._clock = clock
+        self._reports = Reports(node, world)
+        self._ramp = Ramp()
+        self._wander = Wander(seed)
+        self._battery = Battery()
+        self._motion = world.motion()
+        self._seconds = 0.0
+        self._told_wandering: bool | None = None
+
+    def where(self) -> Motion:
+        """Give the newest motion; any thread may ask."""
+        return self._motion
+
+    def run(self, ended: threading.Event, started: Callable[[], None]) -> None:
+        """Go on until ``ended``; ``started`` is called after the first round."""
+        tick = 0
+        due = time.monotonic()
+        before = due
+        while not ended.is_set():
+            now = time.monotonic()
+            self._tick(tick, min(now - before, LATE_S) if tick else TICK_S)
+            before = now
+            if tick == 0:
+                started()
+            tick += 1
+            due += TICK_S
+            if time.monotonic() - due > LATE_S:
+                due = time.monotonic()
+            ended.wait(max(0.0, due - time.monotonic()))
+
+    def _tick(self, tick: int, seconds: float) -> None:
+        with self._lock:
+            self._log.write(self._base.pass_time(self._clock.monotonic_ns()))
+            wanted = (self._base.speed, self._base.turn)
+            wandering = self._base.wandering
+        self._ramp.follow(seconds, *wanted)
+        motion = self._world.step(seconds, self._ramp.speed, self._ramp.turn)
+        self._motion = motion
+        self._seconds += seconds
+        self._battery.drain(seconds, motion.speed, motion.turn)
+        stamp = self._node.get_clock().now().to_msg()
+        self._reports.motion(stamp, motion)
+        # The slower reports take turns, so that no round is much longer than another.
+        if tick % 2 == 1:
+            self._reports.joints(stamp, motion)
+        if tick % 5 == 0:
+            self._look_around(stamp, wandering=wandering)
+        if tick % 5 == 2:
+            self._reports.surroundings(stamp, motion)
+        if tick % 12 == 4:
+            self._reports.metrics(motion)
+        if tick % 10 == 3:
+            self._reports.place(stamp, motion, self._seconds)
+        if tick % 50 == 1:
+            self._reports.battery(stamp, self._battery)
+        if tick % 50 == 8 or wandering != self._told_wandering:
+            self._told_wandering = wandering
+            self._reports.wandering(on=wandering)
+
+    def _look_around(self, stamp: object, *, wandering: bool) -> None:
+        ranges: npt.NDArray[np.float32] = self._world.scan()
+        self._reports.scan(stamp, ranges)
+        if wandering:
+            speed, turn = self._wander.drive(5 * TICK_S, ranges)
+            with self._lock:
+                self._log.write(self._base.roam(speed, turn))

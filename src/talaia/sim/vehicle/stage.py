@@ -1,0 +1,309 @@
+"""Puts shapes into a MuJoCo model: what stops a vehicle, and what a camera sees.
+
+The two are kept apart. *Hulls* are plain boxes and cylinders: they collide and the lidar sees
+them; every world has them. *Looks* are meshes with textures: only a world with a camera has them,
+so that the same physics runs with and without pictures, and fast.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.sim.vehicle.textures import Picture
+
+__all__ = ["HULL_GROUP", "LOOK_GROUP", "Finish", "Hull", "Place", "Stage"]
+
+LOOK_GROUP = 2
+HULL_GROUP = 3
+
+Vector = tuple[float, float, float]
+Colour = tuple[float, float, float]
+Model = Any
+"""MuJoCo ships no types."""
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Hull:
+    """Something solid: a box of ``half`` sizes, or a cylinder (radius, radius, half height)."""
+
+    round: bool
+    centre: Vector
+    half: Vector
+    yaw: float
+
+
+@dataclass(frozen=True)
+class Finish:
+    """How a surface looks.
+
+    Attributes:
+        picture: makes the texture, or None for a plain colour.
+        colour: multiplies the texture, 0..1.
+        repeat: how often the texture repeats in a metre; 0 stretches it once over each side.
+        cube: the picture is six squares below each other, for round shapes.
+        shine: specular strength, 0..1.
+        glow: light of its own, 0..1.
+
+    """
+
+    picture: Callable[[np.random.Generator], Picture] | None = None
+    colour: Colour = (1.0, 1.0, 1.0)
+    repeat: float = 1.0
+    cube: bool = False
+    shine: float = 0.05
+    glow: float = 0.0
+
+
+class Stage:
+    """The model under construction.
+
+    Args:
+        spec: the MuJoCo model to add to.
+        rng: where textures take their noise from.
+        finishes: surfaces by name.
+        looks: whether to add what only a camera sees.
+
+    """
+
+    def __init__(
+        self,
+        spec: Model,
+        rng: np.random.Generator,
+        finishes: dict[str, Finish],
+        *,
+        looks: bool,
+    ) -> None:
+        """Start with nothing in it."""
+        self.spec = spec
+        self.rng = rng
+        self.looks = looks
+        self.hulls: list[Hull] = []
+        self._finishes = dict(finishes)
+        self._materials: set[str] = set()
+        self._meshes: dict[tuple[float, ...], str] = {}
+
+    def at(self, x: float, y: float, yaw: float = 0.0) -> Place:
+        """Give a place on the floor to build at."""
+        return Place(self, x, y, yaw)
+
+    def finish(self, name: str, finish: Finish) -> str:
+        """Add a surface and give its name back."""
+        self._finishes[name] = finish
+        return name
+
+    def hull(self, hull: Hull) -> None:
+        """Add something solid."""
+        self.hulls.append(hull)
+        kind = mujoco.mjtGeom.mjGEOM_CYLINDER if hull.round else mujoco.mjtGeom.mjGEOM_BOX
+        self.spec.worldbody.add_geom(
+            type=kind,
+            pos=hull.centre,
+            size=(hull.half[0], hull.half[2], 0.0) if hull.round else hull.half,
+            quat=_turned(hull.yaw),
+            group=HULL_GROUP,
+            contype=2,
+            conaffinity=1,
+            friction=(0.2, 0.0, 0.0),
+        )
+
+    def mesh(self, size: Vector, radius: float, repeat: float) -> str:
+        """Give the name of a box mesh with rounded edges, made once for each size."""
+        key = (*size, radius, repeat)
+        name = self._meshes.get(key)
+        if name is None:
+            name = f"mesh{len(self._meshes)}"
+            self._meshes[key] = name
+            vertices, normals, uv, faces = _rounded_box(size, radius, repeat)
+            mesh = self.spec.add_mesh(name=name)
+            mesh.uservert = vertices.ravel()
+            mesh.usernormal = normals.ravel()
+            mesh.usertexcoord = uv.ravel()
+            mesh.userface = faces.ravel()
+            mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+        return name
+
+    def look(self, finish: str, **geom: Model) -> None:
+        """Add something only a camera sees."""
+        if self.looks:
+            self.spec.worldbody.add_geom(
+                material=self.material(finish), group=LOOK_GROUP, contype=0, conaffinity=0, **geom
+            )
+
+    def repeat(self, finish: str) -> float:
+        """Tell how often a surface's texture repeats in a metre."""
+        return self._finishes[finish].repeat
+
+    def material(self, name: str) -> str:
+        """Add the MuJoCo material of a surface at its first use."""
+        if name in self._materials:
+            return name
+        self._materials.add(name)
+        finish = self._finishes[name]
+        material = self.spec.add_material(
+            name=name,
+            rgba=(*finish.colour, 1.0),
+            specular=finish.shine,
+            shininess=0.4,
+            emission=finish.glow,
+        )
+        if finish.picture is not None:
+            # OpenGL counts texture rows from below.
+            pixels = np.ascontiguousarray(finish.picture(self.rng)[::-1])
+            kind = (
+                mujoco.mjtTexture.mjTEXTURE_CUBE if finish.cube else mujoco.mjtTexture.mjTEXTURE_2D
+            )
+            texture = self.spec.add_texture(
+                name=name, type=kind, width=pixels.shape[1], height=pixels.shape[0], nchannel=3
+            )
+            texture.data = pixels.tobytes()
+            material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+        return name
+
+
+@dataclass(frozen=True)
+class Place:
+    """A spot and a direction on the floor; its own x is forward, y left, z up (metres)."""
+
+    stage: Stage
+    x: float
+    y: float
+    yaw: float
+
+    def world(self, point: Vector) -> Vector:
+        """Turn a point of this place into one of the house."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return (
+            self.x + c * point[0] - s * point[1],
+            self.y + s * point[0] + c * point[1],
+            point[2],
+        )
+
+    def on(self, x: float, y: float, yaw: float = 0.0) -> Place:
+        """Give a place relative to this one."""
+        px, py, _ = self.world((x, y, 0.0))
+        return Place(self.stage, px, py, self.yaw + yaw)
+
+    def solid(self, low: Vector, high: Vector) -> None:
+        """Add a hull between two corners."""
+        centre = self.world(
+            ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
+        )
+        half = ((high[0] - low[0]) / 2, (high[1] - low[1]) / 2, (high[2] - low[2]) / 2)
+        self.stage.hull(Hull(round=False, centre=centre, half=half, yaw=self.yaw))
+
+    def post(self, x: float, y: float, radius: float, height: float) -> None:
+        """Add an upright round hull that stands on the floor."""
+        centre = self.world((x, y, height / 2))
+        self.stage.hull(Hull(round=True, centre=centre, half=(radius, radius, height / 2), yaw=0.0))
+
+    def box(
+        self, finish: str, low: Vector, high: Vector, radius: float = 0.01, *, solid: bool = False
+    ) -> None:
+        """Add a box with rounded edges between two corners."""
+        if solid:
+            self.solid(low, high)
+        if not self.stage.looks:
+            return
+        size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
+        centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
+        radius = min(radius, *(side * 0.45 for side in size))
+        self.stage.look(
+            finish,
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=self.stage.mesh(size, radius, self.stage.repeat(finish)),
+            pos=self.world(centre),
+            quat=_turned(self.yaw),
+        )
+
+    def rod(
+        self, finish: str, start: Vector, end: Vector, radius: float, *, blunt: bool = False
+    ) -> None:
+        """Add a capsule, or a cylinder if ``blunt``, from one point to another."""
+        kind = mujoco.mjtGeom.mjGEOM_CYLINDER if blunt else mujoco.mjtGeom.mjGEOM_CAPSULE
+        self.stage.look(
+            finish,
+            type=kind,
+            fromto=(*self.world(start), *self.world(end)),
+            size=(radius, 0.0, 0.0),
+        )
+
+    def ball(self, finish: str, centre: Vector, half: Vector, tilt: float = 0.0) -> None:
+        """Add an ellipsoid; ``tilt`` raises its front (rad)."""
+        turn = np.zeros(4)
+        mujoco.mju_mulQuat(turn, np.asarray(_turned(self.yaw)), np.asarray(_pitched(-tilt)))
+        self.stage.look(
+            finish,
+            type=mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+            pos=self.world(centre),
+            size=half,
+            quat=tuple(turn),
+        )
+
+
+def _turned(yaw: float) -> tuple[float, float, float, float]:
+    return (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+
+
+def _pitched(pitch: float) -> tuple[float, float, float, float]:
+    return (math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0)
+
+
+def _rounded_box(
+    size: Vector, radius: float, repeat: float
+) -> tuple[Array, Array, Array, npt.NDArray[np.int32]]:
+    """Vertices, normals, texture coordinates and triangles of a box with rounded edges.
+
+    Texture coordinates run along the two axes of each side, upright on the four walls: in
+    ``repeat`` times metres, or from 0 to 1 over the side when ``repeat`` is 0.
+    """
+    half = np.asarray(size) / 2
+    core = half - radius
+    points: list[Array] = []
+    normals: list[Array] = []
+    uvs: list[Array] = []
+    faces: list[tuple[int, int, int]] = []
+    # For each side: the axis it faces, its sign, and the axes of u and v.
+    sides = ((0, 1, 1, 2), (0, -1, 1, 2), (1, 1, 0, 2), (1, -1, 0, 2), (2, 1, 0, 1), (2, -1, 0, 1))
+    for axis, sign, a, b in sides:
+        u = np.array([-half[a], -core[a], core[a], half[a]])
+        v = np.array([-half[b], -core[b], core[b], half[b]])
+        grid = np.zeros((4, 4, 3))
+        grid[:, :, axis] = sign * half[axis]
+        grid[:, :, a] = u[None, :]
+        grid[:, :, b] = v[:, None]
+        inner = np.clip(grid, -core, core)
+        out = grid - inner
+        out /= np.linalg.norm(out, axis=2, keepdims=True)
+        start = 16 * len(points)
+        points.append((inner + radius * out).reshape(16, 3))
+        normals.append(out.reshape(16, 3))
+        # Seen from outside, u must run to the right, or writing would be mirrored.
+        right = 1.0 if (axis == 0) == (sign > 0) or axis == 2 else -1.0
+        us, vs = right * grid[:, :, a], grid[:, :, b]
+        if repeat:
+            uv = np.stack([us * repeat, vs * repeat], axis=2)
+        else:
+            uv = np.stack([us / size[a] + 0.5, vs / size[b] + 0.5], axis=2)
+        uvs.append(uv.reshape(16, 2))
+        flip = (sign > 0) != (axis == 1)
+        for row in range(3):
+            for column in range(3):
+                p = start + 4 * row + column
+                quad = [(p, p + 1, p + 5), (p, p + 5, p + 4)]
+                faces.extend(quad if flip else [(c, b_, a_) for a_, b_, c in quad])
+    return (
+        np.concatenate(points),
+        np.concatenate(normals),
+        np.concatenate(uvs),
+        np.asarray(faces, dtype=np.int32),
+    )

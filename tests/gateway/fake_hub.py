@@ -1,0 +1,219 @@
+"""A hub small enough to see through: it speaks `wire.frames`, stores in lists, and obeys the test.
+
+It is a peer for the gateway's tests, not a model of the real one: it keeps what it got, acks what
+it is told to ack, and its sockets can be cut at any moment.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from collections import defaultdict
+from contextlib import asynccontextmanager
+from http import HTTPStatus
+from typing import TYPE_CHECKING, TypeVar
+
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.exceptions import ConnectionClosed
+
+from talaia.wire.columns import unpack
+from talaia.wire.frames import (
+    LINK_FROM_GATEWAY,
+    LINK_FROM_HUB,
+    MEDIA_FROM_GATEWAY,
+    MEDIA_FROM_HUB,
+    Ack,
+    Beat,
+    BeatReply,
+    Gap,
+    Hello,
+    Picture,
+    Samples,
+    Tick,
+    Welcome,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from websockets.http11 import Request, Response
+
+    from talaia.wire.frames import FromGateway, FromHub
+
+KEY = "test-key"
+M = TypeVar("M")
+DEADLINE_S = 15.0
+
+
+class FakeHub:
+    """See the module."""
+
+    def __init__(self) -> None:
+        self.url = ""
+        self.hellos: list[Hello] = []
+        self.messages: list[FromGateway] = []
+        self.pictures: list[Picture] = []
+        self.samples: dict[str, dict[int, tuple[str, int, float | str]]] = defaultdict(dict)
+        self.doubles = 0
+        self.old_batches = 0
+        self.tick = -1
+        self.acking = True
+        self.answering = True
+        self.key = KEY
+        self.links: list[ServerConnection] = []
+        self._changed = asyncio.Event()
+        self._boot = ""
+        self._addresses: list[str] = []
+        self.catalogue: Callable[[Hello], list[str]] = lambda _: []
+
+    # ── what a test does ──
+
+    async def send(self, message: FromHub) -> None:
+        await self.links[-1].send(LINK_FROM_HUB.encode(message))
+
+    def cut(self) -> None:
+        """End the newest link as a lost cable does: no good-bye."""
+        self.links[-1].transport.abort()
+
+    async def until(self, holds: Callable[[], object], what: str) -> None:
+        """Wait until something holds; it is asked after every frame that comes."""
+        async with asyncio.timeout(DEADLINE_S):
+            while not holds():
+                self._changed.clear()
+                try:
+                    await asyncio.wait_for(self._changed.wait(), 0.05)
+                except TimeoutError:
+                    continue
+            return
+        raise AssertionError(what)
+
+    def of(self, kind: type[M]) -> list[M]:
+        return [each for each in self.messages if isinstance(each, kind)]
+
+    async def next(self, kind: type[M], which: Callable[[M], bool] = lambda _: True) -> M:
+        """Wait for a message that fits, give it, and forget it and all before it."""
+        found: list[int] = []
+
+        def there() -> bool:
+            found[:] = [
+                index
+                for index, each in enumerate(self.messages)
+                if isinstance(each, kind) and which(each)
+            ]
+            return bool(found)
+
+        await self.until(there, f"a {kind.__name__} that fits")
+        message = self.messages[found[0]]
+        del self.messages[: found[0] + 1]
+        assert isinstance(message, kind)
+        return message
+
+    def values(self, address: str) -> list[float | str]:
+        """Give a channel's values of all boots in order of boot and sequence."""
+        return [
+            value
+            for boot in sorted(self.samples)
+            for _, (name, _, value) in sorted(self.samples[boot].items())
+            if name == address
+        ]
+
+    def below(self, boot: str) -> int:
+        """One past the last sequence up to which nothing is missing."""
+        count = 0
+        have = self.samples[boot]
+        lost = [each for each in self.of(Gap) if each.boot == boot]
+        while count in have or any(gap.first <= count <= gap.last for gap in lost):
+            count += 1
+        return count
+
+    # ── what the gateway meets ──
+
+    def _admit(self, socket: ServerConnection, request: Request) -> Response | None:
+        if request.headers.get("Authorization") != f"Bearer {self.key}":
+            return socket.respond(HTTPStatus.UNAUTHORIZED, "who are you?\n")
+        return None
+
+    async def _serve(self, socket: ServerConnection) -> None:
+        assert socket.request is not None
+        try:
+            if socket.request.path == "/gateway/media":
+                await self._media(socket)
+            else:
+                await self._link(socket)
+        except ConnectionClosed:
+            pass
+
+    async def _media(self, socket: ServerConnection) -> None:
+        async for data in socket:
+            message = MEDIA_FROM_GATEWAY.decode(data)
+            if isinstance(message, Beat):
+                reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=0)
+                await socket.send(MEDIA_FROM_HUB.encode(reply))
+            elif isinstance(message, Picture):
+                self.pictures.append(message)
+            self._changed.set()
+
+    async def _link(self, socket: ServerConnection) -> None:
+        hello = LINK_FROM_GATEWAY.decode(await socket.recv())
+        assert isinstance(hello, Hello)
+        self._boot = hello.boot
+        self._addresses = self.catalogue(hello)
+        welcome = Welcome(acked=self.below(hello.boot))
+        await socket.send(LINK_FROM_HUB.encode(welcome))
+        self.hellos.append(hello)
+        self.links.append(socket)
+        self._changed.set()
+        async for data in socket:
+            await self._take(socket, LINK_FROM_GATEWAY.decode(data))
+            self._changed.set()
+
+    async def _take(self, socket: ServerConnection, message: FromGateway) -> None:
+        if isinstance(message, Beat):
+            if self.answering:
+                reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=0)
+                await socket.send(LINK_FROM_HUB.encode(reply))
+        elif isinstance(message, Samples):
+            self._store(message)
+            if self.acking:
+                ack = Ack(boot=message.boot, below=self.below(message.boot))
+                await socket.send(LINK_FROM_HUB.encode(ack))
+        elif isinstance(message, Tick):
+            self.tick = message.tick
+        else:
+            self.messages.append(message)
+
+    def _store(self, frame: Samples) -> None:
+        self.old_batches += not frame.live
+        addresses = frame.addresses or self._addresses
+        columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+        have = self.samples[frame.boot]
+        for index in range(len(columns)):
+            sequence = frame.first + index
+            value = columns.texts.get(index, float(columns.value[index]))
+            row = (addresses[columns.channel[index]], int(columns.time_us[index]), value)
+            if sequence in have:
+                self.doubles += 1
+                assert repr(have[sequence]) == repr(row), "one key, two samples"
+            have[sequence] = row
+
+
+@asynccontextmanager
+async def fake_hub(
+    catalogue: Callable[[Hello], list[str]], context: ssl.SSLContext | None = None, port: int = 0
+) -> AsyncIterator[FakeHub]:
+    hub = FakeHub()
+    hub.catalogue = catalogue
+    async with serve(
+        hub._serve,
+        "127.0.0.1",
+        port,
+        process_request=hub._admit,
+        compression=None,
+        ping_interval=None,
+        ssl=context,
+        max_size=16 * 1024 * 1024,
+        close_timeout=0.2,
+    ) as server:
+        name = server.sockets[0].getsockname()
+        hub.url = f"{'ws' if context is None else 'wss'}://127.0.0.1:{name[1]}"
+        yield hub

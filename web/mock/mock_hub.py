@@ -1,0 +1,301 @@
+"""A hub that is not there: answers the dashboard with made-up values, for page development.
+
+Run from the repository's root with ``PYTHONPATH=src``:
+``python web/mock/mock_hub.py --port 8765``. Sign in with any name and the password ``demo``; a
+name that starts with ``guest`` or ``admin`` gets that role. ``POST /mock?online=false`` takes the
+site offline, ``?mute=true`` stops its values, ``?cut=true`` drops every socket.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import secrets
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import uvicorn
+from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
+from fastapi.responses import FileResponse, JSONResponse
+from socket_side import Browser, media
+from world import World, history
+
+from talaia.model.load import read_site
+from talaia.model.site import Device, Signal, Site, parts_of
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+ROOT = Path(__file__).resolve().parents[2]
+STATIC = ROOT / "src" / "talaia" / "web" / "static"
+POLICY = (
+    "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; "
+    "frame-ancestors 'none'"
+)
+COOKIE = "mock"
+
+
+def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any]:
+    """Say a signal as the hub does."""
+    address = f"{device_id}/{signal_id}"
+    return {
+        "id": signal_id,
+        "address": address,
+        "name": signal.name,
+        "type": signal.type,
+        "unit": signal.unit,
+        "decimals": signal.decimals,
+        "minimum": signal.minimum,
+        "maximum": signal.maximum,
+        "states": signal.states,
+        "frame": signal.frame,
+        "max_age": signal.max_age,
+        "primary": signal.primary,
+        "channels": [address + (f".{part}" if part else "") for part in parts_of(signal)],
+    }
+
+
+def drive_json(device: Device) -> dict[str, Any] | None:
+    """Say how a device is driven."""
+    drive = device.drive
+    if drive is None:
+        return None
+    return {
+        "max_speed": drive.max_speed,
+        "max_reverse": drive.max_speed if drive.max_reverse is None else drive.max_reverse,
+        "max_turn": drive.max_turn,
+        "ttl": drive.ttl,
+        "rate": drive.rate,
+        "lease": drive.lease,
+        "picture": drive.picture,
+        "position": drive.position,
+        "stop": True,
+    }
+
+
+def device_json(device_id: str, device: Device, role: str) -> dict[str, Any]:
+    """Say a device as the hub does."""
+    return {
+        "id": device_id,
+        "name": device.name,
+        "kind": device.kind,
+        "signals": [signal_json(device_id, key, one) for key, one in device.signals.items()],
+        "streams": [
+            {"id": key, "address": f"{device_id}/{key}", "name": one.name}
+            for key, one in device.streams.items()
+        ],
+        "commands": [
+            {
+                "id": key,
+                "name": one.name,
+                "description": one.description,
+                "confirm": one.confirm,
+                "arguments": [
+                    {
+                        "id": name,
+                        "name": argument.name or name,
+                        "type": argument.type,
+                        "unit": argument.unit,
+                        "minimum": argument.minimum,
+                        "maximum": argument.maximum,
+                        "default": argument.default,
+                    }
+                    for name, argument in one.arguments.items()
+                ],
+            }
+            for key, one in device.commands.items()
+        ],
+        "drive": drive_json(device),
+        "rights": ["view"] if role == "guest" else ["view", "use"],
+    }
+
+
+def role_of(name: str) -> str:
+    """Let the name decide."""
+    return next((role for role in ("guest", "admin") if name.startswith(role)), "operator")
+
+
+def problem(status: int, code: str, message: str, **headers: str) -> JSONResponse:
+    """Answer no."""
+    return JSONResponse({"code": code, "message": message}, status, headers or None)
+
+
+def build(site: Site) -> FastAPI:
+    """Put the mock together."""
+    world = World(site)
+    people: dict[str, str] = {}
+    browsers: set[Browser] = set()
+
+    async def run() -> None:
+        while True:
+            world.step(0.05)
+            for browser in tuple(browsers):
+                browser.tick()
+            await asyncio.sleep(0.05)
+
+    @contextlib.asynccontextmanager
+    async def life(_app: FastAPI) -> AsyncIterator[None]:
+        task = asyncio.create_task(run())
+        yield
+        task.cancel()
+
+    app = FastAPI(lifespan=life)
+
+    @app.middleware("http")
+    async def guard(
+        request: Request, following: Callable[[Request], Awaitable[Response]]
+    ) -> Response:
+        free = ("/api/login", "/api/setup", "/mock")
+        path = request.url.path
+        if path.startswith("/api") and path not in free and who(request.cookies) is None:
+            return problem(401, "nobody", "Sign in first.")
+        response = await following(request)
+        response.headers["content-security-policy"] = POLICY
+        return response
+
+    def who(cookies: dict[str, str]) -> str | None:
+        return people.get(cookies.get(COOKIE, ""))
+
+    def row() -> dict[str, Any]:
+        return {
+            "site": site.site,
+            "name": site.name,
+            "zone": site.zone,
+            "online": world.online,
+            "since_us": int(world.since * 1e6),
+            "last_seen_us": int((time.time() if world.online else world.since) * 1e6),
+            "devices": len(site.devices),
+            "signals": sum(len(device.signals) for device in site.devices.values()),
+        }
+
+    @app.post("/api/login")
+    async def login(request: Request) -> Response:
+        asked = await request.json()
+        name = str(asked.get("name", ""))
+        if name == "slow":
+            return problem(429, "throttled", "Too many tries.", **{"retry-after": "30"})
+        if asked.get("password") != "demo":
+            return problem(401, "wrong", "Name or password is wrong.")
+        token = secrets.token_hex(16)
+        people[token] = name
+        response = JSONResponse({"name": name, "role": role_of(name)})
+        response.set_cookie(COOKIE, token, httponly=True, samesite="strict")
+        return response
+
+    @app.post("/api/logout")
+    async def logout(request: Request) -> Response:
+        people.pop(request.cookies.get(COOKIE, ""), None)
+        return Response(status_code=204)
+
+    @app.post("/api/setup")
+    async def setup(request: Request) -> Response:
+        asked = await request.json()
+        if asked.get("token") != "token":
+            return problem(403, "forbidden", "This set-up link is used or too old.")
+        return Response(status_code=204)
+
+    @app.get("/api/me")
+    async def me(request: Request) -> dict[str, str]:
+        name = who(request.cookies) or ""
+        return {"name": name, "role": role_of(name)}
+
+    @app.get("/api/sites")
+    async def sites(request: Request) -> list[dict[str, Any]]:
+        if who(request.cookies) == "empty":
+            return []
+        away = time.time() - 7500
+        other = {
+            **row(), "site": "dome", "name": "Observatory dome", "online": False,
+            "since_us": int(away * 1e6), "last_seen_us": int(away * 1e6), "devices": 3,
+            "signals": 11,
+        }  # fmt: skip
+        return [row(), other]
+
+    @app.get("/api/sites/{name}")
+    async def one(name: str, request: Request) -> Response:
+        if name not in {site.site, "dome"}:
+            return problem(404, "unknown", f"There is no site {name}.")
+        role = role_of(who(request.cookies) or "")
+        devices = [device_json(key, device, role) for key, device in site.devices.items()]
+        detail = {
+            "site": name,
+            "name": site.name if name == site.site else "Observatory dome",
+            "zone": site.zone,
+            "online": world.online and name == site.site,
+            "catalogue": "1",
+            "devices": devices if name == site.site else [],
+        }
+        return JSONResponse(detail)
+
+    @app.get("/api/sites/{name}/history")
+    async def past(request: Request) -> dict[str, Any]:
+        ask = request.query_params
+        return {
+            "series": [
+                history(world, one, int(ask["from_us"]), int(ask["to_us"]), int(ask["width"]))
+                for one in ask.getlist("channel")
+            ]
+        }
+
+    @app.post("/mock")
+    async def tamper(
+        *, online: bool | None = None, mute: bool | None = None, cut: bool = False
+    ) -> dict[str, bool]:
+        if online is not None:
+            world.online, world.since = online, time.time()
+        for browser in tuple(browsers):
+            if mute is not None:
+                browser.mute = mute
+            browser.site_news()
+            if cut:
+                await browser.socket.close()
+        return {"online": world.online}
+
+    @app.websocket("/ws")
+    async def everything(socket: WebSocket) -> None:
+        name = who(socket.cookies)
+        if name is None:
+            await socket.close(4401)
+            return
+        await socket.accept()
+        browser = Browser(socket, name, role_of(name), world, browsers)
+        browsers.add(browser)
+        try:
+            await browser.run()
+        finally:
+            browsers.discard(browser)
+
+    @app.websocket("/ws/media")
+    async def pictures(socket: WebSocket) -> None:
+        if who(socket.cookies) is None:
+            await socket.close(4401)
+            return
+        await socket.accept()
+        with contextlib.suppress(WebSocketDisconnect):
+            await media(socket, world)
+
+    @app.get("/{path:path}")
+    async def page(path: str) -> Response:
+        file = STATIC / path
+        if ".." not in path and file.is_file():
+            return FileResponse(file)
+        return FileResponse(STATIC / "index.html")
+
+    return app
+
+
+def main() -> None:
+    """Serve until Ctrl-C."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--port", type=int, default=8765)
+    parser.add_argument("--site", type=Path, default=ROOT / "examples" / "agv" / "site.yaml")
+    asked = parser.parse_args()
+    uvicorn.run(
+        build(read_site(asked.site)), host="127.0.0.1", port=asked.port, log_level="warning"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,162 @@
+"""A made-up vehicle for page development: values over time, and a drive that answers."""
+
+from __future__ import annotations
+
+import io
+import math
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from talaia.wire.columns import Columns
+
+if TYPE_CHECKING:
+    from talaia.model.site import Site
+
+LIMIT_S = 0.25
+
+
+@dataclass
+class World:
+    """What the mock hub knows. Times are seconds of the wall clock unless they say otherwise."""
+
+    site: Site
+    online: bool = True
+    since: float = field(default_factory=time.time)
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+    linear: float = 0.0
+    angular: float = 0.0
+    asked: tuple[float, float] = (0.0, 0.0)
+    asked_at: float = 0.0
+    accepted: int = 0
+    refused: int = 0
+    wandering: bool = False
+    latched: bool = False
+    stopper: str = ""
+    epoch: int = 0
+    holder: str = ""
+    holder_key: int = 0
+    until: float = 0.0
+
+    def step(self, seconds: float) -> None:
+        """Let time pass: the newest driving frame counts for 250 ms, then zeros."""
+        linear, angular = self.asked if time.time() - self.asked_at < LIMIT_S else (0.0, 0.0)
+        if self.wandering and not self.holder:
+            linear, angular = 0.15, 0.6 * math.sin(time.time() / 3)
+        if self.latched:
+            linear = angular = 0.0
+        self.linear += max(-1.0 * seconds, min(1.0 * seconds, linear - self.linear))
+        self.angular += max(-8.0 * seconds, min(8.0 * seconds, angular - self.angular))
+        self.yaw = math.remainder(self.yaw + self.angular * seconds, math.tau)
+        self.x += self.linear * math.cos(self.yaw) * seconds
+        self.y += self.linear * math.sin(self.yaw) * seconds
+
+    def value(self, address: str, when: float, *, past: bool = False) -> float:
+        """Say what a channel reads at a moment; the vehicle's own state when it is now."""
+        if not past:
+            own = {
+                "base/speed": self.linear,
+                "base/turn_rate": self.angular,
+                "base/pose.x": self.x,
+                "base/pose.y": self.y,
+                "base/pose.yaw": self.yaw,
+                "base/wandering": float(self.wandering),
+                "sensors/fix.lat": 41.3874 + self.y / 111_320,
+                "sensors/fix.lon": 2.1686 + self.x / 83_500,
+                "sensors/fix.alt": 12.0,
+                "sensors/speed1": self.linear,
+            }
+            if address in own:
+                return own[address]
+        if address == "base/wandering":
+            return float(int(when / 300) % 2)
+        low, high, noise = RANGES.get(address, (-1.0, 1.0, 0.02))
+        seed = sum(address.encode())
+        wave = 0.5 + 0.42 * math.sin(when / (7 + seed % 11) + seed) + 0.06 * math.sin(when / 0.9)
+        jitter = noise * math.sin(when * 977 + seed) * math.sin(when * 331)
+        return low + (high - low) * wave + jitter
+
+    def picture(self, seq: int) -> bytes:
+        """Draw a corridor that moves with the vehicle, as JPEG of 640 by 480."""
+        image = Image.new("RGB", (640, 480), (196, 205, 208))
+        draw = ImageDraw.Draw(image)
+        middle = 320 - math.degrees(self.yaw) * 4 % 160 + 80
+        draw.polygon([(0, 480), (640, 480), (middle + 70, 260), (middle - 70, 260)], (151, 126, 98))
+        draw.polygon([(0, 0), (640, 0), (middle + 70, 200), (middle - 70, 200)], (224, 226, 222))
+        draw.rectangle((middle - 70, 200, middle + 70, 260), (120, 140, 150))
+        phase = (self.x + self.y) * 120 % 60
+        for row in range(7):
+            depth = ((row * 60 + phase) / 420) ** 2
+            y = 262 + depth * 218
+            draw.line((0, y, 640, y), (130, 106, 80), 2)
+        clock = time.strftime("%H:%M:%S", time.gmtime())
+        draw.text((12, 456), f"picture {seq}  {clock} UTC", (20, 24, 26), font_size=16)
+        out = io.BytesIO()
+        image.save(out, "JPEG", quality=70)
+        return out.getvalue()
+
+
+# Lowest, highest, noise.
+RANGES = {
+    "base/speed": (-0.02, 0.22, 0.01),
+    "base/turn_rate": (-1.2, 1.2, 0.05),
+    "base/pose.x": (-3.0, 3.0, 0.0),
+    "base/pose.y": (-2.0, 2.0, 0.0),
+    "base/pose.yaw": (-3.0, 3.0, 0.0),
+    "power/charge": (71.0, 76.0, 0.0),
+    "power/voltage": (11.6, 11.9, 0.02),
+    "sensors/ultrasonic1": (0.4, 2.9, 0.03),
+    "sensors/ultrasonic2": (0.3, 3.6, 0.03),
+    "sensors/ultrasonic3": (0.5, 2.2, 0.03),
+    "sensors/temperature": (21.4, 23.8, 0.05),
+    "sensors/acceleration": (-0.6, 0.6, 0.3),
+}
+
+
+def now_columns(world: World, channels: list[str], known: set[str], times: list[float]) -> Columns:
+    """Sample every known channel at each time."""
+    rows = [
+        (index, when, world.value(address, when))
+        for when in times
+        for index, address in enumerate(channels)
+        if address in known
+    ]
+    return Columns(
+        np.array([row[0] for row in rows], np.uint16),
+        np.array([int(row[1] * 1e6) for row in rows], np.int64),
+        np.array([row[2] for row in rows], np.float64),
+        {},
+    )
+
+
+def history(world: World, address: str, from_us: int, to_us: int, width: int) -> dict[str, object]:
+    """Make up a past, with one gap of a tenth of the window and an outlier."""
+    span = to_us - from_us
+    count = max(2, min(width, span // 100_000))
+    gap_from, gap_to = from_us + span * 55 // 100, from_us + span * 62 // 100
+    exact = span < width * 200_000
+    times: list[int] = []
+    values: list[float] = []
+    for index in range(count):
+        at = from_us + span * index // count
+        if gap_from <= at < gap_to or at > time.time() * 1e6:
+            continue
+        value = world.value(address, at / 1e6, past=True)
+        low, high, _ = RANGES.get(address, (-1.0, 1.0, 0.0))
+        spread = 0.0 if exact else (high - low) * 0.04
+        if index == count // 3:
+            spread = (high - low) * 0.4
+        times += [at] if exact else [at, at + span // count // 2]
+        values += [value] if exact else [value - spread, value + spread]
+    return {
+        "address": address,
+        "t_us": times,
+        "v": values,
+        "kind": "exact" if exact else "minmax",
+        "gaps": [{"from_us": gap_from, "to_us": gap_to, "reason": "the spool was full"}],
+    }

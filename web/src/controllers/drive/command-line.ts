@@ -1,0 +1,71 @@
+/** One-shot commands of a site over the connection. */
+
+import { Store } from "../../state/store.js";
+import { CommandDesk } from "./commands.js";
+import { freshId } from "./id.js";
+import type { Line } from "./seat.js";
+
+export type Arguments = Readonly<Record<string, number | boolean | string>>;
+
+/** The description's default; a gateway that has not accepted by then never will. */
+const TTL_MS = 5000;
+const BEAT_MS = 500;
+
+export class CommandLine extends Store {
+  readonly desk = new CommandDesk();
+  private stops: (() => void)[] = [];
+  private timer: ReturnType<typeof setInterval> | undefined;
+
+  constructor(
+    private readonly line: Pick<Line, "state" | "send" | "on" | "onState">,
+    private readonly site: string,
+    private readonly now: () => number = () => performance.now(),
+  ) {
+    super();
+  }
+
+  open(): void {
+    this.stops = [
+      this.line.on("command_news", (news) => {
+        if (news.site !== this.site) return;
+        this.desk.news(news);
+        this.changed();
+      }),
+      this.line.on("problem", (news) => {
+        const asked = news.about === "command" ? this.desk.unanswered() : null;
+        if (!asked) return;
+        this.desk.refused(asked.id, news.message, news.code === "offline");
+        this.changed();
+      }),
+      this.line.on("site", (news) => {
+        if (news.site === this.site && !news.online) this.lose();
+      }),
+      this.line.onState((state) => {
+        if (state !== "open") this.lose();
+      }),
+    ];
+    this.timer = setInterval(() => {
+      if (this.desk.beat(this.now())) this.changed();
+    }, BEAT_MS);
+  }
+
+  close(): void {
+    for (const stop of this.stops) stop();
+    this.stops = [];
+    clearInterval(this.timer);
+  }
+
+  /** Asks once. Without a connection it is not kept for later: it is off line, at once. */
+  ask(device: string, command: string, args: Arguments): void {
+    const id = freshId();
+    this.desk.ask(id, device, command, TTL_MS, this.now());
+    const sent = this.line.send({ t: "command", site: this.site, device, command, id, args });
+    if (!sent) this.desk.unsent(id);
+    this.changed();
+  }
+
+  private lose(): void {
+    this.desk.lose();
+    this.changed();
+  }
+}

@@ -1,0 +1,127 @@
+/**
+ * One-shot commands asked by this page. Pure: asks, news and times in, what to show out.
+ *
+ * An id is used once. Nothing here ever sends a command again: what became of one that nobody
+ * answered is *unknown*, and a person decides.
+ */
+
+export type CommandPhase =
+  | "sent"
+  | "accepted"
+  | "running"
+  | "succeeded"
+  | "failed"
+  | "refused"
+  | "cancelled"
+  | "unknown"
+  | "offline";
+
+const FINAL: ReadonlySet<CommandPhase> = new Set<CommandPhase>([
+  "succeeded",
+  "failed",
+  "refused",
+  "cancelled",
+  "unknown",
+  "offline",
+]);
+
+/** One command that was asked for. */
+export interface Asked {
+  readonly id: string;
+  readonly device: string;
+  readonly command: string;
+  readonly phase: CommandPhase;
+  readonly message: string;
+  /** 0 to 1 */
+  readonly progress: number;
+  readonly since: number;
+}
+
+/** The fields of `CommandNews` that decide. */
+export interface CommandWord {
+  readonly id: string;
+  readonly phase: Exclude<CommandPhase, "sent" | "offline">;
+  readonly message: string;
+  readonly progress: number;
+}
+
+const MESSAGE_UNHEARD =
+  "No answer. It may or may not have been done: look at the device before you ask again.";
+/** Accepted or refused must come within the command's own time limit; this much grace on top. */
+const GRACE_MS = 1000;
+
+export function isFinal(phase: CommandPhase): boolean {
+  return FINAL.has(phase);
+}
+
+export class CommandDesk {
+  /** Newest ask of each command, by device and command. */
+  private readonly newest = new Map<string, Asked>();
+  private readonly limits = new Map<string, number>();
+
+  latest(device: string, command: string): Asked | null {
+    return this.newest.get(`${device}/${command}`) ?? null;
+  }
+
+  /** @param ttlMs - not accepted within this time, it is refused */
+  ask(id: string, device: string, command: string, ttlMs: number, now: number): void {
+    const asked: Asked = {
+      id, device, command, phase: "sent", message: "", progress: 0, since: now,
+    };
+    this.newest.set(`${device}/${command}`, asked);
+    this.limits.set(id, ttlMs);
+  }
+
+  /** The ask did not leave this page. */
+  unsent(id: string): void {
+    this.change(id, { phase: "offline", message: "Not connected. Nothing was sent." });
+  }
+
+  refused(id: string, message: string, offline: boolean): void {
+    this.change(id, { phase: offline ? "offline" : "refused", message });
+  }
+
+  /** A problem about commands that names no id belongs to the newest one still unanswered. */
+  unanswered(): Asked | null {
+    let found: Asked | null = null;
+    for (const asked of this.newest.values()) {
+      if (asked.phase === "sent" && (!found || asked.since >= found.since)) found = asked;
+    }
+    return found;
+  }
+
+  news(word: CommandWord): void {
+    this.change(word.id, { phase: word.phase, message: word.message, progress: word.progress });
+  }
+
+  /** The link is away: of what was under way, nobody knows the end. */
+  lose(): void {
+    for (const asked of this.newest.values()) {
+      if (!isFinal(asked.phase)) {
+        this.change(asked.id, { phase: "unknown", message: MESSAGE_UNHEARD });
+      }
+    }
+  }
+
+  /** Time has passed. True when something changed. */
+  beat(now: number): boolean {
+    let changed = false;
+    for (const asked of this.newest.values()) {
+      const limit = (this.limits.get(asked.id) ?? 0) + GRACE_MS;
+      if (asked.phase === "sent" && now - asked.since >= limit) {
+        this.change(asked.id, { phase: "unknown", message: MESSAGE_UNHEARD });
+        changed = true;
+      }
+    }
+    return changed;
+  }
+
+  private change(id: string, change: Partial<Asked>): void {
+    for (const [key, asked] of this.newest) {
+      if (asked.id !== id) continue;
+      // News of an end is the last word, but "unknown" may still be cleared up by a late one.
+      if (isFinal(asked.phase) && asked.phase !== "unknown") return;
+      this.newest.set(key, { ...asked, ...change });
+    }
+  }
+}

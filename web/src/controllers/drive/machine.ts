@@ -1,0 +1,299 @@
+/**
+ * The driving machine of the page: what is held goes in, driving frames come out.
+ *
+ * It knows no clock, socket or element: times are handed in (ms on one monotonic clock), frames
+ * are handed back to be sent at once. It promises:
+ *
+ * - no frame without a lease of mine, and none while the link is away;
+ * - the first frame leaves with the press itself; while held, one every `FRAME_MS`;
+ * - when the last hold ends, for whatever reason, `ZEROS` zero frames follow, then silence;
+ * - what was held when it ended drives again only after it was let go and pressed anew.
+ */
+
+import { CENTRE, curved, joined, limited, type Stick } from "./stick.js";
+
+/** One frame each 50 ms: 20 Hz. */
+export const FRAME_MS = 50;
+export const ZEROS = 3;
+/** No time mark from the gateway for so long while driving: the way there is dead, let go. */
+export const SILENT_MS = 1000;
+export const LEVEL_STEP = 0.1;
+
+/** What the description allows at full level. */
+export interface Limits {
+  /** m/s */
+  readonly maxSpeed: number;
+  /** m/s, given positive */
+  readonly maxReverse: number;
+  /** rad/s */
+  readonly maxTurn: number;
+}
+
+/** The part of a `Drive` message that the machine decides. */
+export interface Frame {
+  readonly epoch: number;
+  readonly seq: number;
+  readonly tick: number;
+  readonly held_ms: number;
+  readonly linear: number;
+  readonly angular: number;
+  readonly picture_ms: number;
+}
+
+/** Why a hold ended. */
+export type Halt =
+  | "released"
+  | "stop key"
+  | "cancelled"
+  | "blur"
+  | "hidden"
+  | "gamepad lost"
+  | "dialog"
+  | "silent"
+  | "freed"
+  | "lease lost"
+  | "offline"
+  | "stop";
+
+/** While one of these stands, no press counts. */
+export type Bar = "offline" | "stop" | "hidden" | "dialog";
+
+/**
+ * idle: no lease; ready: may drive, nothing is held; driving: something is held;
+ * braking: the zero frames after a hold.
+ */
+export type Phase = "idle" | "ready" | "driving" | "braking";
+
+type Kind = "digital" | "analog";
+
+interface Hold {
+  readonly kind: Kind;
+  readonly stick: Stick;
+}
+
+export class DriveMachine {
+  private limits: Limits;
+  private epoch = 0;
+  private seq = 0;
+  private tickNumber = 0;
+  private tickAt: number | null = null;
+  /** Since when we wait for a time mark: the newest one, or the grant. */
+  private heardAt = 0;
+  private pictureAt: number | null = null;
+  private readonly held = new Map<string, Hold>();
+  private readonly bars = new Set<Bar>();
+  private zerosLeft = 0;
+  private nextAt = 0;
+  private steps = 5;
+  private stopped: Halt | null = null;
+
+  constructor(limits: Limits) {
+    this.limits = limits;
+  }
+
+  get phase(): Phase {
+    if (this.epoch === 0) return "idle";
+    if (this.held.size > 0) return "driving";
+    return this.zerosLeft > 0 ? "braking" : "ready";
+  }
+
+  /** Share of the limit that a full push asks for: 0.1 to 1. */
+  get level(): number {
+    return this.steps / 10;
+  }
+
+  /** What is asked of the robot now: m/s and rad/s. */
+  get asked(): { readonly linear: number; readonly angular: number } {
+    const push = this.push();
+    const scale = push.forward < 0 ? this.limits.maxReverse : this.limits.maxSpeed;
+    return {
+      linear: push.forward * scale * this.level + 0,
+      angular: push.turn * this.limits.maxTurn * this.level + 0,
+    };
+  }
+
+  /** Why the last hold ended, until the next begins. */
+  get why(): Halt | null {
+    return this.stopped;
+  }
+
+  get mayDrive(): boolean {
+    return this.epoch !== 0 && this.bars.size === 0;
+  }
+
+  holds(source: string): boolean {
+    return this.held.has(source);
+  }
+
+  allow(limits: Limits): void {
+    this.limits = limits;
+  }
+
+  /** The lease is mine. Another epoch than before is another lease: nothing carries over. */
+  grant(epoch: number, now: number): void {
+    if (epoch === this.epoch) return;
+    this.drop();
+    this.epoch = epoch;
+    this.heardAt = now;
+    this.stopped = null;
+    // Time marks come only while a lease is held: the newest we know may be of long ago.
+    this.tickNumber = 0;
+    this.tickAt = null;
+  }
+
+  /** The lease is gone. There is nothing left that may be sent. */
+  revoke(why: Halt): void {
+    if (this.epoch === 0) return;
+    this.stopped = why;
+    this.epoch = 0;
+    this.drop();
+  }
+
+  /** A time mark of the gateway came. */
+  tick(tick: number, now: number): Frame[] {
+    if (tick < this.tickNumber) return [];
+    this.tickNumber = tick;
+    this.tickAt = now;
+    this.heardAt = now;
+    return this.beat(now);
+  }
+
+  /** When the picture the driver looks at was taken, on the clock of `now`; null: none. */
+  picture(takenAt: number | null): void {
+    this.pictureAt = takenAt;
+  }
+
+  /**
+   * Something is pressed. The frame that comes back is to be sent at once.
+   *
+   * @param source - names what is held, so that the same can be released
+   */
+  press(source: string, stick: Stick, now: number, kind: Kind = "digital"): Frame[] {
+    if (!this.mayDrive) return [];
+    this.held.set(source, { kind, stick });
+    this.zerosLeft = 0;
+    this.stopped = null;
+    this.nextAt = now;
+    return this.beat(now);
+  }
+
+  /** Something that is held is held elsewhere now. Let go by a halt, it stays let go. */
+  move(source: string, stick: Stick, now: number): Frame[] {
+    const hold = this.held.get(source);
+    if (!hold) return [];
+    this.held.set(source, { kind: hold.kind, stick });
+    return this.beat(now);
+  }
+
+  /** Something is let go. The last one brings the robot to rest. */
+  release(source: string, now: number): Frame[] {
+    if (!this.held.delete(source)) return [];
+    if (this.held.size === 0) return this.brake("released", now);
+    this.nextAt = now;
+    return this.beat(now);
+  }
+
+  /**
+   * Let go of everything.
+   *
+   * @param flush - all zero frames now: a hidden page may get no timer for a second
+   */
+  halt(why: Halt, now: number, flush = false): Frame[] {
+    const wasDriving = this.held.size > 0;
+    this.held.clear();
+    const frames = wasDriving ? this.brake(why, now) : [];
+    while (flush && this.zerosLeft > 0) frames.push(this.zero(now));
+    return frames;
+  }
+
+  /** From now on no press counts; what is held ends. */
+  bar(bar: Bar, now: number): Frame[] {
+    this.bars.add(bar);
+    if (bar !== "offline") return this.halt(bar, now, bar === "hidden");
+    if (this.held.size > 0) this.stopped = "offline";
+    this.drop();
+    return [];
+  }
+
+  /** The reason is gone. Nothing starts by itself: see `press`. */
+  lift(bar: Bar): void {
+    this.bars.delete(bar);
+  }
+
+  setLevel(level: number): void {
+    if (!Number.isFinite(level)) return;
+    this.steps = Math.min(10, Math.max(1, Math.round(level / LEVEL_STEP)));
+  }
+
+  faster(): void {
+    this.setLevel(this.level + LEVEL_STEP);
+  }
+
+  slower(): void {
+    this.setLevel(this.level - LEVEL_STEP);
+  }
+
+  /** When `beat` has something to do next; null while silent. */
+  get dueAt(): number | null {
+    return this.phase === "driving" || this.phase === "braking" ? this.nextAt : null;
+  }
+
+  /** Time has passed: the frames that are due. Early calls are harmless. */
+  beat(now: number): Frame[] {
+    if (this.phase === "braking") return now < this.nextAt ? [] : [this.zero(now)];
+    if (this.phase !== "driving" || now < this.nextAt) return [];
+    if (now - this.heardAt > SILENT_MS) return this.halt("silent", now);
+    // Timers fire late, never early: count from when it was due, without running after lost time.
+    this.nextAt = Math.max(this.nextAt + FRAME_MS, now + FRAME_MS / 2);
+    // Without any time mark the gateway cannot tell the frame's age and would refuse it.
+    if (this.tickAt === null) return [];
+    const { linear, angular } = this.asked;
+    return [this.frame(linear, angular, now)];
+  }
+
+  private push(): Stick {
+    if (this.epoch === 0 || this.held.size === 0) return CENTRE;
+    const digital: Stick[] = [];
+    const analog: Stick[] = [];
+    for (const hold of this.held.values()) {
+      (hold.kind === "digital" ? digital : analog).push(hold.stick);
+    }
+    return joined([curved(joined(digital)), ...analog]);
+  }
+
+  private drop(): void {
+    this.held.clear();
+    this.zerosLeft = 0;
+  }
+
+  private brake(why: Halt, now: number): Frame[] {
+    this.stopped = why;
+    if (this.epoch === 0) return [];
+    this.zerosLeft = ZEROS;
+    return [this.zero(now)];
+  }
+
+  private zero(now: number): Frame {
+    this.zerosLeft -= 1;
+    this.nextAt = now + FRAME_MS;
+    return this.frame(0, 0, now);
+  }
+
+  private frame(linear: number, angular: number, now: number): Frame {
+    this.seq += 1;
+    return {
+      epoch: this.epoch,
+      seq: this.seq,
+      tick: this.tickNumber,
+      held_ms: this.tickAt === null ? 0 : Math.max(0, now - this.tickAt),
+      linear: Number.isFinite(linear) ? linear : 0,
+      angular: Number.isFinite(angular) ? angular : 0,
+      picture_ms: this.pictureAt === null ? -1 : Math.max(0, now - this.pictureAt),
+    };
+  }
+}
+
+/** Whether a push is a push at all; a pad held in its middle holds nothing. */
+export function isRest(stick: Stick): boolean {
+  return limited(stick.forward) === 0 && limited(stick.turn) === 0;
+}

@@ -1,0 +1,75 @@
+/**
+ * Where the person pushes: forward and turn, each from -1 to 1.
+ *
+ * Signs follow REP-103, like everything sent to the robot: forward is positive, and a turn to
+ * the left (counter-clockwise) is positive.
+ */
+
+export interface Stick {
+  /** -1 backward … 1 forward */
+  readonly forward: number;
+  /** -1 right … 1 left */
+  readonly turn: number;
+}
+
+export type Direction = "forward" | "backward" | "left" | "right";
+
+export const CENTRE: Stick = { forward: 0, turn: 0 };
+
+export const PUSH: Readonly<Record<Direction, Stick>> = {
+  forward: { forward: 1, turn: 0 },
+  backward: { forward: -1, turn: 0 },
+  left: { forward: 0, turn: 1 },
+  right: { forward: 0, turn: -1 },
+};
+
+/**
+ * Forward and left held as two keys would spin the robot almost on the spot: its turning limit is
+ * high against its speed. While it also moves, a key's turn counts this much, which gives a curve.
+ */
+export const CURVE = 0.4;
+
+/** A thumb resting in the middle of the pad does not drive. */
+const PAD_REST = 0.12;
+
+export function limited(value: number): number {
+  if (!Number.isFinite(value)) return 0;
+  return Math.min(1, Math.max(-1, value)) + 0;
+}
+
+/** Everything held at once, as one push. Opposite directions cancel. */
+export function joined(sticks: Iterable<Stick>): Stick {
+  let forward = 0;
+  let turn = 0;
+  for (const stick of sticks) {
+    forward += limited(stick.forward);
+    turn += limited(stick.turn);
+  }
+  return { forward: limited(forward), turn: limited(turn) };
+}
+
+/** Directions held as keys or buttons, as one push; see `CURVE`. */
+export function curved(push: Stick): Stick {
+  return push.forward === 0 ? push : { forward: push.forward, turn: push.turn * CURVE };
+}
+
+function eased(value: number): number {
+  // The square gives fine control near the middle and keeps the full range.
+  return value * Math.abs(value);
+}
+
+/**
+ * A point on the round pad as a push.
+ *
+ * @param right - from the middle to the right (px)
+ * @param down - from the middle down (px)
+ * @param radius - of the pad (px)
+ */
+export function padStick(right: number, down: number, radius: number): Stick {
+  const distance = Math.hypot(right, down);
+  if (!(radius > 0) || !Number.isFinite(distance) || distance < radius * PAD_REST) return CENTRE;
+  const reach = Math.min(1, (distance / radius - PAD_REST) / (1 - PAD_REST));
+  const forward = (-down / distance) * reach;
+  const turn = (-right / distance) * reach;
+  return { forward: limited(eased(forward)), turn: limited(eased(turn)) };
+}

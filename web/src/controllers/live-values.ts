@@ -1,0 +1,91 @@
+/** Ties live values to an element. */
+
+import { ContextConsumer } from "@lit/context";
+import type { ReactiveController, ReactiveControllerHost } from "lit";
+import { liveContext } from "../state/contexts.js";
+import type { LiveValues, Reading } from "../state/live.js";
+
+/** How a value stands: nothing has come, it is fresh, or it is older than its limit. */
+export type Freshness = "unknown" | "live" | "stale";
+
+/**
+ * Watches channels while the element is on the page, draws it again when one changes and once a
+ * second besides, so that a value that has stopped coming turns stale by itself.
+ */
+export class LiveValuesController implements ReactiveController {
+  private live: LiveValues | undefined;
+  private site = "";
+  private channels: readonly string[] = [];
+  private stops: (() => void)[] = [];
+  private timer: ReturnType<typeof setInterval> | undefined;
+
+  constructor(private readonly host: ReactiveControllerHost & HTMLElement) {
+    host.addController(this);
+    new ContextConsumer(host, {
+      context: liveContext,
+      callback: (live) => {
+        this.live = live;
+        this.listen();
+      },
+    });
+  }
+
+  /** Says what to watch; call it from `willUpdate`. The same again changes nothing. */
+  observe(site: string, channels: readonly string[]): void {
+    const same =
+      site === this.site &&
+      channels.length === this.channels.length &&
+      channels.every((channel, i) => channel === this.channels[i]);
+    if (same) return;
+    this.site = site;
+    this.channels = [...channels];
+    this.hush();
+    this.listen();
+  }
+
+  reading(channel: string): Reading | undefined {
+    return this.live?.latest(this.site, channel);
+  }
+
+  /** Age of the newest reading (s); NaN when there is none. */
+  age(channel: string): number {
+    const reading = this.reading(channel);
+    return reading === undefined || this.live === undefined ? Number.NaN : this.live.ageOf(reading);
+  }
+
+  /** @param maxAge the signal's limit (s) */
+  freshness(channel: string, maxAge: number): Freshness {
+    const age = this.age(channel);
+    if (Number.isNaN(age)) return "unknown";
+    return age > maxAge ? "stale" : "live";
+  }
+
+  hostConnected(): void {
+    this.timer ??= setInterval(() => {
+      this.host.requestUpdate();
+    }, 1000);
+    this.listen();
+  }
+
+  hostDisconnected(): void {
+    clearInterval(this.timer);
+    this.timer = undefined;
+    this.hush();
+  }
+
+  private listen(): void {
+    const live = this.live;
+    if (live === undefined || this.stops.length > 0 || !this.host.isConnected) return;
+    this.stops = this.channels.map((channel) =>
+      live.watch(this.site, channel, () => {
+        this.host.requestUpdate();
+      }),
+    );
+    this.host.requestUpdate();
+  }
+
+  private hush(): void {
+    for (const stop of this.stops) stop();
+    this.stops = [];
+  }
+}

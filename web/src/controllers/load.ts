@@ -1,0 +1,64 @@
+/** Loads something for an element, once for each question. */
+
+import type { ReactiveController, ReactiveControllerHost } from "lit";
+
+export type Loaded<T> =
+  | { readonly state: "idle" }
+  | { readonly state: "loading"; readonly before: T | undefined }
+  | { readonly state: "ready"; readonly value: T }
+  | { readonly state: "failed"; readonly error: unknown };
+
+export class LoadController<T> implements ReactiveController {
+  private now: Loaded<T> = { state: "idle" };
+  private question: string | undefined;
+  private run = 0;
+
+  constructor(private readonly host: ReactiveControllerHost) {
+    host.addController(this);
+  }
+
+  get result(): Loaded<T> {
+    return this.now;
+  }
+
+  /** Newest value, also while the next one is loading. */
+  get value(): T | undefined {
+    if (this.now.state === "ready") return this.now.value;
+    return this.now.state === "loading" ? this.now.before : undefined;
+  }
+
+  /** Loads when the question is another than the last; call it from `willUpdate`. */
+  ask(question: string, load: () => Promise<T>): void {
+    if (question !== this.question) {
+      this.question = question;
+      void this.start(load);
+    }
+  }
+
+  /** The next `ask` loads, also when the question is the same. */
+  again(): void {
+    this.question = undefined;
+    this.host.requestUpdate();
+  }
+
+  hostDisconnected(): void {
+    this.question = undefined;
+    this.run += 1;
+  }
+
+  private async start(load: () => Promise<T>): Promise<void> {
+    const run = ++this.run;
+    this.become({ state: "loading", before: this.value });
+    try {
+      const value = await load();
+      if (run === this.run) this.become({ state: "ready", value });
+    } catch (error) {
+      if (run === this.run) this.become({ state: "failed", error });
+    }
+  }
+
+  private become(now: Loaded<T>): void {
+    this.now = now;
+    this.host.requestUpdate();
+  }
+}

@@ -1,0 +1,73 @@
+/** What every element's style starts from. */
+
+import { css } from "lit";
+
+export const base = css`
+  :host {
+    box-sizing: border-box;
+  }
+  *,
+  *::before,
+  *::after {
+    box-sizing: inherit;
+  }
+  :host([hidden]),
+  [hidden] {
+    display: none !important;
+  }
+  ::selection {
+    background: var(--t-accent);
+    color: var(--t-on-accent);
+  }
+  :focus-visible {
+    outline: 3px solid var(--t-accent);
+    outline-offset: 2px;
+  }
+  h1,
+  h2,
+  h3,
+  p {
+    margin: 0;
+    text-wrap: pretty;
+  }
+  h1 {
+    font-size: var(--t-size-xl);
+    line-height: 1.2;
+    font-weight: var(--t-weight-strong);
+    letter-spacing: -0.01em;
+  }
+  h2 {
+    font-size: var(--t-size-l);
+    line-height: 1.25;
+    font-weight: var(--t-weight-strong);
+  }
+  h3 {
+    font-size: var(--t-size-m);
+    font-weight: var(--t-weight-strong);
+  }
+  a {
+    color: var(--t-accent);
+    text-underline-offset: 0.2em;
+  }
+  .muted {
+    color: var(--t-muted);
+  }
+  .visually-hidden {
+    position: absolute;
+    width: 1px;
+    height: 1px;
+    margin: -1px;
+    overflow: hidden;
+    clip-path: inset(50%);
+    white-space: nowrap;
+  }
+  @media (prefers-reduced-motion: reduce) {
+    *,
+    *::before,
+    *::after {
+      animation-duration: 0.01ms !important;
+      animation-iteration-count: 1 !important;
+      transition-duration: 0.01ms !important;
+    }
+  }
+`;

@@ -1,0 +1,393 @@
+/**
+ * A chart of one or more channels over time. A little over 200 lines: it is where drawing, size,
+ * theme, pointer and keys of one chart come together.
+ *
+ * After each paint of a moving chart `window.__talaiaPainted(address, newestUs)` is called where a
+ * page has set it; the latency benchmark does.
+ */
+
+import { html, LitElement, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, query } from "lit/decorators.js";
+import type { Range } from "../../series/range.js";
+import { SteadyRange } from "../../series/range.js";
+import { runs } from "../../series/runs.js";
+import { summary } from "../../series/columns.js";
+import { stateWord } from "../../format/reading.js";
+import { knownZone } from "../../format/time.js";
+import { lengthOf, type Span } from "../../series/window.js";
+import { ZoneClock } from "../../series/zone.js";
+import { base } from "../base.js";
+import { drawGaps, drawRuns, drawTrace, type Plot } from "./draw.js";
+import { Gestures } from "./gestures.js";
+import { keyWish } from "./keys.js";
+import type { Axis, ChartSeries, Follow, ReadOut, SpanChange } from "./model.js";
+import { Painter, type Paintable } from "./painter.js";
+import { readPalette, seriesColour, watchTheme, type Palette } from "./palette.js";
+import { momentText, readOut } from "./read-out.js";
+import { chartStyle } from "./style.js";
+import { ChartView } from "./view.js";
+
+declare global {
+  interface Window {
+    __talaiaPainted?: (address: string, newestUs: number) => void;
+  }
+}
+
+const NO_AXIS: Axis = { limits: { minimum: null, maximum: null }, least: 0 };
+/** The cursor finds a value within so many pixels. */
+const REACH = 14;
+
+/**
+ * @fires t-span while and after the person zooms or moves the window; detail is `SpanChange`
+ * @fires t-cursor detail is the moment under the cursor (µs), or null
+ * @fires t-reset the person asks for the window from before
+ */
+@customElement("t-chart")
+export class Chart extends LitElement implements Paintable {
+  static override styles = [base, chartStyle];
+
+  @property({ attribute: false }) series: readonly ChartSeries[] = [];
+  /** The window of a chart that stands still. */
+  @property({ attribute: false }) span: Span | null = null;
+  /** Gives the window of a chart that moves; it wins over `span`. */
+  @property({ attribute: false }) follow: Follow | null = null;
+  @property({ attribute: false }) axis: Axis = NO_AXIS;
+  /** Rounds are drawn together with the charts that share it. */
+  @property({ attribute: false }) painter: Painter | null = null;
+  @property() zone = "UTC";
+  /** What the chart shows, for screen readers. */
+  @property() label = "";
+  /** Zooms and pans; otherwise only the cursor moves. */
+  @property({ type: Boolean }) zoomable = false;
+  /** The linked cursor of charts that belong together (µs). */
+  @property({ attribute: false }) cursorUs: number | null = null;
+  @property({ type: Number, attribute: "axis-width" }) axisWidth = 48;
+
+  @query(".plot") private place!: HTMLElement;
+  @query(".cursor") private cursorLine!: HTMLElement;
+  @query(".read") private readBox!: HTMLElement;
+  @query(".chosen") private chosenBox!: HTMLElement;
+  @query("[aria-live]") private spoken!: HTMLElement;
+
+  private view: ChartView | null = null;
+  private palette: Palette | null = null;
+  private range: SteadyRange | null = null;
+  private shown: Span | null = null;
+  private cursorPart: number | null = null;
+  private size = { width: 0, height: 0 };
+  private onScreen = false;
+  private dirty = true;
+  private drawnVersion = -1;
+  private drawnAt = -Infinity;
+  private stops: (() => void)[] = [];
+  private speakTimer: ReturnType<typeof setTimeout> | undefined;
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    if (this.hasUpdated) this.start();
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    clearTimeout(this.speakTimer);
+    for (const stop of this.stops) stop();
+    this.stops = [];
+    this.view?.destroy();
+    this.view = null;
+  }
+
+  override render(): TemplateResult {
+    return html`<div
+        class="plot"
+        role="group"
+        tabindex="0"
+        aria-roledescription="chart"
+        aria-label=${this.label}
+        @keydown=${this.key}
+        @blur=${this.blurred}
+      ></div>
+      <div class="cursor" hidden></div>
+      <div class="chosen" hidden></div>
+      <div class="read" aria-hidden="true" hidden></div>
+      <div class="visually-hidden" aria-live="polite"></div>`;
+  }
+
+  protected override firstUpdated(): void {
+    new Gestures(this.place, {
+      span: () => this.shown,
+      partAt: (x) => this.partAt(x),
+      cursor: (part) => {
+        this.moveCursor(part);
+      },
+      choosing: (from, to) => {
+        this.choosing(from, to);
+      },
+      notChoosing: () => {
+        this.chosenBox.hidden = true;
+      },
+      change: (span, settled) => {
+        this.tellSpan({ span, settled });
+      },
+      reset: () => {
+        this.dispatchEvent(new CustomEvent("t-reset"));
+      },
+      zoomable: this.zoomable,
+    });
+    this.start();
+  }
+
+  protected override willUpdate(changed: PropertyValues<this>): void {
+    if (changed.has("axis") || this.range === null) this.range = new SteadyRange(this.axis.limits, this.axis.least);
+    if ((changed.has("zone") || changed.has("axisWidth")) && this.view !== null) this.remake();
+  }
+
+  protected override updated(): void {
+    this.dirty = true;
+    this.painter?.wake();
+  }
+
+  /** Time of one column of what is drawn now (µs); 0 before the first picture. */
+  get columnUs(): number {
+    return this.shown === null || this.view === null ? 0 : this.widthUs(this.shown);
+  }
+
+  // ── painting ────────────────────────────────────────────────────────────────────────────
+
+  get moving(): boolean {
+    return this.follow !== null && this.onScreen;
+  }
+
+  wants(nowMs: number): boolean {
+    if (!this.onScreen || this.view === null) return false;
+    if (this.dirty) return true;
+    const { follow, shown } = this;
+    if (follow === null || shown === null) return false;
+    const moved = (follow(nowMs).toUs - shown.toUs) / this.widthUs(shown);
+    // Half a pixel is seen as movement; less is not worth a picture, unless something new came.
+    return moved >= 0.5 || (this.version() !== this.drawnVersion && nowMs - this.drawnAt >= 50);
+  }
+
+  paint(nowMs: number): void {
+    const span = this.follow?.(nowMs) ?? this.span;
+    const { view, palette } = this;
+    if (span === null || view === null || palette === null) return;
+    this.shown = span;
+    this.dirty = false;
+    this.drawnAt = nowMs;
+    this.drawnVersion = this.version();
+    view.paint(span, this.valueRange(span), (plot) => {
+      this.draw(plot, palette);
+    });
+    this.placeCursor();
+    const tell = window.__talaiaPainted;
+    if (tell !== undefined && this.follow !== null) for (const { address, samples } of this.series) tell(address, samples.newestUs);
+  }
+
+  private draw(plot: Plot, palette: Palette): void {
+    for (const one of this.series) drawGaps(plot, one.gaps, palette.muted);
+    for (const one of this.series) {
+      const { samples, states } = one;
+      if (states.length > 0) {
+        const found = runs(samples.times, samples.values, plot.span.toUs, samples.allowedUs);
+        const lookOf = (value: number): { word: string; colour: string } => ({
+          word: stateWord(states, value),
+          colour: one.stale ? palette.stale : seriesColour(palette, one.colour + Math.max(0, Math.floor(value))),
+        });
+        drawRuns(plot, found, lookOf, palette.text);
+        continue;
+      }
+      const colour = one.stale ? palette.stale : seriesColour(palette, one.colour);
+      drawTrace(plot, samples.columnsAt(this.widthUs(plot.span)), colour, { dashed: one.stale, dot: this.follow !== null });
+    }
+  }
+
+  private valueRange(span: Span): Range {
+    let min = Infinity;
+    let max = -Infinity;
+    for (const { samples, states } of this.series) {
+      if (states.length > 0) continue;
+      const seen = summary(samples.columnsAt(this.widthUs(span)), span.fromUs, span.toUs);
+      min = Math.min(min, seen.min);
+      max = Math.max(max, seen.max);
+    }
+    return this.range?.next(min, max) ?? { low: 0, high: 1 };
+  }
+
+  /** Time of one pixel column (µs). Rounded: a window that moves must not change it by a hair. */
+  private widthUs(span: Span): number {
+    return Math.max(1, Math.round(lengthOf(span) / Math.max(1, Math.round(this.view?.box.width ?? 1))));
+  }
+
+  private version(): number {
+    let sum = 0;
+    for (const { samples } of this.series) sum += samples.version;
+    return sum;
+  }
+
+  // ── coming and going ────────────────────────────────────────────────────────────────────
+
+  private start(): void {
+    this.painter ??= new Painter();
+    const painter = this.painter;
+    const inView = new IntersectionObserver((entries) => {
+      this.onScreen = entries.at(-1)?.isIntersecting ?? false;
+      if (!this.onScreen) return;
+      void this.make();
+      this.touch();
+    }, { rootMargin: "80px" });
+    inView.observe(this);
+    const sized = new ResizeObserver(([entry]) => {
+      if (entry === undefined) return;
+      this.size = { width: Math.floor(entry.contentRect.width), height: Math.floor(entry.contentRect.height) };
+      if (this.view === null) void this.make();
+      else this.view.resize(this.size);
+      this.touch();
+    });
+    sized.observe(this.place);
+    this.stops = [
+      painter.add(this),
+      watchTheme(() => {
+        this.palette = readPalette(this);
+        this.view?.recolour(this.palette);
+        this.touch();
+      }),
+      () => {
+        inView.disconnect();
+        sized.disconnect();
+      },
+    ];
+  }
+
+  private async make(): Promise<void> {
+    if (!this.lacksView()) return;
+    const { UPlot, sheet } = await import("./engine.js");
+    if (!this.lacksView()) return;
+    const root = this.renderRoot;
+    if (root instanceof ShadowRoot && !root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets.push(sheet);
+    this.palette = readPalette(this);
+    this.view = new ChartView(UPlot, this.place, this.size, this.palette, {
+      clock: new ZoneClock(knownZone(this.zone)),
+      axisWidth: this.axisWidth,
+      bare: this.series.length > 0 && this.series.every(({ states }) => states.length > 0),
+    });
+    this.touch();
+  }
+
+  private lacksView(): boolean {
+    return this.view === null && this.onScreen && this.isConnected && this.size.width >= 10 && this.size.height >= 10;
+  }
+
+  private remake(): void {
+    this.view?.destroy();
+    this.view = null;
+    void this.make();
+  }
+
+  private touch(): void {
+    this.dirty = true;
+    this.painter?.wake();
+  }
+
+  // ── pointer and keys ────────────────────────────────────────────────────────────────────
+
+  private partAt(clientX: number): number {
+    const box = this.view?.box;
+    if (box === undefined) return 0;
+    const part = (clientX - this.place.getBoundingClientRect().left - box.left) / Math.max(1, box.width);
+    return Math.min(1, Math.max(0, part));
+  }
+
+  private moveCursor(part: number | null): void {
+    this.cursorPart = part;
+    const us = this.cursorMoment();
+    this.placeCursor();
+    this.dispatchEvent(new CustomEvent("t-cursor", { detail: us }));
+  }
+
+  /** On a moving chart the cursor keeps its place, on one that stands still its moment. */
+  private cursorMoment(): number | null {
+    const { shown, cursorPart } = this;
+    if (shown === null || cursorPart === null) return null;
+    return shown.fromUs + cursorPart * lengthOf(shown);
+  }
+
+  private placeCursor(): void {
+    const { shown, view } = this;
+    const us = this.follow === null ? (this.cursorUs ?? this.cursorMoment()) : this.cursorMoment();
+    const seen = us !== null && shown !== null && view !== null && us >= shown.fromUs && us <= shown.toUs;
+    this.cursorLine.hidden = !seen;
+    this.readBox.hidden = !seen || this.cursorPart === null;
+    if (!seen) return;
+    const { left, top, width, height } = view.box;
+    const x = left + ((us - shown.fromUs) / lengthOf(shown)) * width;
+    this.cursorLine.style.cssText = `transform: translate(${String(Math.round(x))}px, ${String(top)}px); block-size: ${String(height)}px`;
+    if (this.cursorPart === null) return;
+    this.readBox.textContent = this.readText(us, shown);
+    const after = x < left + width / 2;
+    this.readBox.style.cssText = after ? `left: ${String(x + 10)}px` : `right: ${String(this.size.width - x + 10)}px`;
+  }
+
+  /** Values near a moment, one for each series. */
+  readAt(us: number): ReadOut[] {
+    const { shown } = this;
+    if (shown === null) return [];
+    const width = this.widthUs(shown);
+    return this.series.map((one) => readOut(one, us, width, REACH * width));
+  }
+
+  private readText(us: number, shown: Span): string {
+    const moment = momentText(us, knownZone(this.zone), lengthOf(shown));
+    const values = this.readAt(us).map(({ series, text }) => (this.series.length > 1 ? `${series.name} ${text}` : text));
+    const gap = this.series.flatMap(({ gaps }) => gaps).find(({ from_us, to_us }) => us >= from_us && us <= to_us);
+    return [moment, ...values, ...(gap === undefined ? [] : [gap.reason || "no samples"])].join("\n");
+  }
+
+  private choosing(from: number, to: number): void {
+    const box = this.view?.box;
+    if (box === undefined) return;
+    const left = box.left + Math.min(from, to) * box.width;
+    this.chosenBox.hidden = false;
+    this.chosenBox.style.cssText = `transform: translate(${String(left)}px, ${String(box.top)}px); inline-size: ${String(Math.abs(to - from) * box.width)}px; block-size: ${String(box.height)}px`;
+  }
+
+  private tellSpan(detail: SpanChange): void {
+    this.dispatchEvent(new CustomEvent("t-span", { detail }));
+  }
+
+  private readonly blurred = (): void => {
+    this.moveCursor(null);
+  };
+
+  private readonly key = (event: KeyboardEvent): void => {
+    const { shown } = this;
+    if (shown === null || event.ctrlKey || event.metaKey || event.altKey) return;
+    const wish = keyWish(event.key, event.shiftKey, this.cursorPart, shown, this.zoomable);
+    if (wish === null) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (wish.wish === "reset") this.dispatchEvent(new CustomEvent("t-reset"));
+    else if (wish.wish === "span") this.tellSpan({ span: wish.span, settled: true });
+    else this.moveCursor(wish.part);
+    this.speakSoon();
+  };
+
+  /** Said once the keys rest: a screen reader should not be flooded. */
+  private speakSoon(): void {
+    clearTimeout(this.speakTimer);
+    this.speakTimer = setTimeout(() => {
+      const us = this.cursorMoment();
+      if (us === null || this.shown === null) return;
+      this.spoken.textContent = this.readText(us, this.shown).replaceAll("\n", ", ");
+    }, 300);
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-chart": Chart;
+  }
+  interface HTMLElementEventMap {
+    "t-span": CustomEvent<SpanChange>;
+    "t-cursor": CustomEvent<number | null>;
+  }
+}

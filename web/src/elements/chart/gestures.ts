@@ -1,0 +1,136 @@
+/** Pointer, wheel, fingers and keys on a chart, told as what they ask for. */
+
+import { pan, pinch, zoom, type Span } from "../../series/window.js";
+
+/** What a chart does when asked. Places are parts of the plot's width: 0 left, 1 right. */
+export interface Asked {
+  /** The window, or null while there is none. */
+  span(): Span | null;
+  /** Part of the plot's width at a place on the screen. */
+  partAt(clientX: number): number;
+  cursor(part: number | null): void;
+  /** Show the stretch that would be zoomed to; null takes it away. */
+  choosing(from: number, to: number): void;
+  notChoosing(): void;
+  change(span: Span, settled: boolean): void;
+  /** Back to where it was before zooming. */
+  reset(): void;
+  readonly zoomable: boolean;
+}
+
+const WHEEL = 0.0015;
+/** Shorter drags are clicks (CSS pixels). */
+const LEAST_DRAG = 6;
+const SETTLE_MS = 180;
+
+interface Finger {
+  x: number;
+  readonly startX: number;
+  us: number;
+  readonly mouse: boolean;
+}
+
+export class Gestures {
+  private readonly fingers = new Map<number, Finger>();
+  private settle: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly place: HTMLElement,
+    private readonly asked: Asked,
+  ) {
+    place.addEventListener("pointerdown", this.down);
+    place.addEventListener("pointermove", this.move);
+    place.addEventListener("pointerup", this.up);
+    place.addEventListener("pointercancel", this.cancel);
+    place.addEventListener("pointerleave", this.leave);
+    place.addEventListener("dblclick", this.twice);
+    place.addEventListener("wheel", this.wheel, { passive: false });
+  }
+
+  private timeAt(clientX: number): number {
+    const span = this.asked.span();
+    return span === null ? NaN : span.fromUs + this.asked.partAt(clientX) * (span.toUs - span.fromUs);
+  }
+
+  private readonly down = (event: PointerEvent): void => {
+    if (!this.asked.zoomable || (event.pointerType === "mouse" && event.button !== 0)) return;
+    this.place.setPointerCapture(event.pointerId);
+    const mouse = event.pointerType === "mouse" && !event.shiftKey;
+    this.fingers.set(event.pointerId, { x: event.clientX, startX: event.clientX, us: this.timeAt(event.clientX), mouse });
+  };
+
+  private readonly move = (event: PointerEvent): void => {
+    this.asked.cursor(this.asked.partAt(event.clientX));
+    const finger = this.fingers.get(event.pointerId);
+    if (finger === undefined) return;
+    finger.x = event.clientX;
+    if (finger.mouse) this.asked.choosing(this.asked.partAt(finger.startX), this.asked.partAt(finger.x));
+    else this.drag(false);
+  };
+
+  private readonly up = (event: PointerEvent): void => {
+    const finger = this.fingers.get(event.pointerId);
+    if (finger === undefined) return;
+    const moved = Math.abs(finger.x - finger.startX) >= LEAST_DRAG;
+    if (finger.mouse) {
+      this.asked.notChoosing();
+      const [a, b] = [finger.us, this.timeAt(finger.x)];
+      if (moved) this.asked.change({ fromUs: Math.min(a, b), toUs: Math.max(a, b) }, true);
+    } else if (moved) {
+      this.drag(true);
+    }
+    this.fingers.delete(event.pointerId);
+    this.holdAgain();
+  };
+
+  private readonly cancel = (event: PointerEvent): void => {
+    this.fingers.delete(event.pointerId);
+    this.asked.notChoosing();
+    this.holdAgain();
+  };
+
+  private readonly leave = (event: PointerEvent): void => {
+    if (event.pointerType === "mouse" && this.fingers.size === 0) this.asked.cursor(null);
+  };
+
+  private readonly twice = (): void => {
+    if (this.asked.zoomable) this.asked.reset();
+  };
+
+  // A wheel that passes over a chart scrolls the page; it zooms once the chart has been clicked.
+  private readonly wheel = (event: WheelEvent): void => {
+    const span = this.asked.span();
+    const meant = event.ctrlKey || event.metaKey || this.place.matches(":focus, :focus-within");
+    if (!this.asked.zoomable || span === null || !meant) return;
+    event.preventDefault();
+    const sideways = Math.abs(event.deltaX) > Math.abs(event.deltaY);
+    const pixels = event.deltaMode === 0 ? 1 : 30;
+    const next = sideways
+      ? pan(span, (event.deltaX * pixels * (span.toUs - span.fromUs)) / Math.max(1, this.place.clientWidth))
+      : zoom(span, Math.exp(event.deltaY * pixels * WHEEL), this.timeAt(event.clientX));
+    this.asked.change(next, false);
+    clearTimeout(this.settle);
+    this.settle = setTimeout(() => {
+      const now = this.asked.span();
+      if (now !== null) this.asked.change(now, true);
+    }, SETTLE_MS);
+  };
+
+  /** Puts the moments that the fingers hold under the fingers. */
+  private drag(settled: boolean): void {
+    const span = this.asked.span();
+    const [one, two] = [...this.fingers.values()];
+    if (span === null || one === undefined) return;
+    if (two === undefined) {
+      this.asked.change(pan(span, one.us - this.timeAt(one.x)), settled);
+      return;
+    }
+    const next = pinch(one.us, two.us, this.asked.partAt(one.x), this.asked.partAt(two.x));
+    if (next !== null) this.asked.change(next, settled);
+  }
+
+  // When one of two fingers goes, the other holds on to where it is now.
+  private holdAgain(): void {
+    for (const finger of this.fingers.values()) finger.us = this.timeAt(finger.x);
+  }
+}

@@ -1,0 +1,59 @@
+/** What a chart is given to draw. */
+
+import type { Columns } from "../../series/columns.js";
+import type { Gap } from "../../series/gaps.js";
+import type { Limits } from "../../series/range.js";
+import type { Span } from "../../series/window.js";
+
+/** Samples of one channel; `series/trace.ts` is one. */
+export interface Samples {
+  readonly times: Float64Array;
+  readonly values: Float64Array;
+  /** Counts up with every change. */
+  readonly version: number;
+  /** The longest pause that is no gap (µs). */
+  readonly allowedUs: number;
+  readonly newestUs: number;
+  columnsAt(widthUs: number): Columns;
+}
+
+export interface ChartSeries {
+  readonly address: string;
+  readonly name: string;
+  readonly unit: string;
+  /** Digits after the point; -1 takes the unit's own. */
+  readonly decimals: number;
+  /** Place among the eight colours. */
+  readonly colour: number;
+  readonly samples: Samples;
+  /** What each whole number means, for a state; empty for a number. */
+  readonly states: readonly string[];
+  /** Stretches without samples that have a reason. */
+  readonly gaps: readonly Gap[];
+  /** Old values must not look as if they were fresh. */
+  readonly stale: boolean;
+}
+
+export interface Axis {
+  readonly limits: Limits;
+  /** The axis covers at least this much (in the unit). */
+  readonly least: number;
+}
+
+/** Gives the window at this moment; for a chart that moves with the time. */
+export type Follow = (nowMs: number) => Span;
+
+/** Detail of `t-span`. */
+export interface SpanChange {
+  readonly span: Span;
+  /** False while fingers or wheel are still at it. */
+  readonly settled: boolean;
+}
+
+/** A value at the cursor. */
+export interface ReadOut {
+  readonly series: ChartSeries;
+  /** When the sample was taken; NaN when there is none near. */
+  readonly timeUs: number;
+  readonly text: string;
+}

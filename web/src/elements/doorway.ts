@@ -1,0 +1,25 @@
+/** The look of the pages before the dashboard: one quiet form in the middle. */
+
+import { css } from "lit";
+
+export const doorway = css`
+  :host {
+    display: grid;
+    place-items: start center;
+    padding-block: clamp(var(--t-space-3), 9dvh, 7rem) var(--t-space-6);
+  }
+  form,
+  .sheet {
+    display: grid;
+    gap: var(--t-space-4);
+    inline-size: min(23rem, 100%);
+    padding: var(--t-space-5);
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
+    box-shadow: var(--t-shadow);
+  }
+  t-button {
+    margin-block-start: var(--t-space-2);
+  }
+`;

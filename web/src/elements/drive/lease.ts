@@ -1,0 +1,123 @@
+/** Who has control of a device, and the button to take it or give it back. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { base } from "../base.js";
+import "../button.js";
+import "../status.js";
+
+export type LeaseKind = "unknown" | "free" | "asking" | "mine" | "other";
+
+/**
+ * @fires t-take control is wanted
+ * @fires t-free control is given back
+ */
+@customElement("t-lease")
+export class LeaseLine extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-2);
+      }
+      .row {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        justify-content: space-between;
+        gap: var(--t-space-2);
+      }
+      .take {
+        inline-size: 100%;
+      }
+      .trouble {
+        color: var(--t-warn);
+        font-weight: var(--t-weight-strong);
+      }
+      .remains {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        font-variant-numeric: tabular-nums;
+      }
+      .who {
+        display: grid;
+      }
+    `,
+  ];
+
+  @property() kind: LeaseKind = "unknown";
+  @property() holder = "";
+  /** How long it still holds without renewal (ms). */
+  @property({ type: Number }) remains = 0;
+  @property() trouble = "";
+  @property({ type: Boolean }) online = true;
+  /** STOP is latched: control may be taken (the release needs it), but nothing moves. */
+  @property({ type: Boolean }) stopped = false;
+
+  override render(): TemplateResult {
+    return html`
+      ${this.trouble === "" ? nothing : html`<p class="trouble" role="alert">${this.trouble}</p>`}
+      ${this.kind === "mine" ? this.mine() : this.notMine()}
+    `;
+  }
+
+  private mine(): TemplateResult {
+    const word = this.stopped ? "You have control; STOP is on" : "You have control";
+    return html`<div class="row">
+      <span class="who">
+        <t-status kind=${this.stopped ? "warn" : "ok"} .word=${word}></t-status>
+        <span class="remains">renewed each second, ${(this.remains / 1000).toFixed(1)}&#8239;s left</span>
+      </span>
+      <t-button @click=${this.free}>Give back</t-button>
+    </div>`;
+  }
+
+  private notMine(): TemplateResult {
+    const asking = this.kind === "asking";
+    return html`
+      <div class="row">${this.standing()}</div>
+      <t-button
+        class="take"
+        kind="primary"
+        ?disabled=${!this.online || this.kind === "other"}
+        ?busy=${asking}
+        @click=${this.take}
+        >${asking ? "Asking for control…" : "Take control"}</t-button
+      >
+    `;
+  }
+
+  private standing(): TemplateResult {
+    if (!this.online) return html`<t-status kind="offline" word="Nobody can drive while the site is off line"></t-status>`;
+    switch (this.kind) {
+      case "other":
+        return html`<t-status kind="busy" .word=${`${this.holder} has control`}></t-status>`;
+      case "asking":
+        return html`<t-status kind="busy" word="The gateway is asked"></t-status>`;
+      case "free":
+        return html`<t-status kind="unknown" word="Nobody has control"></t-status>`;
+      case "unknown":
+      case "mine":
+        return html`<t-status kind="unknown" word="You do not have control"></t-status>`;
+    }
+  }
+
+  private readonly take = (): void => {
+    if (this.online && this.kind !== "other") this.fire("t-take");
+  };
+
+  private readonly free = (): void => {
+    this.fire("t-free");
+  };
+
+  private fire(name: string): void {
+    this.dispatchEvent(new CustomEvent(name, { bubbles: true, composed: true }));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-lease": LeaseLine;
+  }
+}

@@ -1,0 +1,149 @@
+/** How fast a full push is: steps of ten per cent, with what that means for this vehicle. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { formatWithUnit } from "../../format/unit.js";
+import { base } from "../base.js";
+
+/**
+ * @fires t-level detail is the level that was chosen, 0.1 to 1
+ */
+@customElement("t-speed-limit")
+export class SpeedLimit extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-1);
+      }
+      .head {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        justify-content: space-between;
+        gap: 0 var(--t-space-3);
+      }
+      .head strong {
+        font-variant-numeric: tabular-nums;
+      }
+      .means {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        font-variant-numeric: tabular-nums;
+      }
+      .row {
+        display: grid;
+        grid-template-columns: auto 1fr auto;
+        align-items: center;
+        gap: var(--t-space-2);
+      }
+      button {
+        inline-size: var(--t-touch);
+        block-size: var(--t-touch);
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-text);
+        font: inherit;
+        font-size: var(--t-size-l);
+        line-height: 1;
+        cursor: pointer;
+        touch-action: manipulation;
+      }
+      button:hover:not(:disabled) {
+        background: var(--t-raised);
+      }
+      button:disabled {
+        border-style: dashed;
+        color: var(--t-muted);
+        cursor: not-allowed;
+      }
+      input {
+        inline-size: 100%;
+        min-inline-size: 0;
+        block-size: var(--t-touch);
+        margin: 0;
+        accent-color: var(--t-accent);
+        touch-action: pan-y;
+      }
+    `,
+  ];
+
+  /** 0.1 to 1 */
+  @property({ type: Number }) level = 0.5;
+  /** m/s at full level */
+  @property({ type: Number }) speed = 0;
+  /** rad/s at full level */
+  @property({ type: Number }) turn = 0;
+  @property({ type: Boolean }) disabled = false;
+
+  override render(): TemplateResult {
+    const percent = Math.round(this.level * 100);
+    const speed = formatWithUnit(this.speed * this.level, "m/s", 2);
+    const turn = formatWithUnit(this.turn * this.level, "rad/s", 2);
+    return html`
+      <div class="head">
+        <span>Full push is <strong>${percent}&#8239;%</strong></span>
+        <span class="means">${speed} · ${turn}</span>
+      </div>
+      <div class="row">
+        <button
+          type="button"
+          aria-label="Slower"
+          title="Slower (−)"
+          ?disabled=${this.disabled || percent <= 10}
+          @click=${this.slower}
+        >
+          −
+        </button>
+        <input
+          type="range"
+          min="10"
+          max="100"
+          step="10"
+          aria-label="Speed of a full push, per cent of the limit"
+          aria-valuetext="${percent} per cent, ${speed}"
+          .value=${String(percent)}
+          ?disabled=${this.disabled}
+          @input=${this.slid}
+        />
+        <button
+          type="button"
+          aria-label="Faster"
+          title="Faster (+)"
+          ?disabled=${this.disabled || percent >= 100}
+          @click=${this.faster}
+        >
+          +
+        </button>
+      </div>
+    `;
+  }
+
+  private readonly slid = (event: Event): void => {
+    this.choose(Number((event.target as HTMLInputElement).value));
+  };
+
+  private readonly slower = (): void => {
+    this.choose(Math.round(this.level * 100) - 10);
+  };
+
+  private readonly faster = (): void => {
+    this.choose(Math.round(this.level * 100) + 10);
+  };
+
+  private choose(percent: number): void {
+    const detail = Math.min(100, Math.max(10, percent)) / 100;
+    this.dispatchEvent(new CustomEvent("t-level", { detail, bubbles: true, composed: true }));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-speed-limit": SpeedLimit;
+  }
+  interface GlobalEventHandlersEventMap {
+    "t-level": CustomEvent<number>;
+  }
+}

@@ -1,0 +1,204 @@
+/** How far STOP got, who pressed it, and the two steps to its release. */
+
+import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { base } from "../base.js";
+import "../button.js";
+import "../icon.js";
+import "../time.js";
+import { stopSteps, type StopPhase } from "./stop-words.js";
+
+export type ReleaseStep = "none" | "asking" | "armed" | "releasing";
+
+const MARKS: Readonly<Record<0 | 1 | 2, SVGTemplateResult>> = {
+  0: svg`<circle cx="10" cy="10" r="7" fill="none" stroke="currentColor" stroke-width="1.6" stroke-dasharray="2.5 2"></circle>`,
+  1: svg`<circle cx="10" cy="10" r="7" fill="none" stroke="currentColor" stroke-width="2"></circle><circle cx="10" cy="10" r="3" fill="currentColor"></circle>`,
+  2: svg`<circle cx="10" cy="10" r="8" fill="currentColor"></circle><path d="m6.4 10.2 2.5 2.5 4.8-5" fill="none" stroke="var(--t-surface)" stroke-width="2"></path>`,
+};
+const SPOKEN = ["not yet", "under way", "done"] as const;
+
+/**
+ * @fires t-reset-ask first step of the release
+ * @fires t-reset-go second step
+ * @fires t-reset-keep the second step is called off
+ */
+@customElement("t-stop-state")
+export class StopState extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      ol {
+        display: grid;
+        grid-template-columns: repeat(3, 1fr);
+        gap: var(--t-space-1);
+        margin: 0;
+        padding: 0;
+        list-style: none;
+      }
+      li {
+        display: grid;
+        justify-items: center;
+        gap: var(--t-space-1);
+        padding: var(--t-space-2) var(--t-space-1);
+        border-radius: var(--t-radius-s);
+        background: var(--t-raised);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        line-height: 1.25;
+        text-align: center;
+      }
+      li svg {
+        inline-size: 1.25rem;
+        block-size: 1.25rem;
+      }
+      li[data-done="2"] {
+        color: var(--t-text);
+        font-weight: var(--t-weight-strong);
+      }
+      li[data-done="1"] {
+        color: var(--t-warn);
+        font-weight: var(--t-weight-strong);
+      }
+      .note {
+        display: grid;
+        grid-template-columns: auto 1fr;
+        gap: var(--t-space-2);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .note t-icon {
+        margin-block-start: 0.1em;
+      }
+      .trouble {
+        color: var(--t-bad);
+        font-weight: var(--t-weight-strong);
+      }
+      .arm {
+        display: grid;
+        gap: var(--t-space-2);
+        padding: var(--t-space-3);
+        border: 2px solid var(--t-warn);
+        border-radius: var(--t-radius-s);
+      }
+      .row {
+        display: grid;
+        grid-template-columns: 1fr 1fr;
+        gap: var(--t-space-2);
+      }
+      progress {
+        inline-size: 100%;
+        block-size: 0.5rem;
+        accent-color: var(--t-warn);
+      }
+    `,
+  ];
+
+  @property() phase: StopPhase = "unknown";
+  @property() who = "";
+  /** When it was latched: µs since the epoch. */
+  @property({ type: Number }) time = 0;
+  @property() zone = "UTC";
+  /** From the press to the gateway's answer (ms); NaN: not pressed here. */
+  @property({ type: Number }) answered = Number.NaN;
+  @property() trouble = "";
+  @property({ type: Boolean }) online = true;
+  @property() step: ReleaseStep = "none";
+  /** How long the second step stays open (ms). */
+  @property({ type: Number }) armed = 0;
+  /** Why this person cannot release it now; empty when they can. */
+  @property() hindrance = "";
+
+  override render(): TemplateResult {
+    return html`
+      ${this.phase === "clear" || this.phase === "unknown" ? nothing : this.progress()}
+      ${this.trouble === "" ? nothing : html`<p class="trouble" role="alert">${this.trouble}</p>`}
+      ${this.online
+        ? nothing
+        : html`<p class="trouble">
+            The site is off line. STOP is sent as long as this page is open, but nothing can confirm it: use the stop on
+            the robot.
+          </p>`}
+      ${this.phase === "latched" || this.phase === "confirmed" ? this.release() : nothing}
+      <p class="note">
+        <t-icon name="info"></t-icon>
+        <span>This is no emergency stop. A hardware stop on the robot is required.</span>
+      </p>
+    `;
+  }
+
+  private progress(): TemplateResult {
+    const [sent, latched, confirmed] = stopSteps(this.phase);
+    return html`
+      <ol aria-label="How far STOP got">
+        ${this.mark(sent, "Sent")} ${this.mark(latched, "Latched at the gateway")}
+        ${this.mark(confirmed, "Confirmed by the robot")}
+      </ol>
+      ${this.phase === "sent" ? nothing : html`<p>${this.byWhom()}</p>`}
+    `;
+  }
+
+  private mark(done: 0 | 1 | 2, word: string): TemplateResult {
+    return html`<li data-done=${done}>
+      <svg viewBox="0 0 20 20" aria-hidden="true">${MARKS[done]}</svg>
+      <span>${word}<span class="visually-hidden">: ${SPOKEN[done]}</span></span>
+    </li>`;
+  }
+
+  private byWhom(): TemplateResult {
+    const fast = Number.isFinite(this.answered)
+      ? html`<span class="muted"> Answered in ${this.answered.toFixed(0)}&#8239;ms.</span>`
+      : nothing;
+    return html`Pressed by <strong>${this.who || "somebody"}</strong>,
+      <t-time .us=${this.time} .zone=${this.zone} short></t-time>.${fast}`;
+  }
+
+  private release(): TemplateResult {
+    if (this.step === "armed") return this.second();
+    const busy = this.step !== "none";
+    return html`
+      <t-button ?disabled=${this.hindrance !== ""} ?busy=${busy} @click=${this.ask}>
+        ${busy ? "Asking the gateway…" : "Release STOP…"}
+      </t-button>
+      ${this.hindrance === "" ? nothing : html`<p class="muted">${this.hindrance}</p>`}
+    `;
+  }
+
+  private second(): TemplateResult {
+    const seconds = Math.ceil(this.armed / 1000);
+    return html`<div class="arm">
+      <p><strong>Release STOP?</strong> Look at the robot first. Nothing moves by the release itself.</p>
+      <div class="row">
+        <t-button @click=${this.keep}>Keep stopped</t-button>
+        <t-button kind="danger" @click=${this.go}>Release now</t-button>
+      </div>
+      <progress max="10000" .value=${this.armed} aria-label="Time to decide"></progress>
+      <span class="muted">This question closes in ${seconds}&#8239;s.</span>
+    </div>`;
+  }
+
+  private readonly ask = (): void => {
+    if (this.hindrance === "" && this.step === "none") this.fire("t-reset-ask");
+  };
+
+  private readonly go = (): void => {
+    this.fire("t-reset-go");
+  };
+
+  private readonly keep = (): void => {
+    this.fire("t-reset-keep");
+  };
+
+  private fire(name: string): void {
+    this.dispatchEvent(new CustomEvent(name, { bubbles: true, composed: true }));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-stop-state": StopState;
+  }
+}

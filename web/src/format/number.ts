@@ -1,0 +1,32 @@
+/** Numbers as people read them from across a room. */
+
+import { UNITS } from "../generated/units.js";
+
+/** Shown where there is no value. */
+export const NOTHING = "–";
+const MINUS = "\u2212";
+const LARGEST = 1e9;
+
+/** Digits after the point: the signal's own, or what makes sense for its unit. */
+export function decimalsFor(unit: string, decimals = -1): number {
+  return decimals >= 0 ? decimals : (UNITS[unit]?.decimals ?? 2);
+}
+
+/**
+ * Writes a number with a fixed count of digits after the point, so that it does not dance.
+ * A number that rounds to zero has no sign.
+ */
+export function formatNumber(value: number, decimals: number): string {
+  if (Number.isNaN(value)) return NOTHING;
+  if (!Number.isFinite(value)) return value > 0 ? "∞" : `${MINUS}∞`;
+  const size = Math.abs(value);
+  const text = size >= LARGEST ? size.toExponential(3) : grouped(size.toFixed(Math.min(decimals, 20)));
+  return value < 0 && /[1-9]/.test(text) ? MINUS + text : text;
+}
+
+// A narrow space between thousands, from five digits on.
+function grouped(text: string): string {
+  const [whole = "", rest] = text.split(".");
+  const spaced = whole.length < 5 ? whole : whole.replace(/\B(?=(\d{3})+$)/g, "\u202f");
+  return rest === undefined ? spaced : `${spaced}.${rest}`;
+}

@@ -1,0 +1,67 @@
+/** Moments in a site's own time zone, with UTC beside it. */
+
+export interface TimeText {
+  /** `14:05:09`, or with the date before it when it is another day than `today`. */
+  readonly local: string;
+  /** `CEST`, `GMT+2`: what the zone is called at that moment. */
+  readonly zone: string;
+  /** `12:05:09 UTC` */
+  readonly utc: string;
+  /** For the `datetime` attribute. */
+  readonly machine: string;
+}
+
+const formats = new Map<string, Intl.DateTimeFormat>();
+
+// Building one takes far longer than using it.
+function format(zone: string, options: Intl.DateTimeFormatOptions): Intl.DateTimeFormat {
+  const key = `${zone} ${JSON.stringify(options)}`;
+  let made = formats.get(key);
+  if (made === undefined) {
+    made = new Intl.DateTimeFormat("en-GB", { timeZone: knownZone(zone), ...options });
+    formats.set(key, made);
+  }
+  return made;
+}
+
+/** The zone itself, or UTC when this browser does not know it. */
+export function knownZone(zone: string): string {
+  try {
+    new Intl.DateTimeFormat("en-GB", { timeZone: zone });
+    return zone;
+  } catch {
+    return "UTC";
+  }
+}
+
+const DAY = { year: "numeric", month: "short", day: "numeric" } as const;
+const CLOCK = { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" } as const;
+
+export function formatClock(us: number, zone: string): string {
+  return format(zone, CLOCK).format(us / 1000);
+}
+
+export function formatDate(us: number, zone: string): string {
+  return format(zone, DAY).format(us / 1000);
+}
+
+/** What the zone is called at a moment: it changes with summer time. */
+export function zoneName(us: number, zone: string): string {
+  const parts = format(zone, { timeZoneName: "short" }).formatToParts(us / 1000);
+  return parts.find((part) => part.type === "timeZoneName")?.value ?? "UTC";
+}
+
+/** @param nowUs to leave the date away when it is today's */
+export function timeText(us: number, zone: string, nowUs: number): TimeText {
+  const text = (where: string): string => {
+    const day = formatDate(us, where);
+    const clock = formatClock(us, where);
+    return day === formatDate(nowUs, where) ? clock : `${day}, ${clock}`;
+  };
+  return {
+    local: text(zone),
+    zone: zoneName(us, zone),
+    utc: `${text("UTC")} UTC`,
+    machine: new Date(us / 1000).toISOString(),
+  };
+}

@@ -1,0 +1,78 @@
+/** Every element in every state, to look at and to test against. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { base } from "../../elements/base.js";
+import type { GalleryEntry } from "./entry.js";
+
+const files = import.meta.glob<{ entries: readonly GalleryEntry[] }>("./entries*.ts", { eager: true });
+const all = Object.values(files).flatMap((file) => file.entries);
+
+@customElement("t-page-gallery")
+export class PageGallery extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-5);
+      }
+      section {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      .states {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(15rem, 100%), 1fr));
+        gap: var(--t-space-3);
+      }
+      .wide {
+        grid-template-columns: 1fr;
+      }
+      figure {
+        display: grid;
+        align-content: space-between;
+        gap: var(--t-space-3);
+        margin: 0;
+        padding: var(--t-space-4);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+        min-inline-size: 0;
+      }
+      figcaption {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      h2 {
+        font-family: var(--t-mono);
+        font-size: var(--t-size-m);
+      }
+    `,
+  ];
+
+  override render(): TemplateResult {
+    return html`
+      <h1>Gallery</h1>
+      ${map(
+        all,
+        (entry) => html`<section id=${entry.tag}>
+          <h2>${entry.tag}</h2>
+          <div class=${entry.wide === true ? "states wide" : "states"}>
+            ${map(
+              entry.states,
+              (one) => html`<figure><div>${one.show()}</div><figcaption>${one.name}</figcaption></figure>`,
+            )}
+          </div>
+        </section>`,
+      )}
+    `;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-gallery": PageGallery;
+  }
+}

@@ -1,0 +1,102 @@
+/** Home: every site this person may see, with its health. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { adviceFor } from "../../format/problem.js";
+import { sitesContext } from "../../state/contexts.js";
+import type { Sites } from "../../state/sites.js";
+import "../../elements/empty.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../tiles/site-card.js";
+
+@customElement("t-page-home")
+export class PageHome extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-4);
+      }
+      .head {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        gap: var(--t-space-1) var(--t-space-4);
+      }
+      .sites {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(26rem, 100%), 1fr));
+        gap: var(--t-space-4);
+        margin: 0;
+        padding: 0;
+        list-style: none;
+      }
+      t-site-card {
+        block-size: 100%;
+      }
+    `,
+  ];
+
+  private readonly sites = new StoreController(this, sitesContext);
+
+  override render(): TemplateResult | null {
+    const sites = this.sites.store;
+    if (sites === undefined) return null;
+    return html`
+      <div class="head">
+        <h1>Sites</h1>
+        ${sites.list.length === 0 ? nothing : html`<p class="muted">${summary(sites)}</p>`}
+      </div>
+      ${this.trouble(sites)} ${this.content(sites)}
+    `;
+  }
+
+  private trouble(sites: Sites): unknown {
+    if (sites.status !== "failed") return nothing;
+    const advice = adviceFor(sites.error, "the list of sites");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+  }
+
+  private content(sites: Sites): unknown {
+    if (sites.list.length > 0) {
+      return html`<ul class="sites">
+        ${repeat(
+          sites.list,
+          (row) => row.site,
+          (row) => html`<li><t-site-card .row=${row}></t-site-card></li>`,
+        )}
+      </ul>`;
+    }
+    switch (sites.status) {
+      case "idle":
+      case "loading":
+        return html`<t-loading what="Loading your sites"></t-loading>`;
+      case "failed":
+        return nothing;
+      case "ready":
+        return html`<t-empty heading="No sites yet" icon="unlinked">
+          <p>A site appears here once its gateway has connected to this hub, and you have the right to view it.</p>
+        </t-empty>`;
+    }
+  }
+
+  private readonly again = (): void => {
+    void this.sites.store?.load();
+  };
+}
+
+function summary(sites: Sites): string {
+  const online = sites.list.filter((row) => row.online).length;
+  return `${String(online)} of ${String(sites.list.length)} online`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-home": PageHome;
+  }
+}

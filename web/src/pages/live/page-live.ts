@@ -1,0 +1,271 @@
+/** Real-time: a chart for each signal of a site, grouped by device. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LinkController } from "../../controllers/link.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { Painter } from "../../elements/chart/painter.js";
+import type { Option } from "../../elements/choice.js";
+import { adviceFor } from "../../format/problem.js";
+import { SECOND_US } from "../../series/zone.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import { sitePath } from "../../state/router.js";
+import { ChartFeed } from "../../tiles/chart/feed.js";
+import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api.js";
+import type { HubApi } from "../../wire/http.js";
+import { liveStyle } from "./style.js";
+import "../../elements/banner.js";
+import "../../elements/button.js";
+import "../../elements/choice.js";
+import "../../elements/empty.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/time.js";
+import "../../tiles/chart/chart-tile.js";
+
+const WINDOWS: readonly Option[] = [
+  { id: "10", label: "10 s" },
+  { id: "30", label: "30 s" },
+  { id: "60", label: "1 min" },
+  { id: "300", label: "5 min" },
+];
+const FIRST_WINDOW = "30";
+
+interface Group {
+  readonly device: DeviceInfo;
+  readonly signals: readonly SignalInfo[];
+}
+
+@customElement("t-page-live")
+export class PageLive extends LitElement {
+  static override styles = [base, liveStyle];
+
+  @property() site = "";
+
+  @consume({ context: apiContext }) private api: HubApi | undefined;
+
+  @state() private seconds = FIRST_WINDOW;
+  @state() private paused = false;
+  @state() private all = false;
+  @state() private filter = "";
+  @state() private refused: ReadonlySet<string> = new Set();
+
+  private feed: ChartFeed | null = null;
+  private readonly painter = new Painter();
+  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly link = new LinkController(this, (connection) => [
+    connection.on("subscribed", ({ refused }) => {
+      if (refused.length > 0) this.refused = new Set([...this.refused, ...refused]);
+    }),
+  ]);
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    window.addEventListener("keydown", this.key);
+    this.requestUpdate();
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    window.removeEventListener("keydown", this.key);
+    this.feed?.close();
+    this.feed = null;
+  }
+
+  protected override willUpdate(changed: PropertyValues<this>): void {
+    const sites = this.sites.store;
+    const { connection } = this.link;
+    if (changed.has("site")) {
+      this.feed?.close();
+      this.feed = null;
+    }
+    if (sites === undefined || connection === undefined || this.api === undefined) return;
+    this.detail.ask(`${this.site} ${String(sites.row(this.site)?.online)}`, () => sites.detail(this.site));
+    const detail = this.detail.value;
+    if (detail === undefined || !this.isConnected) return;
+    this.feed ??= new ChartFeed(this.site, connection, this.api, this.cameIn, this.lengthUs);
+    this.feed.listen(this.groups(detail).flatMap(({ signals }) => signals));
+  }
+
+  override render(): TemplateResult {
+    const detail = this.detail.value;
+    return html`
+      <div class="top">
+        <div class="title">
+          <h1>Real-time</h1>
+          <p class="muted">${detail?.name ?? this.site}</p>
+        </div>
+        ${detail === undefined ? nothing : this.tools(detail)}
+      </div>
+      ${this.trouble()} ${detail === undefined ? this.waiting() : this.content(detail)}
+    `;
+  }
+
+  private tools(detail: SiteDetail): TemplateResult {
+    const secondary = detail.devices.flatMap(({ signals }) => signals).filter(({ primary }) => !primary).length;
+    return html`<div class="tools" role="toolbar" aria-label="Charts">
+      <t-choice label="Time shown" .options=${WINDOWS} chosen=${this.seconds} @t-choose=${this.chooseWindow}></t-choice>
+      <t-button
+        kind=${this.paused ? "primary" : "plain"}
+        pressed=${this.paused ? "true" : "false"}
+        aria-keyshortcuts="Space"
+        @click=${this.togglePause}
+        >${this.paused ? "Resume" : "Pause"} <kbd>space</kbd></t-button
+      >
+      ${
+        secondary === 0
+          ? nothing
+          : html`<t-button pressed=${this.all ? "true" : "false"} @click=${this.toggleAll}
+              >Show all <span class="count">+${secondary}</span></t-button
+            >`
+      }
+      <input
+        type="search"
+        aria-label="Filter signals"
+        placeholder="Filter"
+        .value=${this.filter}
+        @input=${this.typeFilter}
+      />
+    </div>`;
+  }
+
+  /** What stands between the person and fresh values, said once, above all. */
+  private trouble(): unknown {
+    const row = this.sites.store?.row(this.site);
+    const detail = this.detail.result;
+    if (detail.state === "failed") {
+      const advice = adviceFor(detail.error, "this site");
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    }
+    if (this.link.state === "lost") {
+      return html`<t-banner kind="bad">The connection to the hub is lost. Values stand still until it is back; the page tries by itself.</t-banner>`;
+    }
+    if (row !== undefined && !row.online) {
+      return html`<t-banner kind="warn"
+        >The gateway of this site is off line since <t-time short .us=${row.since_us} zone=${row.zone}></t-time>. What you see is
+        old. <a href=${sitePath(this.site, "history")}>Look into its history</a></t-banner
+      >`;
+    }
+    if (this.feed?.backfill === "failed") {
+      return html`<t-banner>Earlier samples could not be loaded; the charts fill as new ones come.</t-banner>`;
+    }
+    return nothing;
+  }
+
+  private waiting(): unknown {
+    return this.detail.result.state === "failed" ? nothing : html`<t-loading what="Loading the site"></t-loading>`;
+  }
+
+  private content(detail: SiteDetail): TemplateResult {
+    const groups = this.groups(detail);
+    if (groups.length === 0) return this.empty(detail);
+    return html`${repeat(
+      groups,
+      ({ device }) => device.id,
+      (group) => this.group(group, detail),
+    )}`;
+  }
+
+  private group({ device, signals }: Group, detail: SiteDetail): TemplateResult {
+    return html`<section aria-labelledby=${`device-${device.id}`}>
+      <h2 id=${`device-${device.id}`}>${device.name}</h2>
+      <div class="charts">
+        ${repeat(
+          signals,
+          (signal) => signal.address,
+          (signal) =>
+            html`<t-chart-tile
+              class=${signal.type}
+              .feed=${this.feed}
+              .signal=${signal}
+              .painter=${this.painter}
+              .colour=${device.signals.indexOf(signal)}
+              .paused=${this.paused}
+              .forbidden=${signal.channels.some((channel) => this.refused.has(channel))}
+              zone=${detail.zone}
+            ></t-chart-tile>`,
+        )}
+      </div>
+    </section>`;
+  }
+
+  private empty(detail: SiteDetail): TemplateResult {
+    if (detail.devices.every(({ signals }) => signals.length === 0)) {
+      return html`<t-empty heading="Nothing to show" icon="live"
+        ><p>This site has no signals that you may see. They are named in its site description.</p></t-empty
+      >`;
+    }
+    return html`<t-empty heading="No signal fits" icon="live">
+      <p>${this.filter === "" ? "The main signals of this site are none; show all to see the rest." : `Nothing here is called “${this.filter}”.`}</p>
+      <t-button @click=${this.clearFilter}>Show everything</t-button>
+    </t-empty>`;
+  }
+
+  // A filter looks through all signals: who types a name wants to find it.
+  private groups(detail: SiteDetail): Group[] {
+    const words = this.filter.toLowerCase().split(/\s+/).filter(Boolean);
+    const fits = (device: DeviceInfo, signal: SignalInfo): boolean => {
+      if (words.length === 0) return this.all || signal.primary;
+      const text = `${device.name} ${signal.name} ${signal.address} ${signal.unit}`.toLowerCase();
+      return words.every((word) => text.includes(word));
+    };
+    return detail.devices
+      .map((device) => ({ device, signals: device.signals.filter((signal) => fits(device, signal)) }))
+      .filter(({ signals }) => signals.length > 0);
+  }
+
+  private get lengthUs(): number {
+    return Number(this.seconds) * SECOND_US;
+  }
+
+  private readonly cameIn = (): void => {
+    this.painter.wake();
+    if (this.feed?.backfill === "failed") this.requestUpdate();
+  };
+
+  private readonly again = (): void => {
+    this.detail.again();
+  };
+
+  private readonly chooseWindow = (event: CustomEvent<string>): void => {
+    this.seconds = event.detail;
+    this.feed?.show(this.lengthUs);
+  };
+
+  private readonly togglePause = (): void => {
+    this.paused = !this.paused;
+  };
+
+  private readonly toggleAll = (): void => {
+    this.all = !this.all;
+  };
+
+  private readonly typeFilter = (event: Event): void => {
+    if (event.target instanceof HTMLInputElement) this.filter = event.target.value.trim();
+  };
+
+  private readonly clearFilter = (): void => {
+    this.filter = "";
+    this.all = true;
+  };
+
+  private readonly key = (event: KeyboardEvent): void => {
+    if (event.key !== " " || event.repeat || event.defaultPrevented || event.ctrlKey || event.altKey || event.metaKey) return;
+    // Space already means something on a button, a field, a choice.
+    const target = event.composedPath()[0];
+    if (target instanceof Element && target.matches("input, textarea, select, button, a, summary, [role=button]")) return;
+    event.preventDefault();
+    this.togglePause();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-live": PageLive;
+  }
+}

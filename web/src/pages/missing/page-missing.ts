@@ -1,0 +1,31 @@
+/** An address that leads nowhere. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { base } from "../../elements/base.js";
+import "../../elements/empty.js";
+
+@customElement("t-page-missing")
+export class PageMissing extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+        padding-block: var(--t-space-6);
+      }
+    `,
+  ];
+
+  override render(): TemplateResult {
+    return html`<t-empty heading="There is no page here" icon="unlinked">
+      <p>The address may be mistyped, or the page has moved. <a href="/home">Go to the home page</a>.</p>
+    </t-empty>`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-missing": PageMissing;
+  }
+}

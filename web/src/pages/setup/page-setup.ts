@@ -1,0 +1,121 @@
+/** First start: the holder of the one-time link makes the first admin. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, query, state } from "lit/decorators.js";
+import { base } from "../../elements/base.js";
+import { doorway } from "../../elements/doorway.js";
+import { adviceFor, type Advice } from "../../format/problem.js";
+import { apiContext, routerContext } from "../../state/contexts.js";
+import type { Router } from "../../state/router.js";
+import { Refused, type HubApi } from "../../wire/http.js";
+import "../../elements/button.js";
+import "../../elements/field.js";
+import "../../elements/problem.js";
+
+const SHORTEST = 8;
+const NO_ERRORS = { name: "", password: "", again: "" } as const;
+
+@customElement("t-page-setup")
+export class PageSetup extends LitElement {
+  static override styles = [base, doorway];
+
+  @state() private busy = false;
+  @state() private done = false;
+  @state() private advice: Advice | null = null;
+  @state() private errors: Readonly<Record<"name" | "password" | "again", string>> = NO_ERRORS;
+
+  @query("#name") private readonly name!: HTMLInputElement;
+  @query("#password") private readonly password!: HTMLInputElement;
+  @query("#again") private readonly again!: HTMLInputElement;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  @consume({ context: routerContext }) private readonly router!: Router;
+
+  override render(): TemplateResult {
+    if (this.done) return this.finished();
+    if (this.token() === "") return this.noToken();
+    return html`
+      <form novalidate @submit=${this.submit}>
+        <div>
+          <h1>Set up Talaia</h1>
+          <p class="muted">Choose who the first admin is. This link works once.</p>
+        </div>
+        ${this.advice === null
+          ? nothing
+          : html`<t-problem what=${this.advice.what} how=${this.advice.how}></t-problem>`}
+        <t-field label="Name" error=${this.errors.name}>
+          <input id="name" autocomplete="username" autocapitalize="none" spellcheck="false" required />
+        </t-field>
+        <t-field label="Password" hint="At least 8 characters; 15 or more are better." error=${this.errors.password}>
+          <input id="password" type="password" autocomplete="new-password" required />
+        </t-field>
+        <t-field label="Password, once more" error=${this.errors.again}>
+          <input id="again" type="password" autocomplete="new-password" required />
+        </t-field>
+        <t-button type="submit" kind="primary" ?busy=${this.busy}>Make this admin</t-button>
+      </form>
+    `;
+  }
+
+  private finished(): TemplateResult {
+    return html`<div class="sheet">
+      <h1>Done</h1>
+      <p>The first admin is made. Sign in with the name and password you chose.</p>
+      <t-button kind="primary" @click=${this.toSignIn}>Go to sign-in</t-button>
+    </div>`;
+  }
+
+  private noToken(): TemplateResult {
+    return html`<div class="sheet">
+      <h1>Set up Talaia</h1>
+      <t-problem
+        what="This address has no set-up code."
+        how="Open the whole link that the hub printed when it was started for the first time."
+      ></t-problem>
+    </div>`;
+  }
+
+  private token(): string {
+    return this.router.hash.replace(/^#/, "");
+  }
+
+  private readonly toSignIn = (): void => {
+    this.router.replace("/login");
+  };
+
+  private readonly submit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    if (this.busy) return;
+    const name = this.name.value.trim();
+    const password = this.password.value;
+    this.errors = {
+      name: name === "" ? "Enter a name." : "",
+      password: Array.from(password).length < SHORTEST ? `It needs ${String(SHORTEST)} characters at least.` : "",
+      again: this.again.value === password ? "" : "The two are not the same.",
+    };
+    if (Object.values(this.errors).every((error) => error === "")) void this.make(name, password);
+  };
+
+  private async make(name: string, password: string): Promise<void> {
+    this.busy = true;
+    this.advice = null;
+    try {
+      await this.api.setup(this.token(), name, password);
+      this.done = true;
+    } catch (error) {
+      this.advice =
+        error instanceof Refused
+          ? { what: "The hub did not make this admin.", how: error.message }
+          : adviceFor(error, "the set-up");
+    } finally {
+      this.busy = false;
+    }
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-setup": PageSetup;
+  }
+}

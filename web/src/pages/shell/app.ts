@@ -1,0 +1,134 @@
+/** Builds every part of the dashboard once and hands them down by contexts. */
+
+import { ContextProvider } from "@lit/context";
+import { html, LitElement, type TemplateResult } from "lit";
+import { customElement, state } from "lit/decorators.js";
+import {
+  apiContext,
+  connectionContext,
+  liveContext,
+  routerContext,
+  sessionContext,
+  sitesContext,
+  themeContext,
+} from "../../state/contexts.js";
+import { LiveValues } from "../../state/live.js";
+import { Router } from "../../state/router.js";
+import { Session } from "../../state/session.js";
+import { Sites } from "../../state/sites.js";
+import { ThemeChoice } from "../../state/theme.js";
+import { Connection } from "../../wire/connection.js";
+import { HubApi, Unreachable } from "../../wire/http.js";
+import { socketUrl } from "../../wire/media.js";
+import { isOpen } from "../routes.js";
+import "./shell.js";
+
+@customElement("t-app")
+export class App extends LitElement {
+  @state() private unreachable = false;
+
+  private readonly api = new HubApi();
+  private readonly connection = new Connection({ url: socketUrl("/ws", location) });
+  private readonly live = new LiveValues(this.connection);
+  private readonly router = new Router(window);
+  private readonly session = new Session(this.api);
+  private readonly sites = new Sites(this.api);
+  private readonly theme = new ThemeChoice(document.documentElement, storage());
+  private stops: (() => void)[] = [];
+  private retryTimer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor() {
+    super();
+    new ContextProvider(this, { context: apiContext, initialValue: this.api });
+    new ContextProvider(this, { context: connectionContext, initialValue: this.connection });
+    new ContextProvider(this, { context: liveContext, initialValue: this.live });
+    new ContextProvider(this, { context: routerContext, initialValue: this.router });
+    new ContextProvider(this, { context: sessionContext, initialValue: this.session });
+    new ContextProvider(this, { context: sitesContext, initialValue: this.sites });
+    new ContextProvider(this, { context: themeContext, initialValue: this.theme });
+  }
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    window.addEventListener("online", this.wake);
+    document.addEventListener("visibilitychange", this.wake);
+    this.stops = [
+      this.session.watch(this.whoChanged),
+      this.router.watch(this.guard),
+      this.connection.on("site", (news) => {
+        this.sites.apply(news);
+      }),
+      this.connection.onState((link) => {
+        if (link === "open") void this.sites.load();
+        // A hub that refuses the socket does not say why; the session does.
+        if (link === "ended") this.session.notice = this.connection.endedReason;
+        if (link === "lost" || link === "ended") void this.findOut();
+      }),
+    ];
+    void this.findOut();
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    window.removeEventListener("online", this.wake);
+    document.removeEventListener("visibilitychange", this.wake);
+    clearTimeout(this.retryTimer);
+    for (const stop of this.stops) stop();
+    this.stops = [];
+    this.connection.stop();
+  }
+
+  override render(): TemplateResult {
+    return html`<t-shell ?unreachable=${this.unreachable}></t-shell>`;
+  }
+
+  private readonly wake = (): void => {
+    if (document.visibilityState === "visible") this.connection.retryNow();
+  };
+
+  private readonly whoChanged = (): void => {
+    if (this.session.state === "known") {
+      this.connection.start();
+    } else {
+      this.connection.stop();
+      this.sites.clear();
+      this.live.clear();
+    }
+    this.guard();
+  };
+
+  /** Sends whoever is not signed in to the sign-in page, and back again afterwards. */
+  private readonly guard = (): void => {
+    if (this.session.state !== "nobody" || isOpen(this.router.route.page)) return;
+    const query = new URLSearchParams({ return: this.router.path });
+    this.router.replace(`/login?${query.toString()}`);
+  };
+
+  private async findOut(): Promise<void> {
+    clearTimeout(this.retryTimer);
+    try {
+      await this.session.refresh();
+      this.unreachable = false;
+    } catch (error) {
+      this.unreachable = error instanceof Unreachable;
+      if (this.session.state === "unknown") {
+        this.retryTimer = setTimeout(() => void this.findOut(), 3000);
+      }
+    }
+  }
+}
+
+/** A browser that forbids storage throws at the mere mention of it. */
+function storage(): Storage | null {
+  try {
+    return window.localStorage;
+  } catch {
+    return null;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-app": App;
+  }
+}

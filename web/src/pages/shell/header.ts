@@ -1,0 +1,217 @@
+/** Top of every page: the name, the site, how the link stands, and who is signed in. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LinkController } from "../../controllers/link.js";
+import { StoreController } from "../../controllers/store.js";
+import { TickController } from "../../controllers/tick.js";
+import { base } from "../../elements/base.js";
+import { formatMs } from "../../format/duration.js";
+import { routerContext, sessionContext, sitesContext, themeContext } from "../../state/contexts.js";
+import { sitePath, type Router } from "../../state/router.js";
+import { THEMES } from "../../state/theme.js";
+import type { LinkState } from "../../wire/connection.js";
+import type { StatusKind } from "../../elements/status.js";
+import "../../elements/button.js";
+import "../../elements/choice.js";
+import "../../elements/icon.js";
+import "../../elements/menu.js";
+import "../../elements/status.js";
+
+const LINKS: Readonly<Record<LinkState, readonly [StatusKind, string]>> = {
+  idle: ["unknown", "not linked"],
+  connecting: ["busy", "linking"],
+  open: ["online", "linked"],
+  lost: ["offline", "link lost"],
+  ended: ["offline", "signed out"],
+};
+
+const THEME_WORDS = { auto: "Auto", light: "Light", dark: "Dark", night: "Night" } as const;
+const THEME_OPTIONS = THEMES.map((id) => ({ id, label: THEME_WORDS[id] }));
+
+@customElement("t-header")
+export class Header extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-2) var(--t-space-4);
+        min-block-size: 3.5rem;
+        padding-inline: max(var(--t-space-4), env(safe-area-inset-left));
+        border-block-end: 1px solid var(--t-line);
+        background: var(--t-surface);
+      }
+      .brand {
+        display: inline-flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        min-block-size: var(--t-touch);
+        color: var(--t-text);
+        font-size: var(--t-size-l);
+        font-weight: var(--t-weight-strong);
+        letter-spacing: -0.01em;
+        text-decoration: none;
+      }
+      .brand svg {
+        inline-size: 1.5rem;
+        block-size: 1.5rem;
+        color: var(--t-accent);
+      }
+      select {
+        min-block-size: var(--t-touch);
+        max-inline-size: 16rem;
+        min-inline-size: 0;
+        padding-inline: var(--t-space-2);
+        border: 1px solid transparent;
+        border-radius: var(--t-radius-s);
+        background: var(--t-raised);
+        color: var(--t-text);
+        font: inherit;
+        font-weight: var(--t-weight-strong);
+        text-overflow: ellipsis;
+      }
+      .rest {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-3);
+        margin-inline-start: auto;
+      }
+      t-status {
+        font-size: var(--t-size-s);
+        white-space: nowrap;
+      }
+      .panel-who {
+        display: grid;
+      }
+      .name {
+        overflow: hidden;
+        text-overflow: ellipsis;
+        max-inline-size: 9rem;
+        white-space: nowrap;
+      }
+      .role {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      @media (max-width: 45rem) {
+        :host {
+          padding-inline: var(--t-space-3) var(--t-space-1);
+          gap: var(--t-space-2);
+        }
+        .brand.small .word,
+        .name,
+        t-status[kind="online"] {
+          display: none;
+        }
+        .rest {
+          gap: var(--t-space-1);
+        }
+        select {
+          max-inline-size: 45vw;
+        }
+      }
+    `,
+  ];
+
+  /** The site that the navigation leads to; empty for none. */
+  @property() site = "";
+
+  @consume({ context: routerContext }) private readonly router!: Router;
+  private readonly link = new LinkController(this);
+  private readonly session = new StoreController(this, sessionContext);
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly theme = new StoreController(this, themeContext);
+
+  constructor() {
+    super();
+    new TickController(this, 2000);
+  }
+
+  override render(): TemplateResult {
+    const person = this.session.store?.person;
+    return html`
+      <a class=${person == null ? "brand" : "brand small"} href="/home" aria-label="Talaia, home">
+        <svg viewBox="0 0 32 32" aria-hidden="true">
+          <path fill="currentColor" d="M9 28 11.5 13h9L23 28zM8 12V5h3v3h3V5h4v3h3V5h3v7z"></path>
+        </svg>
+        <span class="word">Talaia</span>
+      </a>
+      ${person == null ? nothing : this.siteSwitch()}
+      <slot></slot>
+      <div class="rest">
+        ${person == null ? nothing : this.linkStatus()}
+        <t-menu label=${person == null ? "Settings" : `${person.name}: settings and sign-out`}>
+          <t-icon slot="label" name="person"></t-icon>
+          ${person == null ? nothing : html`<span slot="label" class="name">${person.name}</span>`}
+          ${this.panel()}
+        </t-menu>
+      </div>
+    `;
+  }
+
+  private siteSwitch(): unknown {
+    const rows = this.sites.store?.list ?? [];
+    if (rows.length === 0) return nothing;
+    return html`<select aria-label="Site" @change=${this.chooseSite}>
+      ${repeat(
+        rows,
+        (row) => row.site,
+        (row) => html`<option .value=${row.site} .selected=${row.site === this.site}>
+          ${row.name}${row.online ? "" : " (offline)"}
+        </option>`,
+      )}
+    </select>`;
+  }
+
+  private linkStatus(): TemplateResult {
+    const [kind, word] = LINKS[this.link.state];
+    const trip = this.link.connection?.roundTripMs ?? Number.NaN;
+    const told = this.link.state === "open" && !Number.isNaN(trip) ? `${word}, ${formatMs(trip)}` : word;
+    return html`<t-status kind=${kind} word=${told} title="Round trip between this page and the hub"></t-status>`;
+  }
+
+  private panel(): TemplateResult {
+    const person = this.session.store?.person;
+    return html`
+      ${person == null
+        ? nothing
+        : html`<div class="panel-who">
+            <strong>${person.name}</strong><span class="role">signed in as ${person.role}</span>
+          </div>`}
+      <t-choice
+        label="Colours"
+        .options=${THEME_OPTIONS}
+        .chosen=${this.theme.store?.theme ?? "auto"}
+        @t-choose=${this.chooseTheme}
+      ></t-choice>
+      ${person == null ? nothing : html`<t-button @click=${this.logOut}>Log out</t-button>`}
+    `;
+  }
+
+  private readonly chooseSite = (event: Event): void => {
+    if (!(event.target instanceof HTMLSelectElement)) return;
+    const page = this.router.route.page;
+    const kept = page === "live" || page === "history" || page === "drive" ? page : "live";
+    this.router.go(sitePath(event.target.value, kept));
+  };
+
+  private readonly chooseTheme = (event: CustomEvent<string>): void => {
+    const theme = THEMES.find((one) => one === event.detail);
+    if (theme !== undefined) this.theme.store?.choose(theme);
+  };
+
+  private readonly logOut = (): void => {
+    // The person is signed out here in any case; an unreachable hub ends the session by its time limit.
+    void this.session.store?.logout().catch(() => undefined);
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-header": Header;
+  }
+}

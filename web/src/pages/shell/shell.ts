@@ -1,0 +1,216 @@
+/** The frame around every page: header, navigation, banners, and the place where the page stands. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { LinkController } from "../../controllers/link.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
+import { localPath } from "../../state/router.js";
+import { PAGES } from "../routes.js";
+import "../../elements/banner.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/time.js";
+import "./header.js";
+import "./nav.js";
+
+@customElement("t-shell")
+export class Shell extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        grid-template-rows: auto 1fr;
+        min-block-size: 100dvh;
+      }
+      .top {
+        position: sticky;
+        inset-block-start: 0;
+        z-index: 20;
+      }
+      main {
+        inline-size: 100%;
+        max-inline-size: 96rem;
+        margin-inline: auto;
+        padding: var(--t-space-5) max(var(--t-space-4), env(safe-area-inset-left)) var(--t-space-6);
+        outline: none;
+        min-inline-size: 0;
+      }
+      .skip {
+        position: absolute;
+        inset-block-start: -10rem;
+        inset-inline-start: var(--t-space-2);
+        z-index: 40;
+        padding: var(--t-space-2) var(--t-space-4);
+        border-radius: var(--t-radius-s);
+        background: var(--t-accent);
+        color: var(--t-on-accent);
+      }
+      .skip:focus {
+        inset-block-start: var(--t-space-2);
+      }
+      .bottom {
+        display: none;
+      }
+      @media (max-width: 45rem) {
+        main {
+          padding: var(--t-space-4) var(--t-space-3) calc(5.5rem + env(safe-area-inset-bottom));
+        }
+        .beside {
+          display: none;
+        }
+        .bottom {
+          display: block;
+          position: fixed;
+          inset-block-end: 0;
+          inset-inline: 0;
+          z-index: 20;
+        }
+      }
+    `,
+  ];
+
+  /** The hub did not answer when it was last asked. */
+  @property({ type: Boolean }) unreachable = false;
+
+  @state() private page: HTMLElement | null = null;
+  @state() private broken = false;
+
+  @query("main") private readonly main!: HTMLElement;
+
+  private shown = "";
+  private lastSite = "";
+  private readonly router = new StoreController(this, routerContext);
+  private readonly session = new StoreController(this, sessionContext);
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly link = new LinkController(this);
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    this.addEventListener("click", this.follow);
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.removeEventListener("click", this.follow);
+  }
+
+  override willUpdate(): void {
+    const route = this.router.store?.route;
+    if (route !== undefined && route.site !== "") this.lastSite = route.site;
+    void this.show();
+  }
+
+  override render(): TemplateResult {
+    const inside = this.session.store?.state === "known";
+    const page = this.router.store?.route.page ?? "home";
+    const site = this.lastSite || (this.sites.store?.list[0]?.site ?? "");
+    return html`
+      <a class="skip" href="#main" @click=${this.skip}>Skip to the page</a>
+      <div class="top">
+        <t-header .site=${site}>
+          ${inside ? html`<t-nav class="beside" .page=${page} .site=${site}></t-nav>` : nothing}
+        </t-header>
+        ${this.banner()}
+      </div>
+      <main id="main" tabindex="-1">${this.content()}</main>
+      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site}></t-nav>` : nothing}
+    `;
+  }
+
+  private content(): unknown {
+    if (this.broken) {
+      return html`<t-problem
+        what="This page could not be loaded."
+        how="The hub may have been updated, or the network is gone."
+        retry="Load again"
+        @t-retry=${this.reload}
+      ></t-problem>`;
+    }
+    if (this.page !== null) return this.page;
+    if (this.unreachable) {
+      return html`<t-problem
+        what="The hub cannot be reached."
+        how="Check the network and that the hub is running. It is tried again every few seconds."
+      ></t-problem>`;
+    }
+    return html`<t-loading what="Opening Talaia"></t-loading>`;
+  }
+
+  private banner(): unknown {
+    if (this.session.store?.state !== "known") return nothing;
+    if (this.link.state === "lost") {
+      return html`<t-banner kind="bad"
+        >No connection to the hub. What you see is old; it is tried again by itself.</t-banner
+      >`;
+    }
+    const row = this.sites.store?.row(this.router.store?.route.site ?? "");
+    if (row === undefined || row.online) return nothing;
+    return html`<t-banner kind="warn"
+      >${row.name} has been offline since <t-time .us=${row.since_us} .zone=${row.zone}></t-time>. Values are the last
+      known.</t-banner
+    >`;
+  }
+
+  private async show(): Promise<void> {
+    const route = this.router.store?.route;
+    if (route === undefined || this.session.store?.state === "unknown") return;
+    const key = `${route.page} ${route.site}`;
+    if (key === this.shown) return;
+    const first = this.shown === "";
+    this.shown = key;
+    const entry = PAGES[route.page];
+    try {
+      await entry.load();
+    } catch {
+      if (this.shown === key) this.broken = true;
+      return;
+    }
+    if (this.shown !== key) return;
+    const page = document.createElement(entry.tag);
+    if ("site" in page) page.site = route.site;
+    this.page = page;
+    this.broken = false;
+    document.title = this.titleOf(entry.title, route.site);
+    if (first) return;
+    window.scrollTo(0, 0);
+    await this.updateComplete;
+    // Whoever moves by keyboard or listens starts at the new page, unless it took the focus itself.
+    if (!page.matches(":focus-within")) this.main.focus({ preventScroll: true });
+  }
+
+  private titleOf(title: string, site: string): string {
+    const name = this.sites.store?.row(site)?.name ?? site;
+    return [title, ...(name === "" ? [] : [name]), "Talaia"].join(" · ");
+  }
+
+  private readonly reload = (): void => {
+    location.reload();
+  };
+
+  private readonly skip = (event: Event): void => {
+    event.preventDefault();
+    this.main.focus();
+  };
+
+  /** Links of ours change the page without loading everything anew. */
+  private readonly follow = (event: MouseEvent): void => {
+    if (event.defaultPrevented || event.button !== 0 || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) {
+      return;
+    }
+    const link = event.composedPath().find((node) => node instanceof HTMLAnchorElement);
+    if (link === undefined || link.target !== "" || link.hasAttribute("download")) return;
+    const path = localPath(link.href, location.origin);
+    if (path === null) return;
+    event.preventDefault();
+    this.router.store?.go(path);
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-shell": Shell;
+  }
+}

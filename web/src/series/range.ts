@@ -1,0 +1,71 @@
+/** The lower and upper end of a value axis. */
+
+export interface Range {
+  readonly low: number;
+  readonly high: number;
+}
+
+/** What is known of a signal besides its samples. */
+export interface Limits {
+  readonly minimum: number | null;
+  readonly maximum: number | null;
+}
+
+export const NO_LIMITS: Limits = { minimum: null, maximum: null };
+
+const PADDING = 0.06;
+/** While the data fill at least this much of the axis, the axis stays as it is. */
+const WORTH = 0.4;
+
+/**
+ * The axis for data between `min` and `max`: round ends, a little air, and the signal's own limits
+ * where there are any (data beyond a limit are shown all the same).
+ *
+ * @param least the axis covers at least this much, so that noise in the last digit stays small
+ */
+export function niceRange(min: number, max: number, limits: Limits = NO_LIMITS, least = 0): Range {
+  const low = Math.min(min, limits.minimum ?? Infinity);
+  const high = Math.max(max, limits.maximum ?? -Infinity);
+  if (!(low <= high)) return fallback(limits);
+  const size = Math.max(high - low, least, Math.abs(high) * 1e-9, Number.MIN_VALUE * 1e6);
+  const middle = (low + high) / 2;
+  const air = size * PADDING;
+  const from = size > high - low ? middle - size / 2 - air : low - air;
+  const to = size > high - low ? middle + size / 2 + air : high + air;
+  const step = niceStep((to - from) / 4) / 2;
+  return {
+    low: limits.minimum !== null && min >= limits.minimum ? limits.minimum : Math.floor(from / step) * step,
+    high: limits.maximum !== null && max <= limits.maximum ? limits.maximum : Math.ceil(to / step) * step,
+  };
+}
+
+/** The round number (1, 2 or 5 times a power of ten) that is not below `size`. */
+export function niceStep(size: number): number {
+  if (!(size > 0) || !Number.isFinite(size)) return 1;
+  const power = 10 ** Math.floor(Math.log10(size));
+  for (const factor of [1, 2, 5]) if (factor * power >= size * (1 - 1e-12)) return factor * power;
+  return 10 * power;
+}
+
+/** Keeps an axis still while it still fits, so that it does not jump with every sample. */
+export class SteadyRange {
+  private held: Range | null = null;
+
+  constructor(
+    private readonly limits: Limits = NO_LIMITS,
+    private readonly least = 0,
+  ) {}
+
+  next(min: number, max: number): Range {
+    const fresh = niceRange(min, max, this.limits, this.least);
+    const held = this.held;
+    if (held === null || min < held.low || max > held.high || !(min <= max)) return (this.held = fresh);
+    if (fresh.high - fresh.low < WORTH * (held.high - held.low)) return (this.held = fresh);
+    return held;
+  }
+}
+
+function fallback(limits: Limits): Range {
+  const low = limits.minimum ?? (limits.maximum === null ? 0 : limits.maximum - 1);
+  return { low, high: limits.maximum ?? low + 1 };
+}

@@ -1,0 +1,35 @@
+/** States over time: stretches in which nothing changed. */
+
+export interface Run {
+  readonly fromUs: number;
+  readonly toUs: number;
+  readonly value: number;
+}
+
+/**
+ * Samples of a state to stretches, from the first to `toUs`. A state holds until the next sample,
+ * but for no longer than `allowedUs`: after that nobody knows.
+ */
+export function runs(times: ArrayLike<number>, values: ArrayLike<number>, toUs: number, allowedUs: number): Run[] {
+  const found: Run[] = [];
+  let open: { fromUs: number; value: number } | null = null;
+  let last = NaN;
+  const close = (untilUs: number): void => {
+    if (open !== null && untilUs > open.fromUs) found.push({ ...open, toUs: untilUs });
+    open = null;
+  };
+  for (let i = 0; i < times.length && (times[i] ?? NaN) <= toUs; i += 1) {
+    const at = times[i] ?? NaN;
+    const value = values[i] ?? NaN;
+    if (at - last > allowedUs) close(last + allowedUs);
+    else if (!Object.is(value, valueOf(open))) close(at);
+    if (open === null && !Number.isNaN(value)) open = { fromUs: at, value };
+    last = at;
+  }
+  close(Math.min(toUs, last + allowedUs));
+  return found;
+}
+
+function valueOf(open: { value: number } | null): number {
+  return open === null ? NaN : open.value;
+}

@@ -1,0 +1,71 @@
+/** Days and wall-clock times of a site's own zone. Times are µs since the epoch, UTC. */
+
+export const SECOND_US = 1e6;
+export const MINUTE_US = 60 * SECOND_US;
+export const HOUR_US = 60 * MINUTE_US;
+export const DAY_US = 24 * HOUR_US;
+
+const WALL = {
+  year: "numeric",
+  month: "2-digit",
+  day: "2-digit",
+  hour: "2-digit",
+  minute: "2-digit",
+  second: "2-digit",
+  hourCycle: "h23",
+} as const;
+
+/** A zone's clock. Build one and keep it: building takes far longer than using it. */
+export class ZoneClock {
+  private readonly format: Intl.DateTimeFormat;
+
+  /** @param zone an IANA name that this browser knows */
+  constructor(readonly zone: string) {
+    this.format = new Intl.DateTimeFormat("en-GB", { ...WALL, timeZone: zone, era: "short" });
+  }
+
+  /** How far the zone is ahead of UTC at a moment (µs). */
+  offsetUs(us: number): number {
+    const wholeSecond = Math.floor(us / SECOND_US) * SECOND_US;
+    return this.wallUs(wholeSecond) - wholeSecond;
+  }
+
+  /** Start of the day in which a moment lies. */
+  dayStart(us: number): number {
+    const wall = us + this.offsetUs(us);
+    return this.fromWall(Math.floor(wall / DAY_US) * DAY_US);
+  }
+
+  /** Start of the day so many days after (or before) the one in which a moment lies. */
+  dayAfter(us: number, days: number): number {
+    const wall = us + this.offsetUs(us);
+    return this.fromWall((Math.floor(wall / DAY_US) + days) * DAY_US);
+  }
+
+  /** What `<input type="datetime-local">` shows for a moment: `2026-03-29T14:05:09`. */
+  toInput(us: number): string {
+    return new Date((us + this.offsetUs(us)) / 1000).toISOString().slice(0, 19);
+  }
+
+  /** The moment that such an input means; NaN when it is empty or no time. */
+  fromInput(text: string): number {
+    return this.fromWall(Date.parse(`${text}Z`) * 1000);
+  }
+
+  // A wall-clock time, written as if it were UTC, to its moment. Of a time that the change to
+  // summer time skips, the one an hour later; of one that comes twice, the first.
+  private fromWall(wall: number): number {
+    if (!Number.isFinite(wall)) return NaN;
+    const before = wall - this.offsetUs(wall - DAY_US);
+    const after = wall - this.offsetUs(wall + DAY_US);
+    if (before + this.offsetUs(before) === wall) return before;
+    return after + this.offsetUs(after) === wall ? after : before;
+  }
+
+  private wallUs(us: number): number {
+    const part: Partial<Record<Intl.DateTimeFormatPartTypes, number>> = {};
+    for (const { type, value } of this.format.formatToParts(us / 1000)) part[type] = Number(value);
+    const { year = 1970, month = 1, day = 1, hour = 0, minute = 0, second = 0 } = part;
+    return Date.UTC(year, month - 1, day, hour, minute, second) * 1000;
+  }
+}

@@ -1,0 +1,18 @@
+/** What pages and elements may ask for, each by its own concern. */
+
+import { createContext } from "@lit/context";
+import type { Connection } from "../wire/connection.js";
+import type { HubApi } from "../wire/http.js";
+import type { LiveValues } from "./live.js";
+import type { Router } from "./router.js";
+import type { Session } from "./session.js";
+import type { Sites } from "./sites.js";
+import type { ThemeChoice } from "./theme.js";
+
+export const apiContext = createContext<HubApi>(Symbol("api"));
+export const connectionContext = createContext<Connection>(Symbol("connection"));
+export const liveContext = createContext<LiveValues>(Symbol("live"));
+export const routerContext = createContext<Router>(Symbol("router"));
+export const sessionContext = createContext<Session>(Symbol("session"));
+export const sitesContext = createContext<Sites>(Symbol("sites"));
+export const themeContext = createContext<ThemeChoice>(Symbol("theme"));

@@ -1,0 +1,107 @@
+/** The sites this person may see, kept up to date by the hub's news. */
+
+import type { SiteNews } from "../generated/wire.js";
+import type { SiteDetail, SiteRow } from "../wire/api.js";
+import type { HubApi } from "../wire/http.js";
+import { Store } from "./store.js";
+
+export type Loading = "idle" | "loading" | "ready" | "failed";
+
+export class Sites extends Store {
+  private rows: readonly SiteRow[] = [];
+  private loading: Loading = "idle";
+  private problem: unknown = null;
+  private readonly details = new Map<string, { catalogue: string; detail: Promise<SiteDetail> }>();
+  private readonly catalogues = new Map<string, string>();
+
+  constructor(private readonly api: HubApi) {
+    super();
+  }
+
+  get list(): readonly SiteRow[] {
+    return this.rows;
+  }
+
+  get status(): Loading {
+    return this.loading;
+  }
+
+  /** What went wrong with the last load; null when nothing did. */
+  get error(): unknown {
+    return this.problem;
+  }
+
+  row(site: string): SiteRow | undefined {
+    return this.rows.find((row) => row.site === site);
+  }
+
+  /** Names the newest description of a site that the hub has told of; empty before it did. */
+  catalogueOf(site: string): string {
+    return this.catalogues.get(site) ?? "";
+  }
+
+  /** Asks for the list. The old one stays on screen meanwhile. */
+  async load(): Promise<void> {
+    if (this.loading !== "ready") this.loading = "loading";
+    this.changed();
+    try {
+      this.rows = await this.api.sites();
+      this.loading = "ready";
+      this.problem = null;
+    } catch (error) {
+      this.loading = "failed";
+      this.problem = error;
+    }
+    this.changed();
+  }
+
+  /**
+   * The description of a site, from memory while it has not changed.
+   *
+   * @throws Refused, Unreachable
+   */
+  detail(site: string): Promise<SiteDetail> {
+    const catalogue = this.catalogueOf(site);
+    const held = this.details.get(site);
+    if (held?.catalogue === catalogue) return held.detail;
+    const detail = this.api.site(site);
+    this.details.set(site, { catalogue, detail });
+    detail.catch(() => {
+      // A failure is not worth remembering: the next asker tries again.
+      if (this.details.get(site)?.detail === detail) this.details.delete(site);
+    });
+    return detail;
+  }
+
+  /** Takes in that a site came, went, or changed its description. */
+  apply(news: SiteNews): void {
+    if (news.catalogue !== "") this.catalogues.set(news.site, news.catalogue);
+    const row = this.row(news.site);
+    if (row === undefined) {
+      // A site we have not heard of: the list has grown, or rights have changed.
+      if (this.loading === "ready") void this.load();
+      return;
+    }
+    this.rows = this.rows.map((other) =>
+      other === row
+        ? {
+            ...row,
+            online: news.online,
+            since_us: news.since_us,
+            last_seen_us: news.online ? row.last_seen_us : Math.max(row.last_seen_us, news.since_us),
+          }
+        : other,
+    );
+    this.changed();
+  }
+
+  /** Forgets all: another person may see other things. */
+  clear(): void {
+    this.rows = [];
+    this.loading = "idle";
+    this.problem = null;
+    this.details.clear();
+    this.catalogues.clear();
+    this.changed();
+  }
+}

@@ -1,0 +1,59 @@
+/** Of the pictures that come, draws the newest; each one that came is paid for once. */
+
+import type { Shot } from "../../generated/wire.js";
+
+export interface Drawing {
+  /** Throws what cannot be decoded. */
+  readonly decode: (shot: Shot) => Promise<ImageBitmap>;
+  readonly draw: (bitmap: ImageBitmap, shot: Shot) => void;
+  readonly failed: (shot: Shot) => void;
+}
+
+interface Waiting {
+  readonly shot: Shot;
+  readonly shown: () => void;
+}
+
+/** One decode at a time. A picture that a newer one overtakes meanwhile is never drawn. */
+export class Newest {
+  private busy = false;
+  private next: Waiting | null = null;
+  private closed = false;
+
+  constructor(private readonly drawing: Drawing) {}
+
+  take(shot: Shot, shown: () => void): void {
+    if (this.closed) return;
+    this.next?.shown();
+    this.next = { shot, shown };
+    if (!this.busy) void this.work();
+  }
+
+  close(): void {
+    this.closed = true;
+    this.next = null;
+  }
+
+  private async work(): Promise<void> {
+    this.busy = true;
+    while (this.next) {
+      const { shot, shown } = this.next;
+      this.next = null;
+      try {
+        const bitmap = await this.drawing.decode(shot);
+        if (this.isClosed()) bitmap.close();
+        else this.drawing.draw(bitmap, shot);
+      } catch {
+        if (!this.isClosed()) this.drawing.failed(shot);
+      }
+      // Paid also when it could not be drawn: one spoilt picture must not stop the stream.
+      shown();
+    }
+    this.busy = false;
+  }
+
+  // Asked anew after each wait: it may have been closed meanwhile.
+  private isClosed(): boolean {
+    return this.closed;
+  }
+}

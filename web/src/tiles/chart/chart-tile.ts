@@ -1,0 +1,247 @@
+/** One signal, live: name, large value, how fresh it is, and its chart. */
+
+import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { TickController } from "../../controllers/tick.js";
+import { base } from "../../elements/base.js";
+import type { Chart } from "../../elements/chart/chart.js";
+import type { Axis, ChartSeries, Follow } from "../../elements/chart/model.js";
+import type { Painter } from "../../elements/chart/painter.js";
+import type { ValueState } from "../../elements/value.js";
+import { formatAge } from "../../format/duration.js";
+import { decimalsFor, formatNumber } from "../../format/number.js";
+import { stateWord } from "../../format/reading.js";
+import { formatClock } from "../../format/time.js";
+import { summary } from "../../series/columns.js";
+import { lengthOf, type Span } from "../../series/window.js";
+import type { SignalInfo } from "../../wire/api.js";
+import "../../elements/button.js";
+import "../../elements/chart/chart.js";
+import "../../elements/status.js";
+import "../../elements/value.js";
+import { partOf, tileStyle } from "./tile-parts.js";
+import type { ChartFeed } from "./feed.js";
+
+/** Values change five times a second: faster can not be read. Staleness shows as fast. */
+const REFRESH_MS = 200;
+/** An axis without limits covers at least so many of the last digit. */
+const LEAST_DIGITS = 20;
+const COARSE = 300;
+
+@customElement("t-chart-tile")
+export class ChartTile extends LitElement {
+  static override styles = [base, tileStyle];
+
+  @property({ attribute: false }) feed: ChartFeed | null = null;
+  @property({ attribute: false }) signal: SignalInfo | null = null;
+  @property({ attribute: false }) painter: Painter | null = null;
+  @property() zone = "UTC";
+  /** Place among the eight colours. */
+  @property({ type: Number }) colour = 0;
+  /** All charts of the page stand still. */
+  @property({ type: Boolean }) paused = false;
+  /** The person may not see it. */
+  @property({ type: Boolean }) forbidden = false;
+
+  @state() private held = false;
+
+  @query("t-chart") private readonly drawn!: Chart | null;
+
+  private frozen: { span: Span; series: ChartSeries } | null = null;
+  private series: ChartSeries | null = null;
+  private axis: Axis | null = null;
+
+  constructor() {
+    super();
+    new TickController(this, REFRESH_MS);
+  }
+
+  protected override willUpdate(changed: PropertyValues<this>): void {
+    if (changed.has("signal") || changed.has("feed")) {
+      this.series = null;
+      this.axis = null;
+      this.frozen = null;
+    }
+    this.prepare();
+    const still = this.paused || this.held;
+    if (!still) this.frozen = null;
+    else if (this.frozen === null) this.freeze();
+  }
+
+  override render(): TemplateResult | null {
+    const { signal, feed } = this;
+    if (signal === null || feed === null) return null;
+    this.toggleAttribute("stale", this.freshness() === "stale");
+    return html`
+      <div class="head">
+        <h3 title=${signal.address}>${signal.name}</h3>
+        ${this.status()}
+        ${signal.type === "number" || signal.type === "state" ? this.pauseButton(signal) : nothing}
+      </div>
+      ${this.reading(signal, feed)} ${this.chart(signal)}
+    `;
+  }
+
+  private freshness(): ValueState {
+    if (this.forbidden) return "forbidden";
+    const age = this.feed?.ageOf(this.signal?.channels[0] ?? "") ?? NaN;
+    if (Number.isNaN(age)) return "unknown";
+    return age > (this.signal?.max_age ?? 0) ? "stale" : "live";
+  }
+
+  private status(): TemplateResult {
+    const age = this.feed?.ageOf(this.signal?.channels[0] ?? "") ?? NaN;
+    switch (this.freshness()) {
+      case "live":
+        return html`<t-status kind="online" word="live"></t-status>`;
+      case "stale":
+        return html`<t-status kind="stale" word="stale, ${formatAge(age)}"></t-status>`;
+      case "unknown":
+        return html`<t-status kind="unknown" word="no data yet"></t-status>`;
+      case "forbidden":
+        return html`<t-status kind="offline" word="not yours to see"></t-status>`;
+    }
+  }
+
+  private pauseButton(signal: SignalInfo): TemplateResult {
+    const still = this.paused || this.held;
+    return html`<t-button
+      kind="quiet"
+      class="pause"
+      ?disabled=${this.paused}
+      pressed=${still ? "true" : "false"}
+      label=${`Pause the chart of ${signal.name}`}
+      @click=${this.togglePause}
+      ><svg viewBox="0 0 16 16" aria-hidden="true">
+        <path d=${still ? "M4 2.5v11l9-5.5z" : "M4 3h3v10H4zM9 3h3v10H9z"} fill="currentColor"></path></svg
+    ></t-button>`;
+  }
+
+  private reading(signal: SignalInfo, feed: ChartFeed): TemplateResult {
+    const freshness = this.freshness();
+    const one = feed.channel(signal.channels[0] ?? signal.address);
+    switch (signal.type) {
+      case "position":
+        return html`<dl class="parts">
+          ${map(signal.channels, (channel) => {
+            const part = partOf(signal, channel, feed.channel(channel).trace.newest);
+            return html`<div>
+              <dt>${part.name}</dt>
+              <dd><t-value bare size="l" .state=${freshness} .text=${part.text}></t-value></dd>
+            </div>`;
+          })}
+        </dl>`;
+      case "text":
+        return html`<p class="text">${one.text ?? "–"}</p>
+          <p class="range">${Number.isNaN(one.timeUs) ? nothing : `at ${formatClock(one.timeUs, this.zone)}`}</p>`;
+      case "state":
+        return html`<t-value bare size="xl" .state=${freshness} .text=${stateWord(signal.states, one.trace.newest)}></t-value>`;
+      case "number":
+        return html`<div class="number">
+          <t-value
+            bare
+            size="xl"
+            .state=${freshness}
+            .value=${one.trace.newest}
+            .unit=${signal.unit}
+            .decimals=${signal.decimals}
+          ></t-value>
+          <p class="range">${this.extremes(signal)}</p>
+        </div>`;
+    }
+  }
+
+  /** Least and greatest of what the chart shows. */
+  private extremes(signal: SignalInfo): unknown {
+    const samples = this.frozen?.series.samples ?? this.series?.samples;
+    const span = this.frozen?.span ?? this.feed?.window(performance.now());
+    if (samples === undefined || span === undefined) return nothing;
+    const seen = summary(samples.columnsAt(this.chartColumn(span)), span.fromUs, span.toUs);
+    if (seen.count === 0) return html`nothing in this window`;
+    const decimals = decimalsFor(signal.unit, signal.decimals);
+    return html`<span>min <b>${formatNumber(seen.min, decimals)}</b></span>
+      <span>max <b>${formatNumber(seen.max, decimals)}</b></span>`;
+  }
+
+  // The chart's own columns are asked for where there is one: two resolutions would thin twice.
+  private chartColumn(span: Span): number {
+    return this.drawn?.columnUs || Math.round(lengthOf(span) / COARSE);
+  }
+
+  private chart(signal: SignalInfo): unknown {
+    const series = this.frozen?.series ?? this.series;
+    if (series === null || this.axis === null || this.forbidden) return nothing;
+    const stale = this.freshness() === "stale";
+    if (series.stale !== stale) this.restate(stale);
+    const now = this.frozen?.series ?? this.series ?? series;
+    return html`<t-chart
+        class=${signal.type}
+        .series=${this.asList(now)}
+        .axis=${this.axis}
+        .span=${this.frozen?.span ?? null}
+        .follow=${this.frozen === null ? this.follow() : null}
+        .painter=${this.painter}
+        zone=${this.zone}
+        label=${`${signal.name}, ${this.frozen === null ? "live" : "paused"}`}
+      ></t-chart>
+      ${
+        this.frozen === null
+          ? nothing
+          : html`<p class="still">Chart paused at ${formatClock(this.frozen.span.toUs, this.zone)}; the value goes on.</p>`
+      }`;
+  }
+
+  private list: readonly ChartSeries[] = [];
+
+  // The same array while the series is the same: the chart is told of real changes only.
+  private asList(series: ChartSeries): readonly ChartSeries[] {
+    if (this.list[0] !== series) this.list = [series];
+    return this.list;
+  }
+
+  private follow(): Follow | null {
+    return this.feed?.window ?? null;
+  }
+
+  private restate(stale: boolean): void {
+    if (this.series !== null) this.series = { ...this.series, stale };
+    if (this.frozen !== null) this.frozen = { ...this.frozen, series: { ...this.frozen.series, stale } };
+  }
+
+  private prepare(): void {
+    const { signal, feed } = this;
+    if (signal === null || feed === null || this.series !== null) return;
+    if (signal.type !== "number" && signal.type !== "state") return;
+    this.series = {
+      address: signal.address,
+      name: signal.name,
+      unit: signal.unit,
+      decimals: signal.decimals,
+      colour: this.colour,
+      samples: feed.channel(signal.channels[0] ?? signal.address).trace,
+      states: signal.type === "state" ? signal.states : [],
+      gaps: [],
+      stale: false,
+    };
+    const limits = { minimum: signal.minimum, maximum: signal.maximum };
+    this.axis = { limits, least: LEAST_DIGITS * 10 ** -decimalsFor(signal.unit, signal.decimals) };
+  }
+
+  private freeze(): void {
+    const { feed, signal, series } = this;
+    if (feed === null || signal === null || series === null) return;
+    const samples = feed.channel(signal.channels[0] ?? signal.address).trace.copy();
+    this.frozen = { span: feed.window(performance.now()), series: { ...series, samples } };
+  }
+
+  private readonly togglePause = (): void => {
+    if (!this.paused) this.held = !this.held;
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-chart-tile": ChartTile;
+  }
+}

@@ -1,0 +1,184 @@
+/** The samples behind a page of live charts: one subscription, one trace for each channel. */
+
+import { Trace } from "../../series/trace.js";
+import { typicalInterval } from "../../series/gaps.js";
+import { LiveEdge } from "../../series/edge.js";
+import { lengthOf, type Span } from "../../series/window.js";
+import { SECOND_US } from "../../series/zone.js";
+import type { History, HistorySeries, SignalInfo } from "../../wire/api.js";
+import type { HistoryQuery } from "../../wire/http.js";
+import type { Batch } from "../../wire/subscriptions.js";
+
+/** What the feed needs of a connection. */
+export interface Source {
+  subscribe(site: string, channels: readonly string[], everyMs: number, listener: (batch: Batch) => void): () => void;
+}
+
+/** What the feed needs of the hub's HTTP interface. */
+export interface Past {
+  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History>;
+}
+
+/** Twenty pictures' worth a second; a chart is drawn hardly more often. */
+const EVERY_MS = 50;
+/** A back-fill never needs more pixels than a wide chart has. */
+const BACKFILL_PX = 1200;
+/** Channels in one question: an address may not get too long. */
+const AT_ONCE = 24;
+
+/** One channel of the feed. */
+export interface Channel {
+  readonly trace: Trace;
+  /** The newest text; null for a number. */
+  text: string | null;
+  /** When the newest sample was taken (µs since the epoch); NaN before the first. */
+  timeUs: number;
+  /** This page's monotonic clock (ms) at the moment when it was fresh. */
+  freshAtMs: number;
+}
+
+export type BackfillState = "idle" | "loading" | "done" | "failed";
+
+export class ChartFeed {
+  readonly edge = new LiveEdge();
+  backfill: BackfillState = "idle";
+  private readonly channels = new Map<string, Channel>();
+  private readonly ageLimits = new Map<string, number>();
+  private readonly filledFrom = new Map<string, number>();
+  private asked = "";
+  private wanted: readonly string[] = [];
+  private cancel: (() => void) | null = null;
+  private asking: AbortController | null = null;
+  private lengthUs: number;
+
+  /**
+   * @param changed called when a sample or a back-fill has come in
+   * @param now this page's monotonic clock (ms)
+   */
+  constructor(
+    readonly site: string,
+    private readonly source: Source,
+    private readonly past: Past,
+    private readonly changed: () => void,
+    lengthUs: number,
+    private readonly now: () => number = () => performance.now(),
+  ) {
+    this.lengthUs = lengthUs;
+  }
+
+  /** Listen to these signals and no others. What was heard of others is kept. */
+  listen(signals: readonly SignalInfo[]): void {
+    for (const signal of signals) for (const channel of signal.channels) this.ageLimits.set(channel, signal.max_age);
+    const wanted = signals.flatMap((signal) => signal.channels);
+    const key = wanted.join("\n");
+    if (key === this.asked) return;
+    this.asked = key;
+    this.wanted = wanted;
+    const before = this.cancel;
+    this.cancel = wanted.length === 0 ? null : this.source.subscribe(this.site, wanted, EVERY_MS, this.take);
+    before?.();
+  }
+
+  close(): void {
+    this.cancel?.();
+    this.cancel = null;
+    this.asked = "";
+    this.asking?.abort();
+    this.asking = null;
+  }
+
+  channel(address: string): Channel {
+    let channel = this.channels.get(address);
+    if (channel === undefined) {
+      const trace = new Trace(this.lengthUs * 1.1, (this.ageLimits.get(address) ?? 5) * SECOND_US);
+      channel = { trace, text: null, timeUs: NaN, freshAtMs: NaN };
+      this.channels.set(address, channel);
+    }
+    return channel;
+  }
+
+  /** Age of the newest sample (s); NaN before the first. */
+  ageOf(address: string): number {
+    return (this.now() - (this.channels.get(address)?.freshAtMs ?? NaN)) / 1000;
+  }
+
+  /** The window that ends now, by the robot's clock. */
+  readonly window = (nowMs: number): Span => {
+    const toUs = this.edge.known ? this.edge.at(nowMs) : Date.now() * 1000;
+    return { fromUs: toUs - this.lengthUs, toUs };
+  };
+
+  /** Show so much time (µs) from now on. */
+  show(lengthUs: number): void {
+    if (lengthUs === this.lengthUs) return;
+    this.lengthUs = lengthUs;
+    // A tenth more is kept, so that the left edge of a chart never shows a sample dropping out.
+    for (const { trace } of this.channels.values()) trace.spanUs = lengthUs * 1.1;
+    void this.fill(false);
+  }
+
+  private readonly take = (batch: Batch): void => {
+    const { channel: index, timeUs, value, texts, ageMs } = batch.columns;
+    const now = this.now();
+    for (let i = 0; i < index.length; i += 1) {
+      const address = batch.channels[index[i] ?? -1];
+      if (address === undefined) continue;
+      this.takeOne(this.channel(address), timeUs[i] ?? NaN, value[i] ?? NaN, texts[i] ?? null, now, ageMs[i] ?? 0);
+    }
+    this.changed();
+    // The first batch is the last known sample of each channel: what came before it is asked for.
+    if (batch.first) void this.fill(true);
+  };
+
+  private takeOne(held: Channel, timeUs: number, value: number, text: string | null, now: number, ageMs: number): void {
+    this.edge.observe(timeUs, now, ageMs);
+    held.trace.take(timeUs, value);
+    if (held.timeUs > timeUs) return;
+    held.timeUs = timeUs;
+    held.text = text;
+    held.freshAtMs = now - ageMs;
+  }
+
+  private async fill(again: boolean): Promise<void> {
+    const span = this.window(this.now());
+    const missing = this.wanted.filter((address) => again || (this.filledFrom.get(address) ?? Infinity) > span.fromUs);
+    if (missing.length === 0) return;
+    this.asking?.abort();
+    const asking = new AbortController();
+    this.asking = asking;
+    this.backfill = "loading";
+    try {
+      for (let i = 0; i < missing.length; i += AT_ONCE) {
+        await this.fillSome(missing.slice(i, i + AT_ONCE), span, asking.signal);
+      }
+      this.backfill = "done";
+    } catch {
+      if (asking.signal.aborted) return;
+      this.backfill = "failed";
+    }
+    this.changed();
+  }
+
+  private async fillSome(channels: readonly string[], span: Span, signal: AbortSignal): Promise<void> {
+    const answer = await this.past.history(
+      this.site,
+      { channels, fromUs: span.fromUs - lengthOf(span) * 0.05, toUs: span.toUs, width: BACKFILL_PX },
+      signal,
+    );
+    for (const series of answer.series) {
+      const { times, values, intervalUs } = samplesOf(series);
+      this.channel(series.address).trace.backfill(times, values, intervalUs);
+      this.filledFrom.set(series.address, span.fromUs);
+    }
+  }
+}
+
+/** A series of the hub's history as numbers; `intervalUs` is the usual time between readings. */
+export function samplesOf(series: HistorySeries): { times: Float64Array; values: Float64Array; intervalUs: number } {
+  const order = series.t_us.map((_, i) => i).sort((a, b) => (series.t_us[a] ?? 0) - (series.t_us[b] ?? 0));
+  const times = Float64Array.from(order, (i) => series.t_us[i] ?? NaN);
+  const values = Float64Array.from(order, (i) => series.v[i] ?? NaN);
+  // Two points stand for each pixel, anywhere within it: their usual interval is half a pixel.
+  const factor = series.kind === "minmax" ? 2 : 1;
+  return { times, values, intervalUs: factor * typicalInterval(times) };
+}

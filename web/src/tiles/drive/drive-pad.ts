@@ -1,0 +1,199 @@
+/** Everything to drive with, tied to the seat: lease, pad, arrows, speed and what comes of it. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { capWords } from "../../controllers/drive/words.js";
+import type { DriveSeat } from "../../controllers/drive/seat.js";
+import { padStick } from "../../controllers/drive/stick.js";
+import { LiveValuesController } from "../../controllers/live-values.js";
+import "../../elements/drive/arrows.js";
+import "../../elements/drive/drive-readout.js";
+import type { Motion } from "../../elements/drive/drive-readout.js";
+import "../../elements/drive/lease.js";
+import "../../elements/drive/pad.js";
+import "../../elements/drive/speed-limit.js";
+import { base } from "../../elements/base.js";
+import type { Hold } from "../../elements/drive/hold.js";
+import type { DeviceInfo, SignalInfo } from "../../wire/api.js";
+
+const DRAW_EVERY_MS = 200;
+
+@customElement("t-drive-pad")
+export class DrivePad extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      .hands {
+        display: grid;
+        grid-template-columns: minmax(9rem, 1.25fr) minmax(8.5rem, 1fr);
+        align-items: center;
+        gap: var(--t-space-4);
+      }
+      .hint {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      @media (pointer: coarse) {
+        .hint {
+          display: none;
+        }
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) device: DeviceInfo | null = null;
+  @property({ attribute: false }) seat: DriveSeat | null = null;
+  @property({ type: Boolean }) stopped = false;
+  /** Age of the picture (ms); negative: none. */
+  @property({ attribute: false }) pictureAge: () => number = () => -1;
+
+  private readonly live = new LiveValuesController(this);
+  private stop: (() => void) | null = null;
+  private watched: DriveSeat | null = null;
+  private timer: ReturnType<typeof setInterval> | undefined;
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    this.timer = setInterval(() => {
+      this.requestUpdate();
+    }, DRAW_EVERY_MS);
+    this.watch();
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    clearInterval(this.timer);
+    this.stop?.();
+    this.stop = null;
+    this.watched = null;
+  }
+
+  override willUpdate(): void {
+    this.watch();
+    const channels = [this.signal("m/s"), this.signal("rad/s")].flatMap((signal) => signal?.channels ?? []);
+    this.live.observe(this.site, channels);
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const { seat } = this;
+    const limits = this.device?.drive;
+    if (!seat || !limits) return nothing;
+    const { machine, lease, told } = seat;
+    const state = lease.state;
+    const idle = !machine.mayDrive;
+    return html`
+      <t-lease
+        .kind=${state.kind}
+        .holder=${state.kind === "other" ? state.holder : ""}
+        .remains=${seat.remains}
+        .trouble=${seat.trouble}
+        .online=${seat.online}
+        .stopped=${this.stopped}
+        @t-take=${this.take}
+        @t-free=${this.free}
+      ></t-lease>
+      <div class="hands" @t-hold=${this.hold} @t-halt=${this.halt}>
+        <t-pad ?disabled=${idle} .stickOf=${padStick}></t-pad>
+        <t-arrows ?disabled=${idle}></t-arrows>
+      </div>
+      <t-speed-limit
+        .level=${machine.level}
+        .speed=${limits.max_speed}
+        .turn=${limits.max_turn}
+        @t-level=${this.level}
+      ></t-speed-limit>
+      <p class="hint">
+        Hold the pad, an arrow, W&nbsp;A&nbsp;D&nbsp;X or the arrow keys; let go to halt. S halts, + and − change the
+        speed. Gamepad: hold a shoulder button and push the stick.
+      </p>
+      <t-drive-readout
+        .asked=${machine.asked}
+        .told=${told ?? NO_MOTION}
+        .measured=${this.measured()}
+        .cap=${this.cap()}
+        .refusal=${state.kind === "mine" && !this.stopped ? (told?.why ?? "") : ""}
+        .loop=${told && told.loop_ms > 0 ? told.loop_ms : Number.NaN}
+      ></t-drive-readout>
+    `;
+  }
+
+  private cap(): string {
+    const { seat } = this;
+    if (!seat?.told || seat.lease.state.kind !== "mine") return "";
+    return capWords(seat.told.cap, seat.told.loop_ms, this.pictureAge());
+  }
+
+  private measured(): Motion {
+    return { linear: this.value("m/s"), angular: this.value("rad/s") };
+  }
+
+  /** The device's first signal in this unit; a stale one counts as none. */
+  private value(unit: string): number {
+    const signal = this.signal(unit);
+    const channel = signal?.channels[0];
+    if (!signal || channel === undefined) return Number.NaN;
+    const fresh = this.live.freshness(channel, signal.max_age) === "live";
+    return fresh ? (this.live.reading(channel)?.value ?? Number.NaN) : Number.NaN;
+  }
+
+  private signal(unit: string): SignalInfo | undefined {
+    return this.device?.signals.find((signal) => signal.type === "number" && signal.unit === unit);
+  }
+
+  private watch(): void {
+    if (this.watched === this.seat) return;
+    this.stop?.();
+    this.watched = this.seat;
+    this.stop =
+      this.seat?.watch(() => {
+        this.requestUpdate();
+      }) ?? null;
+  }
+
+  private readonly hold = (event: CustomEvent<Hold>): void => {
+    const { act, source, stick, kind } = event.detail;
+    switch (act) {
+      case "press":
+        this.seat?.press(source, stick, kind);
+        return;
+      case "move":
+        this.seat?.move(source, stick);
+        return;
+      case "release":
+        this.seat?.release(source);
+        return;
+      case "cancel":
+        this.seat?.cancel(source);
+        return;
+    }
+  };
+
+  private readonly halt = (): void => {
+    this.seat?.halt("stop key");
+  };
+
+  private readonly level = (event: CustomEvent<number>): void => {
+    this.seat?.setLevel(event.detail);
+  };
+
+  private readonly take = (): void => {
+    this.seat?.take();
+  };
+
+  private readonly free = (): void => {
+    this.seat?.free();
+  };
+}
+
+const NO_MOTION: Motion = { linear: Number.NaN, angular: Number.NaN };
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-drive-pad": DrivePad;
+  }
+}

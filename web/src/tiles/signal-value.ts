@@ -1,0 +1,90 @@
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { LiveValuesController } from "../controllers/live-values.js";
+import { decimalsFor, formatNumber } from "../format/number.js";
+import { stateWord } from "../format/reading.js";
+import { base } from "../elements/base.js";
+import "../elements/value.js";
+import type { SignalInfo } from "../wire/api.js";
+
+/** A signal's name and its newest value, live. */
+@customElement("t-signal-value")
+export class SignalValue extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        align-content: start;
+        gap: 2px;
+        min-inline-size: 0;
+      }
+      .name {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        overflow: hidden;
+        text-overflow: ellipsis;
+        white-space: nowrap;
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) signal: SignalInfo | null = null;
+  @property() size: "s" | "m" | "l" | "xl" = "m";
+  /** Without the name, where it stands beside already. */
+  @property({ type: Boolean }) bare = false;
+
+  private readonly live = new LiveValuesController(this);
+
+  override willUpdate(): void {
+    this.live.observe(this.site, this.signal?.channels ?? []);
+  }
+
+  override render(): TemplateResult | null {
+    const signal = this.signal;
+    if (signal === null) return null;
+    const channel = signal.channels[0] ?? signal.address;
+    const reading = this.live.reading(channel);
+    return html`
+      ${this.bare ? null : html`<span class="name" title=${signal.name}>${signal.name}</span>`}
+      <t-value
+        size=${this.size}
+        state=${this.live.freshness(channel, signal.max_age)}
+        .value=${reading?.value ?? Number.NaN}
+        .text=${this.word(signal)}
+        .unit=${signal.unit}
+        .decimals=${signal.decimals}
+        .age=${this.live.age(channel)}
+      ></t-value>
+    `;
+  }
+
+  private word(signal: SignalInfo): string {
+    const first = this.live.reading(signal.channels[0] ?? signal.address);
+    if (first === undefined) return "";
+    switch (signal.type) {
+      case "number":
+        return "";
+      case "text":
+        return first.text ?? "";
+      case "state":
+        return stateWord(signal.states, first.value);
+      case "position":
+        return this.place(signal);
+    }
+  }
+
+  private place(signal: SignalInfo): string {
+    const [a, b] = signal.channels.map((channel) => this.live.reading(channel)?.value ?? Number.NaN);
+    const decimals = signal.decimals >= 0 ? signal.decimals : signal.frame === "wgs84" ? 5 : decimalsFor("m");
+    const unit = signal.frame === "wgs84" ? "°" : " m";
+    return `${formatNumber(a ?? Number.NaN, decimals)}${unit}, ${formatNumber(b ?? Number.NaN, decimals)}${unit}`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-signal-value": SignalValue;
+  }
+}

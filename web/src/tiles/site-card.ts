@@ -1,0 +1,174 @@
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LoadController } from "../controllers/load.js";
+import { StoreController } from "../controllers/store.js";
+import { TickController } from "../controllers/tick.js";
+import { base } from "../elements/base.js";
+import { formatDuration } from "../format/duration.js";
+import { sitesContext } from "../state/contexts.js";
+import { keySignals } from "../state/key-signals.js";
+import { sitePath } from "../state/router.js";
+import type { SiteDetail, SiteRow } from "../wire/api.js";
+import "../elements/card.js";
+import "../elements/icon.js";
+import "../elements/status.js";
+import "../elements/time.js";
+import "./signal-value.js";
+
+const SHOWN = 4;
+
+/** One site: whether it is there, what it says, and the ways into it. */
+@customElement("t-site-card")
+export class SiteCard extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+      }
+      t-card {
+        display: grid;
+        grid-template-rows: auto 1fr auto;
+        gap: var(--t-space-4);
+        block-size: 100%;
+        padding: 0;
+        overflow: hidden;
+      }
+      header {
+        display: grid;
+        gap: var(--t-space-1);
+        padding: var(--t-space-4) var(--t-space-4) 0;
+      }
+      .head {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        justify-content: space-between;
+        gap: var(--t-space-1) var(--t-space-3);
+      }
+      h2 a {
+        color: inherit;
+        text-decoration: none;
+      }
+      h2 a:hover {
+        text-decoration: underline;
+      }
+      .facts {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .values {
+        display: grid;
+        grid-template-columns: repeat(2, minmax(0, 1fr));
+        gap: var(--t-space-4);
+        padding-inline: var(--t-space-4);
+        min-block-size: 4.25rem;
+      }
+      .wide {
+        grid-column: 1 / -1;
+      }
+      nav {
+        display: flex;
+        border-block-start: 1px solid var(--t-line);
+      }
+      nav a {
+        flex: 1;
+        display: flex;
+        align-items: center;
+        justify-content: center;
+        gap: var(--t-space-2);
+        min-block-size: var(--t-touch);
+        padding-inline: var(--t-space-2);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight-strong);
+        text-decoration: none;
+      }
+      nav a + a {
+        border-inline-start: 1px solid var(--t-line);
+      }
+      nav a:hover {
+        background: var(--t-raised);
+      }
+      a:focus-visible {
+        outline-offset: -3px;
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) row: SiteRow | null = null;
+
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly detail = new LoadController<SiteDetail>(this);
+
+  constructor() {
+    super();
+    new TickController(this);
+  }
+
+  override willUpdate(): void {
+    const row = this.row;
+    const sites = this.sites.store;
+    if (row === null || sites === undefined) return;
+    this.detail.ask(`${row.site} ${sites.catalogueOf(row.site)}`, () => sites.detail(row.site));
+  }
+
+  override render(): TemplateResult | null {
+    const row = this.row;
+    if (row === null) return null;
+    const since = formatDuration(Date.now() / 1000 - row.since_us / 1e6);
+    return html`<t-card>
+      <header>
+        <div class="head">
+          <h2><a href=${sitePath(row.site, "live")}>${row.name}</a></h2>
+          <t-status kind=${row.online ? "online" : "offline"}></t-status>
+        </div>
+        <p class="facts">
+          ${count(row.devices, "device")}, ${count(row.signals, "signal")} ·
+          ${row.online
+            ? html`online for ${since}`
+            : html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`}
+        </p>
+      </header>
+      <div class="values">${this.values(row)}</div>
+      <nav aria-label=${row.name}>
+        <a href=${sitePath(row.site, "live")}><t-icon name="live"></t-icon>Real-time</a>
+        <a href=${sitePath(row.site, "history")}><t-icon name="history"></t-icon>History</a>
+        ${this.usable()
+          ? html`<a href=${sitePath(row.site, "drive")}><t-icon name="drive"></t-icon>Actuate</a>`
+          : nothing}
+      </nav>
+    </t-card>`;
+  }
+
+  private values(row: SiteRow): unknown {
+    if (this.detail.result.state === "failed") {
+      return html`<p class="facts wide">Its description could not be loaded. It is asked for again when the site changes.</p>`;
+    }
+    const signals = keySignals(this.detail.value?.devices ?? [], SHOWN);
+    if (this.detail.value !== undefined && signals.length === 0) {
+      return html`<p class="facts wide">No values to show here: none is marked as primary, or none is yours to see.</p>`;
+    }
+    return repeat(
+      signals,
+      (signal) => signal.address,
+      (signal) => html`<t-signal-value size="l" .site=${row.site} .signal=${signal}></t-signal-value>`,
+    );
+  }
+
+  private usable(): boolean {
+    return (this.detail.value?.devices ?? []).some(
+      (device) => device.rights.includes("use") && (device.drive !== null || device.commands.length > 0),
+    );
+  }
+}
+
+function count(number: number, noun: string): string {
+  return `${String(number)} ${noun}${number === 1 ? "" : "s"}`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-site-card": SiteCard;
+  }
+}

@@ -1,0 +1,232 @@
+/** The one WebSocket to the hub that carries all but pictures. */
+
+import type { FromBrowser, ToBrowser } from "../generated/wire.js";
+import { backoffMs } from "./backoff.js";
+import { HubClock } from "./clock.js";
+import { decode, encode, FrameError, type Sendable } from "./codec.js";
+import { Subscriptions, type BatchListener } from "./subscriptions.js";
+
+/**
+ * - `idle`: not started, or stopped on purpose
+ * - `connecting`: the first attempt is under way
+ * - `open`: the hub has greeted us
+ * - `lost`: it was open or failed to open; tries go on
+ * - `ended`: the hub said that the session is over; it stays so until `start()`
+ */
+export type LinkState = "idle" | "connecting" | "open" | "lost" | "ended";
+
+type Tag = ToBrowser["t"];
+type MessageOf<T extends Tag> = Extract<ToBrowser, { t: T }>;
+type Listener<T extends Tag> = (message: MessageOf<T>) => void;
+
+export interface ConnectionOptions {
+  readonly url: string;
+  readonly openSocket?: (url: string) => WebSocket;
+  /** This page's monotonic clock (ms). */
+  readonly now?: () => number;
+  readonly random?: () => number;
+}
+
+const PING_EVERY_MS = 1000;
+/** So many pings in a row without an answer, and the socket counts as dead. */
+const UNANSWERED = 4;
+
+/**
+ * Connects, comes back after a loss with a growing, jittered delay, and asks again for all
+ * subscriptions then. Messages are never kept for later: `send` says whether the socket took it.
+ */
+export class Connection {
+  readonly clock = new HubClock();
+  private readonly url: string;
+  private readonly openSocket: (url: string) => WebSocket;
+  private readonly now: () => number;
+  private readonly random: () => number;
+  private readonly listeners = new Map<Tag, Set<(message: never) => void>>();
+  private readonly stateListeners = new Set<(state: LinkState) => void>();
+  private readonly subscriptions = new Subscriptions();
+  private socket: WebSocket | null = null;
+  private current: LinkState = "idle";
+  private attempt = 0;
+  private retryTimer: ReturnType<typeof setTimeout> | undefined;
+  private pingTimer: ReturnType<typeof setInterval> | undefined;
+  private pings = 0;
+  private unanswered = 0;
+  private reason = "";
+
+  constructor(options: ConnectionOptions) {
+    this.url = options.url;
+    this.openSocket = options.openSocket ?? ((url) => new WebSocket(url));
+    this.now = options.now ?? (() => performance.now());
+    this.random = options.random ?? Math.random;
+  }
+
+  get state(): LinkState {
+    return this.current;
+  }
+
+  /** Why the hub ended the session; empty otherwise. */
+  get endedReason(): string {
+    return this.reason;
+  }
+
+  /** Newest round trip to the hub (ms); NaN while unknown. */
+  get roundTripMs(): number {
+    return this.clock.roundTripMs;
+  }
+
+  /** Age (ms) of a moment on the hub's monotonic clock; NaN while unknown. */
+  ageOf(hubUs: number): number {
+    return this.clock.ageMs(hubUs, this.now());
+  }
+
+  start(): void {
+    if (this.current !== "idle" && this.current !== "ended") return;
+    this.attempt = 0;
+    this.reason = "";
+    this.become("connecting");
+    this.open();
+  }
+
+  stop(): void {
+    clearTimeout(this.retryTimer);
+    this.drop();
+    this.become("idle");
+  }
+
+  /** Tries at once instead of waiting out the delay: the page was shown, the network came back. */
+  retryNow(): void {
+    if (this.current !== "lost" || this.socket !== null) return;
+    clearTimeout(this.retryTimer);
+    this.open();
+  }
+
+  /** Calls `listener` with each message of a kind. Returns the way to end it. */
+  on<T extends Tag>(tag: T, listener: Listener<T>): () => void {
+    const set = this.listeners.get(tag) ?? new Set();
+    this.listeners.set(tag, set);
+    set.add(listener);
+    return () => set.delete(listener);
+  }
+
+  /** Calls `listener` on each change of state. Returns the way to end it. */
+  onState(listener: (state: LinkState) => void): () => void {
+    this.stateListeners.add(listener);
+    return () => this.stateListeners.delete(listener);
+  }
+
+  /** Sends now or not at all. False: not connected. */
+  send(message: Sendable<FromBrowser>): boolean {
+    if (this.current !== "open" || this.socket?.readyState !== 1) return false;
+    this.socket.send(encode(message));
+    return true;
+  }
+
+  /** Bytes that the socket has not sent yet. */
+  get bufferedBytes(): number {
+    return this.socket?.bufferedAmount ?? 0;
+  }
+
+  /**
+   * Asks for channels, now and after each reconnect. Returns the way to end it.
+   *
+   * @param everyMs 0 sends samples as they come; more conflates
+   */
+  subscribe(site: string, channels: readonly string[], everyMs: number, listener: BatchListener): () => void {
+    const sub = this.subscriptions.add(site, channels, everyMs, listener);
+    const message = this.subscriptions.message(sub);
+    if (message !== null) this.send(message);
+    return () => {
+      const bye = this.subscriptions.remove(sub);
+      if (bye !== null) this.send(bye);
+    };
+  }
+
+  private open(): void {
+    const socket = this.openSocket(this.url);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    socket.onmessage = (event: MessageEvent<unknown>) => {
+      if (event.data instanceof ArrayBuffer) this.receive(event.data);
+    };
+    socket.onclose = () => {
+      if (this.socket === socket) this.lose();
+    };
+  }
+
+  private receive(bytes: ArrayBuffer): void {
+    let message: ToBrowser | null;
+    try {
+      message = decode(bytes);
+      if (message?.t === "values") this.subscriptions.deliver(message);
+    } catch (error) {
+      if (!(error instanceof FrameError)) throw error;
+      // A hub that speaks nonsense will do so again; a fresh connection is the best that is left.
+      this.lose();
+      return;
+    }
+    if (message === null) return;
+    if (message.t === "greeting") this.greeted();
+    if (message.t === "pong") {
+      this.unanswered = 0;
+      this.clock.observe(message.at_ms, this.now(), message.hub_us);
+    }
+    const listeners = this.listeners.get(message.t) ?? [];
+    for (const listener of [...listeners]) listener(message as never);
+    if (message.t === "ended") {
+      this.reason = message.reason;
+      this.drop();
+      this.become("ended");
+    }
+  }
+
+  private greeted(): void {
+    this.attempt = 0;
+    this.unanswered = 0;
+    this.clock.reset();
+    this.become("open");
+    for (const message of this.subscriptions.restart()) this.send(message);
+    clearInterval(this.pingTimer);
+    this.pingTimer = setInterval(() => {
+      this.ping();
+    }, PING_EVERY_MS);
+    this.ping();
+  }
+
+  private ping(): void {
+    if (this.unanswered >= UNANSWERED) {
+      this.lose();
+      return;
+    }
+    this.unanswered += 1;
+    this.pings += 1;
+    this.send({ t: "ping", n: this.pings, at_ms: this.now() });
+  }
+
+  private lose(): void {
+    this.drop();
+    const delay = backoffMs(this.attempt, this.random());
+    this.attempt += 1;
+    clearTimeout(this.retryTimer);
+    this.retryTimer = setTimeout(() => {
+      this.open();
+    }, delay);
+    this.become("lost");
+  }
+
+  private drop(): void {
+    clearInterval(this.pingTimer);
+    const socket = this.socket;
+    this.socket = null;
+    if (socket === null) return;
+    socket.onmessage = null;
+    socket.onclose = null;
+    socket.close();
+  }
+
+  private become(state: LinkState): void {
+    if (state === "lost" || state !== this.current) {
+      this.current = state;
+      for (const listener of [...this.stateListeners]) listener(state);
+    }
+  }
+}

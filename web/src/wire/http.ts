@@ -1,0 +1,114 @@
+/** The hub's HTTP interface as functions. */
+
+import type { History, Person, SiteDetail, SiteRow } from "./api.js";
+
+/** The hub answered, and the answer was no. */
+export class Refused extends Error {
+  constructor(
+    readonly status: number,
+    readonly code: string,
+    message: string,
+    /** Seconds until another try makes sense; 0 when the hub did not say. */
+    readonly retryAfter = 0,
+  ) {
+    super(message);
+  }
+}
+
+/** The hub did not answer. */
+export class Unreachable extends Error {}
+
+/** What is asked of a chart's window. */
+export interface HistoryQuery {
+  readonly channels: readonly string[];
+  readonly fromUs: number;
+  readonly toUs: number;
+  /** Pixels; at most two points come for each. */
+  readonly width: number;
+}
+
+export class HubApi {
+  constructor(private readonly fetcher: typeof fetch = fetch.bind(globalThis)) {}
+
+  /** Who is signed in; null when nobody is. */
+  async me(): Promise<Person | null> {
+    try {
+      return await this.ask<Person>("GET", "/api/me");
+    } catch (error) {
+      if (error instanceof Refused && error.status === 401) return null;
+      throw error;
+    }
+  }
+
+  login(name: string, password: string): Promise<Person> {
+    return this.ask("POST", "/api/login", { name, password });
+  }
+
+  async logout(): Promise<void> {
+    await this.ask("POST", "/api/logout", {});
+  }
+
+  async setup(token: string, name: string, password: string): Promise<void> {
+    await this.ask("POST", "/api/setup", { token, name, password });
+  }
+
+  sites(): Promise<readonly SiteRow[]> {
+    return this.ask("GET", "/api/sites");
+  }
+
+  site(site: string): Promise<SiteDetail> {
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}`);
+  }
+
+  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History> {
+    const search = new URLSearchParams(query.channels.map((channel) => ["channel", channel]));
+    search.set("from_us", String(Math.round(query.fromUs)));
+    search.set("to_us", String(Math.round(query.toUs)));
+    search.set("width", String(Math.round(query.width)));
+    const path = `/api/sites/${encodeURIComponent(site)}/history?${search.toString()}`;
+    return this.ask("GET", path, undefined, signal);
+  }
+
+  /**
+   * @throws Refused when the hub says no
+   * @throws Unreachable when there is no hub, or something else answers in its place
+   */
+  private async ask<T>(method: "GET" | "POST", path: string, body?: object, signal?: AbortSignal): Promise<T> {
+    const headers = new Headers({ accept: "application/json" });
+    const request: RequestInit = { method, credentials: "same-origin", headers };
+    if (signal !== undefined) request.signal = signal;
+    if (body !== undefined) {
+      request.body = JSON.stringify(body);
+      headers.set("content-type", "application/json");
+    }
+    let response: Response;
+    try {
+      response = await this.fetcher(path, request);
+    } catch (error) {
+      if (signal?.aborted === true) throw error;
+      throw new Unreachable("The hub does not answer.", { cause: error });
+    }
+    if (response.ok) return (response.status === 204 ? undefined : await response.json()) as T;
+    if (response.status === 502 || response.status === 503 || response.status === 504) {
+      throw new Unreachable("The hub is not ready.");
+    }
+    throw await refusal(response);
+  }
+}
+
+async function refusal(response: Response): Promise<Refused> {
+  const retryAfter = Number(response.headers.get("retry-after") ?? "0") || 0;
+  let said: unknown = null;
+  try {
+    said = await response.json();
+  } catch {
+    // No JSON: the status alone has to speak.
+  }
+  const { code, message } = (said ?? {}) as { code?: unknown; message?: unknown };
+  return new Refused(
+    response.status,
+    typeof code === "string" ? code : "unknown",
+    typeof message === "string" ? message : `The hub answered ${String(response.status)}.`,
+    retryAfter,
+  );
+}

@@ -1,0 +1,114 @@
+/** One camera's pictures over a socket of their own, so that they never stand before a command. */
+
+import type { Shot } from "../generated/wire.js";
+import { backoffMs } from "./backoff.js";
+import { decodeMedia, encode } from "./codec.js";
+
+export type MediaState = "connecting" | "open" | "lost" | "refused";
+
+export interface MediaListener {
+  /** Draw it, then call `shown` (also when it could not be drawn): the next one waits for that. */
+  readonly onShot: (shot: Shot, shown: () => void) => void;
+  /** `why` is the hub's sentence when it refused. */
+  readonly onState: (state: MediaState, why: string) => void;
+}
+
+export interface MediaOptions {
+  readonly url: string;
+  readonly openSocket?: (url: string) => WebSocket;
+  readonly random?: () => number;
+}
+
+/** Opens at once; `close()` ends it for good. Comes back by itself after a loss. */
+export class MediaSocket {
+  private socket: WebSocket | null = null;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private attempt = 0;
+  private closed = false;
+
+  constructor(
+    private readonly options: MediaOptions,
+    private readonly listener: MediaListener,
+  ) {
+    this.open();
+  }
+
+  close(): void {
+    this.closed = true;
+    clearTimeout(this.timer);
+    this.drop();
+  }
+
+  private open(): void {
+    this.listener.onState("connecting", "");
+    const socket = (this.options.openSocket ?? ((url) => new WebSocket(url)))(this.options.url);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    socket.onopen = () => {
+      this.attempt = 0;
+      this.listener.onState("open", "");
+    };
+    socket.onmessage = (event: MessageEvent<unknown>) => {
+      if (event.data instanceof ArrayBuffer) this.receive(event.data, socket);
+    };
+    socket.onclose = () => {
+      if (this.socket === socket) this.retry();
+    };
+  }
+
+  private receive(bytes: ArrayBuffer, socket: WebSocket): void {
+    const message = decodeMedia(bytes);
+    if (message === null) return;
+    switch (message.t) {
+      case "shot": {
+        const seq = message.seq;
+        this.listener.onShot(message, () => {
+          if (socket.readyState === 1) socket.send(encode({ t: "shown", seq }));
+        });
+        return;
+      }
+      case "problem":
+        this.refuse(message.message);
+        return;
+      case "ended":
+        this.refuse(message.reason);
+        return;
+    }
+  }
+
+  private refuse(why: string): void {
+    this.close();
+    this.listener.onState("refused", why);
+  }
+
+  private retry(): void {
+    this.drop();
+    if (this.closed) return;
+    this.listener.onState("lost", "");
+    const delay = backoffMs(this.attempt, (this.options.random ?? Math.random)());
+    this.attempt += 1;
+    this.timer = setTimeout(() => {
+      this.open();
+    }, delay);
+  }
+
+  private drop(): void {
+    const socket = this.socket;
+    this.socket = null;
+    if (socket === null) return;
+    socket.onmessage = null;
+    socket.onclose = null;
+    socket.onopen = null;
+    socket.close();
+  }
+}
+
+/** The address of a path on the hub that served this page, as a WebSocket. */
+export function socketUrl(path: string, page: { protocol: string; host: string }): string {
+  return `${page.protocol === "https:" ? "wss:" : "ws:"}//${page.host}${path}`;
+}
+
+/** Path of a camera's socket; `stream` is its address, ``device/stream``. */
+export function mediaPath(site: string, stream: string): string {
+  return `/ws/media?${new URLSearchParams({ site, stream }).toString()}`;
+}

@@ -1,0 +1,4 @@
+// The one thing of Node that the tests use; the pages themselves have no Node types on purpose.
+declare module "node:fs" {
+  export function readFileSync(path: URL, encoding: "utf8"): string;
+}

@@ -1,0 +1,73 @@
+import { readdir, readFile, writeFile } from "node:fs/promises";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+import type { Plugin } from "vite";
+import { defineConfig } from "vitest/config";
+
+const out = fileURLToPath(new URL("../src/talaia/web/static", import.meta.url));
+const hub = process.env["TALAIA_HUB"] ?? "http://127.0.0.1:8765";
+const compressible = /\.(js|css|svg|html|json)$/;
+/** JavaScript a browser loads before the home page shows, gzip, in bytes. */
+const FIRST_PAINT_LIMIT = 200_000;
+const FIRST_PAGES = ["src/pages/sign-in/page-sign-in.ts", "src/pages/home/page-home.ts"];
+
+/** Puts a .gz beside each text file, so that the hub compresses nothing while it serves. */
+function precompress(): Plugin {
+  return {
+    name: "talaia-precompress",
+    apply: "build",
+    async closeBundle() {
+      for (const entry of await readdir(out, { recursive: true })) {
+        if (!compressible.test(entry)) continue;
+        const path = join(out, entry);
+        await writeFile(`${path}.gz`, gzipSync(await readFile(path), { level: 9 }));
+      }
+    },
+  };
+}
+
+/** Prints what sign-in and home cost over the wire, and fails over the limit. */
+function firstPaint(): Plugin {
+  return {
+    name: "talaia-first-paint",
+    apply: "build",
+    generateBundle(_options, bundle) {
+      const sizes = new Map<string, number>();
+      const visit = (file: string): void => {
+        const chunk = bundle[file];
+        if (chunk === undefined || chunk.type !== "chunk" || sizes.has(file)) return;
+        sizes.set(file, gzipSync(chunk.code, { level: 9 }).length);
+        chunk.imports.forEach(visit);
+      };
+      for (const chunk of Object.values(bundle)) {
+        if (chunk.type !== "chunk") continue;
+        const facade = chunk.facadeModuleId ?? "";
+        if (chunk.isEntry || FIRST_PAGES.some((page) => facade.endsWith(page))) visit(chunk.fileName);
+      }
+      const total = [...sizes.values()].reduce((sum, size) => sum + size, 0);
+      console.log(
+        `sign-in and home: ${(total / 1000).toFixed(1)} kB of JavaScript (gzip) in ${String(sizes.size)} files; ` +
+          `limit ${String(FIRST_PAINT_LIMIT / 1000)} kB`,
+      );
+      if (total > FIRST_PAINT_LIMIT) this.error("the first pages are over their limit");
+    },
+  };
+}
+
+export default defineConfig({
+  build: {
+    outDir: out,
+    emptyOutDir: true,
+    target: "es2022",
+    // Data addresses are allowed for pictures only; scripts and styles stay files (CSP).
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+  },
+  plugins: [firstPaint(), precompress()],
+  server: {
+    host: "127.0.0.1",
+    proxy: { "/api": hub, "/ws": { target: hub.replace("http", "ws"), ws: true } },
+  },
+  test: { include: ["tests/**/*.test.ts"], environment: "node" },
+});
