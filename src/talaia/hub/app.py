@@ -26,6 +26,7 @@ from talaia.hub.live.fanout import Fanout
 from talaia.hub.live.gate import Gate
 from talaia.hub.live.gateways import Gateways
 from talaia.hub.live.media import Media
+from talaia.hub.live.reporting import Reporting
 from talaia.hub.live.seats import Seats
 from talaia.hub.live.sites import Sites
 from talaia.hub.store.audit import Audit
@@ -141,12 +142,13 @@ class Hub:
     def _sockets(self, access: Access) -> Sockets:
         browsers = self.browsers
         fanout = Fanout(self._sites, self._clock)
-        commanding = Commanding(self._sites, browsers, self._audit, self._clock)
+        commanding = Commanding(self._sites, self._audit)
+        reporting = Reporting(self._sites, browsers, self._audit, self._clock)
         gateways = Gateways(
             self._sites,
             browsers,
             fanout,
-            commanding,
+            reporting,
             self._media,
             self._history,
             self._registry,
@@ -161,6 +163,7 @@ class Hub:
             browsers,
             fanout,
             commanding,
+            reporting,
             self._media,
             gateways,
             self._clock,
