@@ -86,7 +86,7 @@ async def running(topics: int, *, camera: bool = False) -> AsyncIterator[Stack]:
         await hub.says("ready", 30)
         words = [
             "gateway", str(folder / "site.yaml"), "--hub", f"wss://127.0.0.1:{port}",
-            "--key-file", str(folder / "key"), "--ca", str(folder / "cert.pem"),
+            "--key-file", str(folder / "key"), "--ca", str(folder / "tls" / "cert.pem"),
             "--data", str(folder / "gateway"), "--ros-domain", str(world),
         ]  # fmt: skip
         gateway = await start("gateway", words, folder / "gateway.log", here)
@@ -115,7 +115,7 @@ async def publisher(stack: Stack, topics: int, rate: float, *more: str) -> Async
 
 def context(stack: Stack) -> ssl.SSLContext:
     """Trust the hub's own certificate and no other."""
-    trust = ssl.create_default_context(cafile=str(stack.folder / "cert.pem"))
+    trust = ssl.create_default_context(cafile=str(stack.folder / "tls" / "cert.pem"))
     trust.check_hostname = False
     return trust
 
