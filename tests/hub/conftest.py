@@ -343,3 +343,9 @@ async def gateway(hub):
 def hub_parts(settings, history):
     """A hub that is put together and not started."""
     return build(settings, SystemClock(), history)
+
+
+@pytest.fixture
+def hub_that_stores(settings):
+    """Start a hub on one data folder, with the history that it ships with."""
+    return lambda: RunningHub(settings, None)
