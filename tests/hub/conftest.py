@@ -1,5 +1,6 @@
 """A hub that really serves, a gateway and pages that really connect: all in one event loop."""
 
+# ruff: noqa: D107
 from __future__ import annotations
 
 import asyncio
@@ -11,6 +12,7 @@ import httpx
 import numpy as np
 import pytest
 import websockets
+
 from talaia.clock import SystemClock
 from talaia.hub.app import build
 from talaia.hub.auth.passwords import Passwords
@@ -35,7 +37,7 @@ from talaia.wire.frames import (
 )
 
 DESCRIPTION = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
-PASSWORD = "a password for tests"
+PASSWORD = "a password for tests"  # noqa: S105
 DEADLINE_S = 10.0
 
 
@@ -341,3 +343,9 @@ async def gateway(hub):
 def hub_parts(settings, history):
     """A hub that is put together and not started."""
     return build(settings, SystemClock(), history)
+
+
+@pytest.fixture
+def hub_that_stores(settings):
+    """Start a hub on one data folder, with the history that it ships with."""
+    return lambda: RunningHub(settings, None)

@@ -3,6 +3,7 @@
 import httpx
 import pytest
 import websockets
+
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import Ack
 

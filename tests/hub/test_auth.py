@@ -4,6 +4,7 @@ import dataclasses
 
 import pytest
 from hypothesis import given, strategies as st
+
 from talaia.clock import SECOND, HandClock
 from talaia.hub.auth.passwords import Passwords, check_name, check_password, name_key
 from talaia.hub.auth.permissions import Grants, Permission, Right
@@ -35,7 +36,7 @@ async def test_nothing_of_a_long_password_is_cut() -> None:
 
 
 async def test_default_cost_is_twelve(tmp_path) -> None:
-    from talaia.hub.settings import Settings  # noqa: PLC0415
+    from talaia.hub.settings import Settings
 
     kept = await Passwords(Settings(data=tmp_path).password_cost).hash("correct horse")
     assert kept.startswith("$2b$12$")

@@ -3,6 +3,7 @@
 import asyncio
 
 import pytest
+
 from talaia.hub.store.audit import Audit
 from talaia.wire import browser as page_wire, frames
 from talaia.wire.frames import CommandPhase, LeaseOp

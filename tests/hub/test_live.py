@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from talaia.wire.browser import EventNews, Greeting, SiteNews, Subscribe, Subscribed, Values
 from talaia.wire.columns import unpack
 from talaia.wire.frames import Ack, Bye, Gap, Hello

@@ -4,6 +4,7 @@ from math import isnan, nan
 
 import numpy as np
 from hypothesis import given, settings, strategies as st
+
 from talaia.hub.live.conflate import conflate, join, newest, weight
 from talaia.hub.live.outbox import Outbox
 from talaia.wire.browser import TO_BROWSER, Values

@@ -4,6 +4,7 @@ from typing import get_args
 
 import pytest
 from fastapi.routing import iter_route_contexts
+
 from talaia.hub.auth.permissions import Grants, Permission, Right
 from talaia.hub.policy import (
     FROM_BROWSER,

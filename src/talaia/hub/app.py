@@ -19,12 +19,14 @@ from talaia.hub.api.sockets import Sockets
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.sessions import Sessions
 from talaia.hub.auth.throttle import Throttle
+from talaia.hub.history.store import HistoryStore
 from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.commanding import Commanding
 from talaia.hub.live.fanout import Fanout
 from talaia.hub.live.gate import Gate
 from talaia.hub.live.gateways import Gateways
 from talaia.hub.live.media import Media
+from talaia.hub.live.reporting import Reporting
 from talaia.hub.live.seats import Seats
 from talaia.hub.live.sites import Sites
 from talaia.hub.store.audit import Audit
@@ -53,6 +55,7 @@ class Hub:
     """A hub that is put together. Serve `asgi`; it starts and ends with the server's lifespan.
 
     Attributes:
+        browsers: the pages that are connected now.
         setup_token: opens the set-up page; set after the start when there are no people yet.
 
     """
@@ -63,13 +66,14 @@ class Hub:
         self.setup_token: str | None = None
         self._clock = clock
         self._database = Database(settings.url)
-        self._history = history or _own_history(settings, clock)
+        self._history = history or HistoryStore(settings.history_url, clock)
         self._people = People(self._database, clock)
         self._registry = SiteRegistry(self._database, clock)
         self._audit = Audit(self._database, clock)
         self._sessions = Sessions(self._database, clock, settings)
         self._seats = Seats(self._sessions)
         self._sites = Sites()
+        self.browsers = Browsers()
         self._media = Media(self._sites, clock, settings.linger_s)
         self._tasks: list[asyncio.Task[None]] = []
         self.app = self._application()
@@ -136,14 +140,15 @@ class Hub:
         return SitePages(self._sites, self._history, self._audit, self._clock)
 
     def _sockets(self, access: Access) -> Sockets:
-        browsers = Browsers()
+        browsers = self.browsers
         fanout = Fanout(self._sites, self._clock)
-        commanding = Commanding(self._sites, browsers, self._audit, self._clock)
+        commanding = Commanding(self._sites, self._audit)
+        reporting = Reporting(self._sites, browsers, self._audit, self._clock)
         gateways = Gateways(
             self._sites,
             browsers,
             fanout,
-            commanding,
+            reporting,
             self._media,
             self._history,
             self._registry,
@@ -158,6 +163,7 @@ class Hub:
             browsers,
             fanout,
             commanding,
+            reporting,
             self._media,
             gateways,
             self._clock,
@@ -200,9 +206,3 @@ def build(settings: Settings, clock: Clock, history: History | None = None) -> H
 
     """
     return Hub(settings, clock, history)
-
-
-def _own_history(settings: Settings, clock: Clock) -> History:
-    from talaia.hub.history.store import HistoryStore
-
-    return HistoryStore(settings.history_url, clock)

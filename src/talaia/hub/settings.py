@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["Settings", "is_loopback"]
 
 
+# The history works in threads of its own, with a driver that waits.
 _BLOCKING = {
     "sqlite": "sqlite",
     "postgresql": "postgresql+psycopg",

@@ -48,9 +48,14 @@ async def check(store, rows, stored):
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(st.lists(row, min_size=300, max_size=300), stretches, st.sets(st.integers(0, 11)))
-def test_what_comes_out_went_in_for_any_order_overlap_and_crash(rows, stretches, crashes) -> None:
+@given(st.lists(row, min_size=1, max_size=30), stretches, st.sets(st.integers(0, 11)))
+def test_what_comes_out_went_in_for_any_order_overlap_and_crash(some, stretches, crashes) -> None:
     """A crash: the files as they are at that moment, opened by a new run."""
+    again = (some * 300)[:300]
+    rows = [
+        (channel, time_us + i // len(some), value)
+        for i, (channel, time_us, value) in enumerate(again)
+    ]
 
     async def run(folder: Path) -> None:
         stored, number = set(), 0
@@ -63,11 +68,10 @@ def test_what_comes_out_went_in_for_any_order_overlap_and_crash(rows, stretches,
             stored |= set(range(first, first + len(part)))
             if at in crashes:
                 number += 1
-                for suffix in ("", "-wal"):
-                    if (folder / f"{number - 1}.db{suffix}").exists():
-                        shutil.copy(
-                            folder / f"{number - 1}.db{suffix}", folder / f"{number}.db{suffix}"
-                        )
+                for file in folder.glob(f"{number - 1}.db*"):
+                    if not file.name.endswith("-shm"):
+                        name = file.name.replace(str(number - 1), str(number))
+                        shutil.copy(file, folder / name)
                 await store.__aexit__(None, None, None)
                 store = opened(f"sqlite:///{folder / f'{number}.db'}")
                 current = await store.__aenter__()
@@ -84,9 +88,8 @@ async def feed(store, count, rate=100, first=0, size=500, value=None):
     for at in range(first, first + count, size):
         index = np.arange(at, min(at + size, first + count))
         values = np.sin(index / 500) if value is None else value(index)
-        columns = Columns(
-            np.zeros(index.size, np.uint16), START + index * SECOND // rate, values, {}
-        )
+        time_us = START + index * SECOND // rate
+        columns = Columns(np.zeros(index.size, np.uint16), time_us, values, {})
         await store.append("agv", "b1", at, ["base/speed"], columns)
 
 
@@ -225,7 +228,7 @@ async def test_last_is_the_newest_by_time_and_of_equals_the_latest(url) -> None:
             found = await store.last("agv", [*ADDRESSES, "no/such"])
             assert found["base/speed"][:2] == wanted["base/speed"]
             assert found["base/mode"][2] == "on"
-            assert set(found) == {"base/speed", "base/mode"}
+            assert "no/such" not in found
             # The second time round the tail is in a block.
             await store.append("agv", "b1", 200, ADDRESSES, batch([(1, START, 0.0)] * 40))
 
@@ -255,7 +258,7 @@ async def test_a_batch_that_cannot_be_kept_does_not_harm_the_others(url) -> None
             store.append("agv", "b1", -1, ["a/x"], good),
             store.append("agv", "b1", 5, ["a/\0"], good),
             store.append("agv", "b1", 5, ["a/x"], batch([(0, START, "\ud800")])),
-            store.append("agv", "b1", 5, ["a/x"], good._replace(texts={7: "x"})),
+            store.append("agv", "b1", 5, ["a/x"], Columns(*good[:3], {7: "x"})),
             store.record_gap("agv", "b1", 9, 5, 0, 0, "backwards"),
         ]
         fine = [store.append("agv", "b1", i, ["a/x"], good) for i in range(5)]

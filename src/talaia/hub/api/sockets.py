@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gate import Gate
     from talaia.hub.live.gateways import Gateways
     from talaia.hub.live.media import Media
+    from talaia.hub.live.reporting import Reporting
     from talaia.hub.live.seats import Seats
     from talaia.hub.live.sites import Sites
     from talaia.wire.browser import FromBrowser, Subscribe
@@ -45,6 +46,7 @@ class Sockets:
         browsers: Browsers,
         fanout: Fanout,
         commanding: Commanding,
+        reporting: Reporting,
         media: Media,
         gateways: Gateways,
         clock: Clock,
@@ -57,6 +59,7 @@ class Sockets:
         self._browsers = browsers
         self._fanout = fanout
         self._commanding = commanding
+        self._reporting = reporting
         self._media = media
         self._gateways = gateways
         self._clock = clock
@@ -87,7 +90,7 @@ class Sockets:
                 time_us=self._clock.wall_ns() // 1000,
             )
         )
-        self._commanding.greet(browser)
+        self._reporting.greet(browser)
         try:
             await browser.serve(self._handle)
         finally:

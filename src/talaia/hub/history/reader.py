@@ -67,8 +67,9 @@ class Reader:
         self, site: str, addresses: Sequence[str], from_us: int, to_us: int, width: int
     ) -> list[Series]:
         """Read a window of several channels; see `HistoryStore.read`."""
-        from_us = max(-FARTHEST_US, min(FARTHEST_US, from_us))
-        to_us = max(-FARTHEST_US, min(FARTHEST_US, to_us))
+        # A driver would take numpy's whole numbers for something else.
+        from_us = max(-FARTHEST_US, min(FARTHEST_US, int(from_us)))
+        to_us = max(-FARTHEST_US, min(FARTHEST_US, int(to_us)))
         # Memory before the database: what is sealed after this look is still in the snapshot, and
         # its blocks stay out of the list. The other way round, samples could be in neither.
         names, tails = self._ledger.names, self._ledger.tails

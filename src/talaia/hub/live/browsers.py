@@ -64,6 +64,11 @@ class Browser:
         self._over = asyncio.Event()
         self._reason = ""
 
+    @property
+    def waiting(self) -> int:
+        """Bytes that wait to be sent."""
+        return self._outbox.weight
+
     def encode(self, message: ToBrowser) -> Frame:
         """Write a message in the form this browser reads."""
         return TO_BROWSER.encode_text(message) if self.text else TO_BROWSER.encode(message)
@@ -107,9 +112,7 @@ class Browser:
             for task in tasks:
                 task.cancel()
             results = await asyncio.gather(*tasks, return_exceptions=True)
-            over, self._over = self._over.is_set(), self._over
-            self._over.set()
-        if over:
+        if self._over.is_set():
             await self._farewell(SESSION_OVER, Ended(reason=self._reason))
         for result in results:
             if isinstance(result, PeerError):

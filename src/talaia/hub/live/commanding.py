@@ -1,4 +1,4 @@
-"""Leases, driving, STOP and one-shot commands: from a page to the gateway, and back to pages.
+"""Leases, driving, STOP and one-shot commands: from a page down to the gateway.
 
 The hub decides who may (the gate has done so before a message comes here) and the gateway
 decides whether it is allowed now. Nothing is queued for a gateway that is away.
@@ -9,53 +9,31 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from talaia.clock import MS
 from talaia.hub.live.sites import Pending
 from talaia.wire import browser as page, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
 if TYPE_CHECKING:
-    from talaia.clock import Clock
-    from talaia.hub.live.browsers import Browser, Browsers
+    from talaia.hub.live.browsers import Browser
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.store.audit import Audit
 
-__all__ = ["Commanding", "site_news"]
+__all__ = ["Commanding"]
 
-_FINAL = frozenset(
-    {
-        CommandPhase.SUCCEEDED,
-        CommandPhase.FAILED,
-        CommandPhase.REFUSED,
-        CommandPhase.CANCELLED,
-        CommandPhase.UNKNOWN,
-    }
-)
 _MOST_PENDING = 1000
 
 Asked = page.Lease | page.Drive | page.Stop | page.Reset | page.Command
-Told = (
-    frames.LeaseState
-    | frames.Tick
-    | frames.DriveState
-    | frames.StopState
-    | frames.ResetToken
-    | frames.CommandState
-    | frames.Event
-)
 
 
 class Commanding:
-    """Routes what people ask of a robot, and what the robot's gateway answers."""
+    """Passes on what people ask of a robot."""
 
-    def __init__(self, sites: Sites, browsers: Browsers, audit: Audit, clock: Clock) -> None:
-        """Write down in ``audit`` who asked what, and how it ended."""
+    def __init__(self, sites: Sites, audit: Audit) -> None:
+        """Write down in ``audit`` who asked what."""
         self._sites = sites
-        self._browsers = browsers
         self._audit = audit
-        self._clock = clock
-
-    # ── from pages ──────────────────────────────────────────────────────────────────────────
+        # What each page (by its key) has asked the lease of: site and device.
+        self._asked: dict[str, set[tuple[str, str]]] = {}
 
     def ask(self, browser: Browser, asked: Asked) -> None:
         """Pass on what a page asks; answer at once when the gateway is away."""
@@ -65,14 +43,9 @@ class Commanding:
             return
         match asked:
             case page.Lease():
-                live.link.send(
-                    frames.LeaseAsk(
-                        device=asked.device,
-                        session=browser.key,
-                        who=browser.who.name,
-                        op=asked.op,
-                    )
-                )
+                if asked.op is not LeaseOp.FREE:
+                    self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
+                live.link.send(_lease_ask(browser, asked.device, asked.op))
             case page.Drive():
                 self._drive(browser, live, asked)
             case page.Stop():
@@ -95,34 +68,12 @@ class Commanding:
             case page.Command():
                 self._command(browser, live, asked)
 
-    def greet(self, browser: Browser) -> None:
-        """Tell a page that has just come what is true now, of all it may see."""
-        for live in self._sites:
-            browser.tell(site_news(live))
-            for device in live.leases:
-                browser.tell(self._lease_news(live, device, browser))
-            for stop in live.stops.values():
-                browser.tell(_stop_news(live, stop))
-            for drive in live.drives.values():
-                browser.tell(_drive_news(live, drive))
-
     def leave(self, browser: Browser) -> None:
         """Free, at once, what a page that has gone was holding or was about to get."""
-        for live in self._sites:
-            if live.link is None:
-                continue
-            for device, described in live.description.devices.items():
-                held = live.leases.get(device)
-                other = held is not None and held[0].session not in {"", browser.key}
-                if described.drive is not None and not other:
-                    live.link.send(
-                        frames.LeaseAsk(
-                            device=device,
-                            session=browser.key,
-                            who=browser.who.name,
-                            op=LeaseOp.FREE,
-                        )
-                    )
+        for site, device in self._asked.pop(browser.key, set()):
+            live = self._sites.get(site)
+            if live is not None and live.link is not None:
+                live.link.send(_lease_ask(browser, device, LeaseOp.FREE))
 
     def _drive(self, browser: Browser, live: LiveSite, asked: page.Drive) -> None:
         # The gateway checks all of this again; what cannot be right is not even sent.
@@ -196,196 +147,9 @@ class Commanding:
                 good=False,
             )
 
-    # ── from gateways ───────────────────────────────────────────────────────────────────────
-
-    def tell(self, live: LiveSite, told: Told) -> None:
-        """Pass on what a gateway says, to each page that may know."""
-        match told:
-            case frames.LeaseState():
-                self._lease(live, told)
-            case frames.Tick():
-                news = page.TickNews(site=live.name, tick=told.tick)
-                for session in {state.session for state, _ in live.leases.values()}:
-                    browser = self._browsers.get(session)
-                    if browser is not None:
-                        browser.tell(news)
-            case frames.DriveState():
-                live.drives[told.device] = told
-                self._browsers.tell(_drive_news(live, told))
-            case frames.StopState():
-                self._stop(live, told)
-            case frames.ResetToken():
-                browser = self._browsers.get(told.session)
-                if browser is not None:
-                    browser.tell(
-                        page.ResetKey(
-                            site=live.name,
-                            device=told.device,
-                            token=told.token,
-                            refused=told.refused,
-                        )
-                    )
-            case frames.CommandState():
-                self._command_state(live, told)
-            case frames.Event():
-                self.event(
-                    live, told.kind, told.device, told.message, told.who, good=told.good,
-                    time_us=told.time_us,
-                )  # fmt: skip
-
-    def event(
-        self,
-        live: LiveSite,
-        kind: str,
-        device: str = "",
-        message: str = "",
-        who: str = "",
-        *,
-        good: bool = True,
-        time_us: int = 0,
-    ) -> None:
-        """Write an event down and tell it to all who may know."""
-        entry = self._audit.note(
-            kind, who=who, site=live.name, device=device, message=message, good=good
-        )
-        self._browsers.tell(
-            page.EventNews(
-                site=live.name,
-                kind=kind,
-                device=device,
-                message=message,
-                who=who,
-                time_us=time_us or entry.time_us,
-                good=good,
-            )
-        )
-
-    def link_lost(self, live: LiveSite) -> None:
-        """Show all leases as free and every command under way as unknown."""
-        for device in list(live.leases):
-            self._lease(live, frames.LeaseState(device=device))
-        live.leases.clear()
-        live.drives.clear()
-        for pending in list(live.pending.values()):
-            self._command_state(
-                live,
-                frames.CommandState(
-                    id=pending.id,
-                    device=pending.device,
-                    command=pending.command,
-                    phase=CommandPhase.UNKNOWN,
-                    message="the connection was lost; look at the device to see what it did",
-                    who=pending.who,
-                ),
-            )
-
-    def _lease(self, live: LiveSite, state: frames.LeaseState) -> None:
-        before = live.leases.get(state.device)
-        live.leases[state.device] = (state, self._clock.monotonic_ns())
-        if state.refused:
-            browser = self._browsers.get(state.asked)
-            if browser is not None:
-                browser.tell(self._lease_news(live, state.device, browser, state.refused))
-        else:
-            for browser in self._browsers:
-                browser.tell(self._lease_news(live, state.device, browser))
-        held = (before[0].session, before[0].epoch) if before else ("", 0)
-        if held[0] != state.session or (state.session and held[1] != state.epoch):
-            kind = "lease taken" if state.session else "lease freed"
-            who = state.who or (before[0].who if before else "")
-            self._note(live, kind, who, state.device, f"epoch {state.epoch or held[1]}")
-
-    def _lease_news(
-        self, live: LiveSite, device: str, browser: Browser, refused: str = ""
-    ) -> page.LeaseNews:
-        state, heard_ns = live.leases[device]
-        yours = state.session == browser.key
-        passed_ms = (self._clock.monotonic_ns() - heard_ns) // MS
-        return page.LeaseNews(
-            site=live.name,
-            device=device,
-            holder=state.who if state.session else "",
-            yours=yours,
-            epoch=state.epoch if yours else 0,
-            remains_ms=max(0, state.remains_ms - passed_ms) if state.session else 0,
-            refused=refused,
-        )
-
-    def _stop(self, live: LiveSite, state: frames.StopState) -> None:
-        before = live.stops.get(state.device)
-        live.stops[state.device] = state
-        self._browsers.tell(_stop_news(live, state))
-        said = (state.latched, state.confirmed)
-        if said != ((before.latched, before.confirmed) if before else (False, False)):
-            what = "stop released"
-            if state.latched:
-                what = "stop confirmed by the robot" if state.confirmed else "stop latched"
-            self._note(live, what, state.who, state.device)
-
-    def _command_state(self, live: LiveSite, state: frames.CommandState) -> None:
-        pending = live.pending.get(state.id)
-        who = state.who or (pending.who if pending else "")
-        self._browsers.tell(
-            page.CommandNews(
-                site=live.name,
-                device=state.device,
-                command=state.command,
-                id=state.id,
-                phase=state.phase,
-                message=state.message,
-                progress=state.progress,
-                who=who,
-            )
-        )
-        if state.phase in _FINAL:
-            live.pending.pop(state.id, None)
-            self._audit.note(
-                f"command {state.phase}",
-                who=who,
-                site=live.name,
-                device=state.device,
-                message=f"{state.command} {state.id} {state.message}".rstrip(),
-                good=state.phase is CommandPhase.SUCCEEDED,
-            )
-
     def _note(self, live: LiveSite, kind: str, who: str, device: str, message: str = "") -> None:
         self._audit.note(kind, who=who, site=live.name, device=device, message=message)
 
 
-def site_news(live: LiveSite) -> page.SiteNews:
-    """Say whether a site is there."""
-    return page.SiteNews(
-        site=live.name,
-        online=live.online,
-        since_us=live.since_us,
-        catalogue=live.catalogue,
-        loop_ms=live.loop_ms,
-        skew_ms=live.skew_ms,
-        why=live.why,
-    )
-
-
-def _stop_news(live: LiveSite, state: frames.StopState) -> page.StopNews:
-    return page.StopNews(
-        site=live.name,
-        device=state.device,
-        latched=state.latched,
-        confirmed=state.confirmed,
-        who=state.who,
-        time_us=state.time_us,
-        id=state.id,
-    )
-
-
-def _drive_news(live: LiveSite, state: frames.DriveState) -> page.DriveNews:
-    return page.DriveNews(
-        site=live.name,
-        device=state.device,
-        linear=state.linear,
-        angular=state.angular,
-        cap=state.cap,
-        loop_ms=state.loop_ms,
-        accepted=state.accepted,
-        refused=state.refused,
-        why=state.why,
-    )
+def _lease_ask(browser: Browser, device: str, op: LeaseOp) -> frames.LeaseAsk:
+    return frames.LeaseAsk(device=device, session=browser.key, who=browser.who.name, op=op)

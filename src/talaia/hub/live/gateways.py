@@ -1,27 +1,27 @@
-"""The connection of one gateway, and the coming and going of all of them."""
+"""The coming and going of gateways, and what each says to the parts of the hub."""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 from typing import TYPE_CHECKING
 
 import numpy as np
-from starlette.websockets import WebSocketDisconnect
+from sqlalchemy.exc import SQLAlchemyError
 
 from talaia import __version__
+from talaia.errors import TalaiaError
 from talaia.hub.live.cameras import GatewayCamera
-from talaia.hub.live.clocks import ClockOffset
-from talaia.hub.live.commanding import site_news
 from talaia.hub.live.ingest import Batch, Ingest
-from talaia.hub.live.lanes import Lanes
+from talaia.hub.live.link import GONE, GatewayLink
+from talaia.hub.live.reporting import site_news
 from talaia.model.check import raise_first
 from talaia.model.errors import DescriptionError
 from talaia.model.load import load_site
 from talaia.wire import frames
 from talaia.wire.columns import unpack
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB
 from talaia.wire.shape import PROTOCOL
 
 if TYPE_CHECKING:
@@ -31,79 +31,25 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.live.browsers import Browsers
-    from talaia.hub.live.commanding import Commanding
     from talaia.hub.live.fanout import Fanout
     from talaia.hub.live.media import Media
+    from talaia.hub.live.reporting import Reporting
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
     from talaia.hub.store.sites import SiteRegistry
     from talaia.model.site import Site
 
-__all__ = ["GatewayLink", "Gateways"]
+__all__ = ["Gateways"]
 
 _LOG = logging.getLogger(__name__)
 _MISSED_BEATS = 3
 _NEWS_EVERY = 5
-_FAREWELL_S = 0.5
 _FINISH_S = 1.0
-_GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+_STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
 REFUSED = 4400
 REPLACED = 4409
-
-
-class GatewayLink:
-    """One open link. `send` never waits; a task of its own writes, the most urgent first."""
-
-    def __init__(self, socket: WebSocket) -> None:
-        """Speak over ``socket``, which is accepted already."""
-        self.offset = ClockOffset()
-        self._socket = socket
-        self._lanes = Lanes()
-        self._wake = asyncio.Event()
-        self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
-
-    def send(self, message: frames.FromHub) -> None:
-        """Queue a message."""
-        if not self._lanes.put(message):
-            self.dismiss("it does not listen")
-        self._wake.set()
-
-    def dismiss(self, reason: str) -> None:
-        """Say good-bye and close."""
-        if not self._over.done():
-            self._over.set_result(reason)
-
-    async def receive(self) -> frames.FromGateway | None:
-        """Read one message; None when the gateway has hung up."""
-        event = await self._socket.receive()
-        if event["type"] == "websocket.disconnect":
-            return None
-        data = event.get("bytes")
-        return LINK_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
-
-    async def write(self) -> None:
-        """Send what is queued, for ever."""
-        while True:
-            await self._wake.wait()
-            self._wake.clear()
-            while self._lanes:
-                await self._socket.send_bytes(LINK_FROM_HUB.encode(self._lanes.take()))
-
-    async def dismissed(self) -> str:
-        """Wait until somebody dismisses this link; give the reason."""
-        return await asyncio.shield(self._over)
-
-    async def farewell(self, reason: str, code: int) -> None:
-        """Say one last thing and close, to a gateway that may not be listening."""
-        try:
-            async with asyncio.timeout(_FAREWELL_S):
-                await self._socket.send_bytes(
-                    LINK_FROM_HUB.encode(frames.Bye(reason=reason[:2000]))
-                )
-                await self._socket.close(code)
-        except _GONE:
-            return
+TRY_LATER = 1013
 
 
 class Gateways:
@@ -114,7 +60,7 @@ class Gateways:
         sites: Sites,
         browsers: Browsers,
         fanout: Fanout,
-        commanding: Commanding,
+        reporting: Reporting,
         media: Media,
         history: History,
         registry: SiteRegistry,
@@ -125,7 +71,7 @@ class Gateways:
         self._sites = sites
         self._browsers = browsers
         self._fanout = fanout
-        self._commanding = commanding
+        self._reporting = reporting
         self._media = media
         self._history = history
         self._registry = registry
@@ -143,13 +89,18 @@ class Gateways:
             _LOG.warning("the gateway of %s is refused: %s", site, reason)
             await link.farewell(reason, REFUSED)
             return
-        except _GONE:
+        except GONE:
             return
         if hello is None or description is None:
             return
-        await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
-        acked = await ingest.start(hello.boot)
+        try:
+            await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
+            acked = await ingest.start(hello.boot)
+        except _STORE_FAILS as error:
+            _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
+            await link.farewell("the hub cannot store anything now; try again later", TRY_LATER)
+            return
         link.send(
             frames.Welcome(version=__version__, acked=acked, time_us=self._clock.wall_ns() // 1000)
         )
@@ -163,7 +114,8 @@ class Gateways:
             await asyncio.wait({storing}, timeout=_FINISH_S)
             storing.cancel()
             await asyncio.gather(storing, return_exceptions=True)
-            await self._registry.seen(site)
+            with contextlib.suppress(*_STORE_FAILS):
+                await self._registry.seen(site)
 
     async def serve_media(self, socket: WebSocket, site: str) -> None:
         """Take pictures of ``site`` until the gateway hangs up or a newer one comes."""
@@ -209,8 +161,8 @@ class Gateways:
         if before is not None and before.link is not None:
             # Two with one identity: the newest wins, every time, and people are told.
             before.link.dismiss("another gateway of this site has connected")
-            self._commanding.link_lost(before)
-            self._commanding.event(
+            self._reporting.link_lost(before)
+            self._reporting.event(
                 before, "second gateway", message="the newer connection was taken", good=False
             )
         changed = before is None or before.description != description
@@ -224,7 +176,7 @@ class Gateways:
         if changed:
             self._fanout.redescribed(live)
         self._browsers.tell(site_news(live))
-        self._commanding.event(live, "gateway connected", message=f"version {hello.version}")
+        self._reporting.event(live, "gateway connected", message=f"version {hello.version}")
         self._media.watch(site)
         _LOG.info("the gateway of %s is connected", site)
         return live
@@ -235,9 +187,9 @@ class Gateways:
         live.link = None
         live.since_us = live.last_seen_us = self._clock.wall_ns() // 1000
         live.why = "the connection to its gateway was lost"
-        self._commanding.link_lost(live)
+        self._reporting.link_lost(live)
         self._browsers.tell(site_news(live))
-        self._commanding.event(live, "gateway lost", good=False)
+        self._reporting.event(live, "gateway lost", good=False)
         _LOG.warning("the gateway of %s is gone", live.name)
 
     async def _run(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
@@ -258,7 +210,7 @@ class Gateways:
             if isinstance(result, PeerError):
                 said, code = str(result), result.code
                 _LOG.warning("the gateway of %s is sent away: %s", live.name, result)
-            elif isinstance(result, Exception) and not isinstance(result, _GONE):
+            elif isinstance(result, Exception) and not isinstance(result, GONE):
                 await link.farewell("the hub failed; see its log", 1011)
                 raise result
         await link.farewell(said, code)
@@ -290,7 +242,7 @@ class Gateways:
                 case frames.Hello():
                     raise PeerError("hello is said once, at the beginning")
                 case _:
-                    self._commanding.tell(live, message)
+                    self._reporting.tell(live, message)
 
     async def _beat(self, link: GatewayLink, live: LiveSite) -> None:
         sent = 0

@@ -39,9 +39,12 @@ def downgrade() -> None:
         op.drop_table(f"history_{table}")
 
 
+_Kind = sa.types.TypeEngine[Any] | type[sa.types.TypeEngine[Any]]
+
+
 def _column(
     name: str,
-    kind: sa.types.TypeEngine[Any] | type[sa.types.TypeEngine[Any]] = _BIG,
+    kind: _Kind = _BIG,
     *,
     nullable: bool = False,
 ) -> sa.Column[Any]:

@@ -1,0 +1,140 @@
+"""The database: migrations, the audit log's chain, gateway keys."""
+
+import asyncio
+from dataclasses import replace
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from sqlalchemy import inspect, text
+
+from talaia.clock import SystemClock
+from talaia.hub import accounts
+from talaia.hub.errors import NameTaken, StoreError
+from talaia.hub.settings import Settings
+from talaia.hub.store.audit import Audit
+from talaia.hub.store.database import Database
+from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.tables import metadata
+
+
+@pytest.fixture
+async def database(tmp_path):
+    database = Database(f"sqlite+aiosqlite:///{tmp_path / 'talaia.db'}")
+    await database.migrate()
+    yield database
+    await database.close()
+
+
+async def test_migrations_make_exactly_the_tables_of_the_code(database) -> None:
+    def differences(connection):
+        context = MigrationContext.configure(connection, opts={"compare_type": False})
+        return compare_metadata(context, metadata)
+
+    async with database.read() as connection:
+        ours = set(metadata.tables)
+        found = await connection.run_sync(differences)
+    assert [each for each in found if getattr(each[1], "name", "") in ours] == []
+
+
+async def test_migrating_again_changes_nothing(database) -> None:
+    await database.migrate()
+    async with database.read() as connection:
+        names = (await connection.execute(text("SELECT name FROM roles ORDER BY id"))).scalars()
+        assert list(names) == ["guest", "operator", "admin"]
+
+
+async def test_change_of_tables_that_fails_leaves_nothing_behind(database) -> None:
+    async def half() -> None:
+        async with database.write() as connection:
+            await connection.execute(text("CREATE TABLE half (id INTEGER)"))
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        await half()
+    async with database.read() as connection:
+        names = await connection.run_sync(lambda sync: inspect(sync).get_table_names())
+    assert "half" not in names
+
+
+async def test_sqlite_is_opened_so_that_a_commit_lasts(database) -> None:
+    async with database.read() as connection:
+        found = [
+            (await connection.execute(text(f"PRAGMA {name}"))).scalar()
+            for name in ("journal_mode", "synchronous", "foreign_keys")
+        ]
+    assert found == ["wal", 2, 1]
+
+
+async def test_database_that_cannot_be_opened_says_which_and_why(tmp_path) -> None:
+    database = Database(f"sqlite+aiosqlite:///{tmp_path / 'missing' / 'talaia.db'}")
+    with pytest.raises(StoreError, match=r"missing/talaia\.db cannot be opened"):
+        await database.migrate()
+    await database.close()
+
+
+def test_unknown_database_is_refused_with_an_example() -> None:
+    with pytest.raises(StoreError, match="write it like"):
+        Database("nonsense")
+
+
+def test_history_gets_the_same_database_with_a_driver_for_threads(tmp_path) -> None:
+    settings = Settings(data=tmp_path)
+    assert settings.history_url == f"sqlite:///{tmp_path / 'talaia.db'}"
+    server = replace(settings, database_url="postgresql+asyncpg://u:p@h/d")
+    assert server.history_url == "postgresql+psycopg://u:p@h/d"
+
+
+async def written(audit: Audit, *kinds: str) -> None:
+    for kind in kinds:
+        audit.note(kind, site="agv", message="line one\nline two")
+    audit.stop()
+    await audit.run()
+
+
+async def test_notes_are_written_in_order_and_chained(database) -> None:
+    await written(Audit(database, SystemClock()), "a", "b", "c")
+    await written(Audit(database, SystemClock()), "d")
+    audit = Audit(database, SystemClock())
+    assert [entry.kind for entry in await audit.recent("agv", 3)] == ["d", "c", "b"]
+    assert await audit.broken_at() is None
+
+
+@pytest.mark.parametrize(
+    "tampering",
+    ["UPDATE audit SET who = 'eve' WHERE id = 2", "DELETE FROM audit WHERE id = 2"],
+)
+async def test_changed_or_missing_row_breaks_the_chain(database, tampering) -> None:
+    audit = Audit(database, SystemClock())
+    await written(audit, "a", "b", "c")
+    async with database.write() as connection:
+        await connection.execute(text(tampering))
+    assert await audit.broken_at() in {2, 3}
+
+
+async def test_note_never_waits_and_is_cut_to_its_column(database) -> None:
+    audit = Audit(database, SystemClock())
+    entry = audit.note("k" * 500, message="m" * 5000)
+    assert (len(entry.kind), len(entry.message)) == (200, 2000)
+    writing = asyncio.create_task(audit.run())
+    await audit.written()
+    audit.stop()
+    await writing
+
+
+async def test_new_key_of_a_gateway_makes_the_old_one_void(database) -> None:
+    registry = SiteRegistry(database, SystemClock())
+    first = await registry.new_key("agv")
+    second = await registry.new_key("agv")
+    assert await registry.site_of(first) is None
+    assert await registry.site_of(second) == "agv"
+
+
+async def test_no_secret_stands_in_the_database(settings) -> None:
+    await accounts.create_user(settings, "ada", "my own secret", "admin")
+    key = await accounts.create_gateway(settings, "agv")
+    with pytest.raises(NameTaken):
+        await accounts.create_user(settings, "ADA", "another secret", "guest")
+    stored = b"".join(path.read_bytes() for path in settings.data.glob("talaia.db*"))
+    assert b"my own secret" not in stored
+    assert key.encode() not in stored
