@@ -83,7 +83,7 @@ def device_json(device_id: str, device: Device, role: str) -> dict[str, Any]:
         "kind": device.kind,
         "signals": [signal_json(device_id, key, one) for key, one in device.signals.items()],
         "streams": [
-            {"id": key, "address": f"{device_id}/{key}", "name": one.name}
+            {"id": key, "address": f"{device_id}/{key}", "name": one.name, "max_rate": one.max_rate}
             for key, one in device.streams.items()
         ],
         "commands": [
@@ -92,6 +92,7 @@ def device_json(device_id: str, device: Device, role: str) -> dict[str, Any]:
                 "name": one.name,
                 "description": one.description,
                 "confirm": one.confirm,
+                "timeout": one.timeout,
                 "arguments": [
                     {
                         "id": name,
@@ -100,6 +101,7 @@ def device_json(device_id: str, device: Device, role: str) -> dict[str, Any]:
                         "unit": argument.unit,
                         "minimum": argument.minimum,
                         "maximum": argument.maximum,
+                        "max_length": argument.max_length,
                         "default": argument.default,
                     }
                     for name, argument in one.arguments.items()
@@ -115,6 +117,11 @@ def device_json(device_id: str, device: Device, role: str) -> dict[str, Any]:
 def role_of(name: str) -> str:
     """Let the name decide."""
     return next((role for role in ("guest", "admin") if name.startswith(role)), "operator")
+
+
+def me_json(name: str) -> dict[str, Any]:
+    """Say who is signed in."""
+    return {"name": name, "role": role_of(name), "admin": role_of(name) == "admin"}
 
 
 def problem(status: int, code: str, message: str, **headers: str) -> JSONResponse:
@@ -167,6 +174,10 @@ def build(site: Site) -> FastAPI:
             "since_us": int(world.since * 1e6),
             "last_seen_us": int((time.time() if world.online else world.since) * 1e6),
             "devices": len(site.devices),
+            "why": "" if world.online else "the gateway closed the link",
+            "loop_ms": 4.2,
+            "skew_ms": 0.0,
+            "stale": 0,
             "signals": sum(len(device.signals) for device in site.devices.values()),
         }
 
@@ -180,7 +191,7 @@ def build(site: Site) -> FastAPI:
             return problem(401, "wrong", "Name or password is wrong.")
         token = secrets.token_hex(16)
         people[token] = name
-        response = JSONResponse({"name": name, "role": role_of(name)})
+        response = JSONResponse(me_json(name))
         response.set_cookie(COOKIE, token, httponly=True, samesite="strict")
         return response
 
@@ -197,9 +208,8 @@ def build(site: Site) -> FastAPI:
         return Response(status_code=204)
 
     @app.get("/api/me")
-    async def me(request: Request) -> dict[str, str]:
-        name = who(request.cookies) or ""
-        return {"name": name, "role": role_of(name)}
+    async def me(request: Request) -> dict[str, Any]:
+        return me_json(who(request.cookies) or "")
 
     @app.get("/api/sites")
     async def sites(request: Request) -> list[dict[str, Any]]:
@@ -224,6 +234,8 @@ def build(site: Site) -> FastAPI:
             "name": site.name if name == site.site else "Observatory dome",
             "zone": site.zone,
             "online": world.online and name == site.site,
+            "since_us": int(world.since * 1e6),
+            "last_seen_us": int(time.time() * 1e6),
             "catalogue": "1",
             "devices": devices if name == site.site else [],
         }
