@@ -117,6 +117,7 @@ export const tileStyle = css`
   }
   t-chart.state {
     block-size: 5rem;
+    margin-block-start: auto;
   }
   .still {
     color: var(--t-warn);
