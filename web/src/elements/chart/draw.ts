@@ -194,10 +194,11 @@ export function drawRuns(plot: Plot, runs: readonly Run[], lookOf: (value: numbe
     if (right <= left) continue;
     const look = lookOf(run.value);
     ctx.fillStyle = look.colour;
-    ctx.globalAlpha = 0.3;
+    ctx.globalAlpha = 0.35;
     ctx.fillRect(left, top, Math.max(right - left - ratio, ratio), height);
     ctx.globalAlpha = 1;
-    ctx.fillRect(left, top, Math.min(3 * ratio, Math.max(right - left, ratio)), height);
+    // Where states change faster than pixels, the marks of their beginnings would hide them.
+    if (right - left > 8 * ratio) ctx.fillRect(left, top, 3 * ratio, height);
     if (ctx.measureText(look.word).width + 16 * ratio > right - left) continue;
     ctx.fillStyle = ink;
     ctx.fillText(look.word, left + 8 * ratio, top + height / 2);

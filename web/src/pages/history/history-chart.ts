@@ -58,6 +58,10 @@ export class HistoryChart extends LitElement {
         color: var(--t-muted);
         pointer-events: none;
       }
+      .none > * {
+        padding-inline: var(--t-space-2);
+        background: var(--t-surface);
+      }
       .none strong {
         color: var(--t-text);
       }

@@ -50,6 +50,7 @@ export class HistoryTools extends LitElement {
         font-weight: var(--t-weight-strong);
       }
       input {
+        box-sizing: border-box;
         min-block-size: var(--t-touch);
         padding: var(--t-space-1) var(--t-space-2);
         border: 1px solid var(--t-edge);

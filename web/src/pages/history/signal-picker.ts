@@ -21,9 +21,11 @@ export class SignalPicker extends LitElement {
       }
       .head {
         display: flex;
+        align-items: center;
         gap: var(--t-space-2);
       }
       input[type="search"] {
+        box-sizing: border-box;
         flex: 1;
         min-inline-size: 0;
         min-block-size: var(--t-touch);

@@ -78,7 +78,9 @@ export class ChartFeed {
     this.asked = key;
     this.wanted = wanted;
     const before = this.cancel;
-    this.cancel = wanted.length === 0 ? null : this.source.subscribe(this.site, wanted, EVERY_MS, this.take);
+    // What is not listened to any more has a hole from now on.
+    for (const address of this.filledFrom.keys()) if (!wanted.includes(address)) this.filledFrom.delete(address);
+    this.cancel = wanted.length === 0 ? null : this.source.subscribe(this.site, wanted, EVERY_MS, this.taker());
     before?.();
   }
 
@@ -120,7 +122,18 @@ export class ChartFeed {
     void this.fill(false);
   }
 
-  private readonly take = (batch: Batch): void => {
+  /** A listener of its own for each subscription: its second first batch means a lost connection. */
+  private taker(): (batch: Batch) => void {
+    let begun = false;
+    return (batch) => {
+      this.take(batch);
+      // What came before is asked for: of new channels, or of all after a loss.
+      if (batch.first) void this.fill(begun);
+      begun ||= batch.first;
+    };
+  }
+
+  private take(batch: Batch): void {
     const { channel: index, timeUs, value, texts, ageMs } = batch.columns;
     const now = this.now();
     for (let i = 0; i < index.length; i += 1) {
@@ -129,9 +142,7 @@ export class ChartFeed {
       this.takeOne(this.channel(address), timeUs[i] ?? NaN, value[i] ?? NaN, texts[i] ?? null, now, ageMs[i] ?? 0);
     }
     this.changed();
-    // The first batch is the last known sample of each channel: what came before it is asked for.
-    if (batch.first) void this.fill(true);
-  };
+  }
 
   private takeOne(held: Channel, timeUs: number, value: number, text: string | null, now: number, ageMs: number): void {
     this.edge.observe(timeUs, now, ageMs);
