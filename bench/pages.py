@@ -75,7 +75,10 @@ async def painted(stack: Stack, seconds: float) -> np.ndarray:
     """Let the real-time page draw and give the ages (ms) of what it drew."""
     async with browser_page(NOTE_PAINTS) as page:
         await sign_in(page, stack, "/sites/bench/live")
-        await page.wait_for_function("window.__ages.length > 50", timeout=30_000)
+        for _ in range(300):  # polling from inside is eval, which the pages forbid
+            if await page.evaluate("window.__ages.length") > 50:
+                break
+            await asyncio.sleep(0.1)
         await asyncio.sleep(3)
         await page.evaluate("window.__ages = []")
         await asyncio.sleep(seconds)

@@ -36,6 +36,14 @@ def context(browser: Browser) -> Iterator[BrowserContext]:
 
 
 @pytest.fixture
+def elsewhere(browser: Browser) -> Iterator[BrowserContext]:
+    """A second person's browser."""
+    opened = browser.new_context(viewport={"width": 1440, "height": 1000})
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
 def faults(context: BrowserContext) -> list[str]:
     """What the pages complain of: errors, and breaches of the content security policy."""
     told: list[str] = []
@@ -118,11 +126,9 @@ def test_charts_are_painted_with_samples_that_are_young(
     )
     page = sign_in(context, demo, "operator")
     page.goto(f"{demo.address}/sites/agv/live")
-    page.wait_for_function(
-        "['base/speed', 'base/turn_rate', 'sensors/ultrasonic1']"
-        ".every((each) => (window.__painted[each] ?? []).length > 10)",
-        timeout=20_000,
-    )
+    wanted = ("base/speed", "base/turn_rate", "sensors/ultrasonic1")
+    count = "(each) => (window.__painted[each] ?? []).length"
+    until(lambda: all(page.evaluate(count, each) > 10 for each in wanted), page, 20)
     newest = page.evaluate("window.__painted['base/speed'].at(-1)")
     assert abs(time.time() * 1e6 - newest) < 5e6
     assert faults == []
@@ -142,9 +148,11 @@ def test_holding_a_key_drives_the_vehicle_and_letting_go_stops_it(
     assert faults == []
 
 
-def test_closing_the_tab_stops_the_vehicle(context: BrowserContext, demo: Demo) -> None:
+def test_closing_the_tab_stops_the_vehicle(
+    context: BrowserContext, elsewhere: BrowserContext, demo: Demo
+) -> None:
     page = sign_in(context, demo, "operator")
-    watcher = sign_in(context, demo, "admin")
+    watcher = sign_in(elsewhere, demo, "admin")
     take_control(page, demo)
     known = hold_until_it_drives(page, demo)
     page.close()
@@ -174,10 +182,12 @@ def test_a_page_that_loses_its_network_stops_the_vehicle(
     page.keyboard.up("w")
 
 
-def test_two_drivers_cannot_have_one_vehicle(context: BrowserContext, demo: Demo) -> None:
+def test_two_drivers_cannot_have_one_vehicle(
+    context: BrowserContext, elsewhere: BrowserContext, demo: Demo
+) -> None:
     first = sign_in(context, demo, "operator")
     take_control(first, demo)
-    other = sign_in(context, demo, "admin")
+    other = sign_in(elsewhere, demo, "admin")
     other.goto(f"{demo.address}/sites/agv/drive")
     expect(other.get_by_text("operator").first).to_be_visible()
     known = len(actuations(demo))
@@ -194,7 +204,7 @@ def test_escape_stops_latches_and_is_released_in_two_steps(
     take_control(page, demo)
     hold_until_it_drives(page, demo)
     page.keyboard.press("Escape")
-    expect(page.get_by_text("confirmed by the robot").first).to_be_visible(timeout=10_000)
+    expect(page.get_by_text("Confirmed by the robot").first).to_be_visible(timeout=10_000)
     until(lambda: actuations(demo)[-1]["v"] == 0, page)
     page.keyboard.up("w")
     known = len([each for each in actuations(demo) if each["v"] != 0])
@@ -204,8 +214,8 @@ def test_escape_stops_latches_and_is_released_in_two_steps(
     assert len([each for each in actuations(demo) if each["v"] != 0]) == known
     if page.get_by_role("button", name="Take control").is_visible():
         page.get_by_role("button", name="Take control").click()
-    page.get_by_role("button", name="Release STOP").click()
-    page.get_by_role("button", name="Confirm").click()
+    page.get_by_role("button", name="Release STOP…").click()
+    page.get_by_role("button", name="Release now").click()
     expect(page.get_by_text("Press to stop the robot").first).to_be_visible(timeout=10_000)
     assert len([each for each in actuations(demo) if each["v"] != 0]) == known
 
