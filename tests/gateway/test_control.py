@@ -312,3 +312,48 @@ def test_ticks_that_were_never_sent_have_no_age() -> None:
     assert ticks.age_ns(99, 100) == 1
     assert ticks.age_ns(100, 100) < 0
     assert ticks.age_ns(0, 100) > SECOND
+
+
+def test_letting_go_and_pressing_anew_moves_nothing_while_stopped(bench: Bench) -> None:
+    bench.lease()
+    bench.control.stop(StopAsk(device="base", id="i", who="Ben"))
+    for linear in (0.0, 0.1, 0.1):
+        bench.drive(linear)
+        bench.pass_time(100 * MS)
+    assert bench.robot.last(DriveState).why == "STOP is on"
+    assert {linear for _, linear, _ in bench.robot.driven} == {0.0}
+
+
+async def test_reset_under_an_earlier_epoch_is_refused(bench: Bench) -> None:
+    bench.control.stop(StopAsk(device="base", id="i", who="Ben"))
+    old = bench.lease().epoch
+    bench.lease()
+    await bench.control.reset(ResetAsk(device="base", session="tab", who="Ada", epoch=old))
+    assert bench.robot.last(ResetToken).refused
+
+
+def test_lease_is_refused_while_no_epoch_can_be_kept(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full() -> int:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(bench.control.seats["base"].lease, "_next_epoch", full)
+    state = bench.lease()
+    assert state.session == ""
+    assert "No space left" in state.refused
+
+
+async def test_reset_is_refused_while_the_disk_is_full(bench: Bench) -> None:
+    bench.control.stop(StopAsk(device="base", id="i", who="Ben"))
+    ask = {"device": "base", "session": "tab", "who": "Ada", "epoch": bench.lease().epoch}
+    await bench.control.reset(ResetAsk(**ask))
+    token = bench.robot.last(ResetToken).token
+
+    async def full(work: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    bench.control._on_disk = full
+    await bench.control.reset(ResetAsk(**ask, token=token))
+    assert "No space left" in bench.robot.last(ResetToken).refused
+    assert bench.robot.last(StopState).latched

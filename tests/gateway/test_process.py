@@ -12,7 +12,7 @@ import pytest
 from fake_hub import KEY, fake_hub
 from gateway_bench import SITE, Peer, addresses_of
 
-from talaia.wire.frames import Drive, LeaseAsk, LeaseOp, LeaseState
+from talaia.wire.frames import CommandAsk, CommandState, Drive, LeaseAsk, LeaseOp, LeaseState
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -109,3 +109,23 @@ async def test_killed_gateway_comes_back_stopped_and_keeps_its_samples(
         assert peer.heard("cmd") == []
         second.terminate()
         assert (await finished(second))[0] == 0
+
+
+async def test_frozen_process_does_not_act_on_what_came_meanwhile(tmp_path: Path) -> None:
+    text = "talaia: 1\nsite: q\nname: Q\ndevices: {d: {name: D}}"
+    async with fake_hub(addresses_of) as hub:
+        process = await started(tmp_path, hub.url, text)
+        await hub.until(lambda: hub.hellos, "a hello")
+        process.send_signal(signal.SIGSTOP)
+        # An answer is given to every ask that is acted on, be it a refusal.
+        await hub.send(CommandAsk(id="old", device="d", command="c", ttl_ms=9000, who="Ada"))
+        await asyncio.sleep(3.5)
+        process.send_signal(signal.SIGCONT)
+        await hub.until(lambda: len(hub.hellos) == 2, "a clean link")
+        await hub.send(CommandAsk(id="new", device="d", command="c", ttl_ms=9000, who="Ada"))
+        first = await hub.next(CommandState)
+        assert first.id == "new"
+        process.terminate()
+        code, said = await finished(process)
+    assert code == 0
+    assert "stood still" in said

@@ -109,7 +109,13 @@ class Control:
                 "lease_refused", "", f"no such driven device: {ask.device}", ask.who, good=False
             )
             return
-        seat.on_lease(ask, now)
+        try:
+            seat.on_lease(ask, now)
+        except OSError as error:
+            # No new epoch could be reserved on disk: nobody gets the lease, all else goes on.
+            refused = f"the gateway cannot write its disk: {error}"
+            self._mouth.send(seat.lease_state(now, ask.session, refused))
+            return
         held = seat.lease.holder(now)
         if held is not None and held.session == ask.session and ask.op is ask.op.TAKE:
             # So that the new driver need not wait for a tick to echo.

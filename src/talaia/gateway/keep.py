@@ -5,6 +5,7 @@ A file is written beside, forced to disk and moved into place, so it is old or n
 
 from __future__ import annotations
 
+import fcntl
 import os
 from typing import TYPE_CHECKING, TypeVar
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["Epochs", "KeptStops", "write_whole"]
+__all__ = ["Epochs", "KeptStops", "locked", "write_whole"]
 
 T = TypeVar("T")
 _BLOCK = 1000
@@ -125,3 +126,25 @@ class KeptStops:
             stops[device] = latched
         write_whole(self._path, msgspec.json.encode(stops))
         self._stops = stops
+
+
+def locked(data: Path) -> int:
+    """Make the data folder this process's own.
+
+    Raises:
+        SpoolError: another gateway uses it, or it cannot be made.
+
+    """
+    try:
+        data.mkdir(parents=True, exist_ok=True, mode=0o700)
+        lock = os.open(data / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    except OSError as error:
+        raise SpoolError(f"the data folder {data} cannot be used: {error}") from error
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        os.close(lock)
+        raise SpoolError(
+            f"the data folder {data} is used by another gateway; give another --data"
+        ) from error
+    return lock

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import contextlib
-import fcntl
 import hashlib
 import logging
 import os
@@ -15,8 +13,7 @@ import signal
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 import uvloop
 
@@ -24,13 +21,13 @@ from talaia import __version__
 from talaia.clock import SystemClock
 from talaia.errors import TalaiaError
 from talaia.gateway.adapters.nobody import Nobody
+from talaia.gateway.arguments import parsed, settings_of
 from talaia.gateway.batching import Batcher
 from talaia.gateway.commanding import Commanding, Journal
 from talaia.gateway.control import Control
 from talaia.gateway.desk import FrontDesk, Pacer, Voice
-from talaia.gateway.errors import AdapterLost, KeyRefused, LinkLost, SettingsError, SpoolError
-from talaia.gateway.keep import Epochs, KeptStops
-from talaia.gateway.settings import HubAddress, Settings
+from talaia.gateway.errors import AdapterLost, KeyRefused, LinkLost, SettingsError
+from talaia.gateway.keep import Epochs, KeptStops, locked
 from talaia.gateway.spool.journal import Head, Spool
 from talaia.gateway.spool.keeper import Keeper
 from talaia.gateway.uplink.backoff import Backoff
@@ -48,6 +45,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.ports import Adapter
+    from talaia.gateway.settings import Settings
     from talaia.gateway.spool.segment import Record
     from talaia.model.site import Site
     from talaia.wire.frames import Welcome
@@ -85,7 +83,7 @@ class Gateway:
         self._boot, self._catalogue = new_boot(), catalogue_of(site)
         loop = asyncio.get_running_loop()
         data = settings.data
-        self._lock = _locked(data)
+        self._lock = locked(data)
         # One thread for the small files: their writes keep their order.
         self._disk = ThreadPoolExecutor(1, "talaia-disk")
         self._wake = asyncio.Event()
@@ -189,7 +187,6 @@ class Gateway:
     async def _run_adapter(self) -> None:
         lost = False
         while True:
-            began = self._clock.monotonic_ns()
             run = asyncio.ensure_future(self._adapter.run())
             try:
                 if lost:
@@ -207,7 +204,6 @@ class Gateway:
             finally:
                 run.cancel()
                 await asyncio.gather(run, return_exceptions=True)
-            log.debug("adapter ran for %d ns", self._clock.monotonic_ns() - began)
             await asyncio.sleep(ADAPTER_AGAIN_S)
 
     def _hello(self) -> Hello:
@@ -273,72 +269,6 @@ class Gateway:
             await self._keeper.sync()
 
 
-def _locked(data: Path) -> int:
-    """Make the data folder this process's own.
-
-    Raises:
-        SpoolError: another gateway uses it, or it cannot be made.
-
-    """
-    try:
-        data.mkdir(parents=True, exist_ok=True, mode=0o700)
-        lock = os.open(data / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-    except OSError as error:
-        raise SpoolError(f"the data folder {data} cannot be used: {error}") from error
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        os.close(lock)
-        raise SpoolError(
-            f"the data folder {data} is used by another gateway; give another --data"
-        ) from error
-    return lock
-
-
-# ── command line ──
-
-
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"talaia gateway: {message}\n")
-
-
-def _arguments(argv: Sequence[str]) -> argparse.Namespace:
-    parser = _Parser(prog="talaia gateway", description="Run the gateway beside a robot.")
-    parser.add_argument("site", type=Path, help="site description (YAML)")
-    parser.add_argument("--hub", required=True, metavar="URL", help="wss://host:port")
-    parser.add_argument("--key-file", required=True, type=Path, metavar="FILE")
-    trust = parser.add_mutually_exclusive_group()
-    trust.add_argument("--fingerprint", default="", metavar="HEX", help="SHA-256 of the hub's cert")
-    trust.add_argument("--ca", type=Path, metavar="FILE", help="certificate authorities (PEM)")
-    parser.add_argument("--allow-plain", action="store_true", help="permit ws:// on loopback")
-    parser.add_argument("--data", type=Path, metavar="DIR", help="what must survive a restart")
-    parser.add_argument("--ros-domain", type=int, metavar="N", help="overrides the description's")
-    parser.add_argument("--verbose", action="store_true", help="log more")
-    return parser.parse_args(argv)
-
-
-def _settings(arguments: argparse.Namespace, site: Site) -> Settings:
-    try:
-        key = arguments.key_file.read_text().strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingsError(f"--key-file {arguments.key_file}: {error}") from error
-    if not key or any(ord(each) <= 32 or ord(each) > 126 for each in key):
-        raise SettingsError(f"--key-file {arguments.key_file}: expected the key on one line")
-    state = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
-    return Settings(
-        hub=HubAddress.checked(
-            arguments.hub,
-            fingerprint=arguments.fingerprint,
-            ca=arguments.ca,
-            allow_plain=arguments.allow_plain,
-        ),
-        key=key,
-        data=arguments.data or Path(state) / "talaia" / "gateway" / site.site,
-        domain=arguments.ros_domain,
-    )
-
-
 async def _serve(site: Site, settings: Settings) -> None:
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
@@ -349,7 +279,7 @@ async def _serve(site: Site, settings: Settings) -> None:
 
 def main(argv: Sequence[str]) -> int:
     """Run a gateway until SIGINT or SIGTERM; 0 after a clean end, 2 if it cannot start."""
-    arguments = _arguments(argv)
+    arguments = parsed(argv)
     logging.basicConfig(
         level=logging.DEBUG if arguments.verbose else logging.INFO,
         format="%(asctime)s %(levelname)s %(name)s: %(message)s",
@@ -360,7 +290,7 @@ def main(argv: Sequence[str]) -> int:
         # Python's own 5 ms would be the largest part of the frame's way to the robot.
         sys.setswitchinterval(0.0005)
         site = raise_first(read_site(arguments.site))
-        settings = _settings(arguments, site)
+        settings = settings_of(arguments, site)
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
             runner.run(_serve(site, settings))
     except TalaiaError as error:

@@ -1,7 +1,8 @@
 """The ROS 2 adapter: hears what the description names and tells the robot what it may be told.
 
 This file joins the parts: `ros2_waitset` (the thread), `ros2_decode` (messages to samples),
-`ros2_pictures` (images to JPEG), `ros2_services` (commands), `ros2_qos`.
+`ros2_pictures` (images to JPEG), `ros2_services` (commands), `ros2_motion` (driving and STOP) and
+`ros2_qos`. Long, because joining, matching and leaving share one node and must be read together.
 """
 
 from __future__ import annotations
@@ -24,9 +25,10 @@ from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from talaia.gateway.adapters.ros2_decode import Gathered, TopicPlan, decoder_for, plans_of
+from talaia.gateway.adapters.ros2_motion import Ros2Motion
 from talaia.gateway.adapters.ros2_pictures import PictureStream, PictureWorker
 from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
-from talaia.gateway.adapters.ros2_requests import class_of, velocity_message
+from talaia.gateway.adapters.ros2_requests import class_of
 from talaia.gateway.adapters.ros2_services import Ros2Commands
 from talaia.gateway.adapters.ros2_waitset import WaitThread
 from talaia.gateway.errors import AdapterLost, TypeMissing
@@ -92,8 +94,7 @@ class Ros2:
         self._plans = plans_of(site, self._latest, self._complain)
         self._watched: frozenset[str] = frozenset()
         self._listening: dict[str, _Listening] = {}
-        self._velocity: dict[str, tuple[Any, Any]] = {}
-        self._stops: dict[str, tuple[Any, Any]] = {}
+        self._motion: Ros2Motion | None = None
         self._missing: set[str] = set()
         self._commands: Ros2Commands | None = None
         self._thread: WaitThread | None = None
@@ -134,19 +135,13 @@ class Ros2:
 
     def drive(self, device: str, linear: float, angular: float) -> None:
         """See `CommandTarget.drive`."""
-        found = self._velocity.get(device)
-        rule = self._site.devices[device].drive
-        if found is not None and rule is not None:
-            publisher, message = found
-            publisher.publish(velocity_message(rule, message, linear, angular))
+        if self._motion is not None:
+            self._motion.drive(device, linear, angular)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """See `CommandTarget.stop`."""
-        found = self._stops.get(device)
-        if found is not None:
-            publisher, message = found
-            message.data = stopped
-            publisher.publish(message)
+        if self._motion is not None:
+            self._motion.stop(device, stopped=stopped)
 
     def act(
         self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
@@ -185,7 +180,7 @@ class Ros2:
         self._commands = Ros2Commands(self._site, self._node, thread, self._tell_missing)
         for plan in self._plans:
             self._plan(plan)
-        self._advertise()
+        self._motion = Ros2Motion(self._site, self._node, self._tell_missing)
         self._worker.start()
         self._thread = thread
         thread.start()
@@ -193,7 +188,7 @@ class Ros2:
     def _leave(self, context: Any) -> None:  # noqa: ANN401
         thread, self._thread = self._thread, None
         # First nobody publishes any more, then the thread ends, then the node goes.
-        self._velocity, self._stops, self._commands = {}, {}, None
+        self._motion = self._commands = None
         if thread is not None:
             thread.end()
         if self._worker is not None:
@@ -221,33 +216,6 @@ class Ros2:
         self._listening[f"{plan.topic} {plan.type_name}"] = _Listening(
             plan.topic, kind, DEPTH, take
         )
-
-    def _advertise(self) -> None:
-        newest = QoSProfile(
-            history=HistoryPolicy.KEEP_LAST,
-            depth=1,
-            reliability=ReliabilityPolicy.RELIABLE,
-            durability=DurabilityPolicy.VOLATILE,
-        )
-        latched = QoSProfile(
-            history=HistoryPolicy.KEEP_LAST,
-            depth=1,
-            reliability=ReliabilityPolicy.RELIABLE,
-            durability=DurabilityPolicy.TRANSIENT_LOCAL,
-        )
-        for name, device in self._site.devices.items():
-            rule = device.drive
-            if rule is None:
-                continue
-            kind = self._class(rule.message, rule.topic)
-            if kind is not None:
-                # Never latched: a velocity must not reach a robot that comes later.
-                publisher = self._node.create_publisher(kind, rule.topic, newest)
-                self._velocity[name] = (publisher, kind())
-            bool_kind = self._class("std_msgs/msg/Bool", rule.stop.topic)
-            if rule.stop.topic and bool_kind is not None:
-                publisher = self._node.create_publisher(bool_kind, rule.stop.topic, latched)
-                self._stops[name] = (publisher, bool_kind())
 
     def _class(self, type_name: str, used_by: str) -> Any:  # noqa: ANN401
         try:

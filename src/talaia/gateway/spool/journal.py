@@ -16,18 +16,19 @@ from __future__ import annotations
 import logging
 import os
 from collections import deque
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
 from talaia.gateway.errors import SpoolError
-from talaia.gateway.keep import write_whole
+from talaia.gateway.spool.files import Head, Segment, scan, write_all
+from talaia.gateway.spool.gaps import Gaps
 from talaia.gateway.spool.segment import Kind, Record, pack_record, records
-from talaia.wire.frames import Gap
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from talaia.wire.frames import Gap
 
 __all__ = ["Head", "Place", "Spool", "Stored"]
 
@@ -36,14 +37,6 @@ SEGMENT_BYTES = 4 * 1024 * 1024
 TRIM_BYTES = 512 * 1024
 MEMORY_BYTES = 4 * 1024 * 1024
 FULL = "the gateway's disk space for unsent samples was full"
-
-
-class Head(msgspec.Struct, frozen=True):
-    """What all records of a segment share."""
-
-    boot: str
-    catalogue: str
-    addresses: list[str]
 
 
 class Stored(NamedTuple):
@@ -59,29 +52,6 @@ class Place(NamedTuple):
     number: int = 0
     turn: int = 0
     offset: int = 0
-
-
-@dataclass(slots=True)
-class _Segment:
-    """A file and the range it holds. ``turn`` counts how often it was emptied and used again."""
-
-    number: int
-    path: Path
-    head: Head
-    size: int
-    start: int
-    first: int = -1
-    end: int = 0
-    from_us: int = 0
-    to_us: int = 0
-    turn: int = 0
-
-    def add(self, record: Record) -> None:
-        if self.first < 0:
-            self.first, self.from_us, self.to_us = record.first, record.from_us, record.to_us
-        self.end = max(self.end, record.end)
-        self.from_us = min(self.from_us, record.from_us)
-        self.to_us = max(self.to_us, record.to_us)
 
 
 class Spool:
@@ -100,14 +70,12 @@ class Spool:
         self._acked: dict[str, int] = {}
         self._synced_end = 0
         self._dirty = False
-        self._gaps: list[Gap] = []
-        self._gaps_dirty = False
         self._memory: deque[Record] = deque()
         self._memory_bytes = 0
-        self._segments: list[_Segment] = []
+        self._segments: list[Segment] = []
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._load_gaps()
+            self._gaps = Gaps(folder / "gaps.json")
             self._load()
             self._next_number = 1 + max((each.number for each in self._segments), default=0)
             self._current = self._begin()
@@ -116,20 +84,11 @@ class Spool:
 
     # ── opening ──
 
-    def _load_gaps(self) -> None:
-        path = self._folder / "gaps.json"
-        try:
-            self._gaps = msgspec.json.decode(path.read_bytes(), type=list[Gap])
-        except FileNotFoundError:
-            return
-        except msgspec.DecodeError as error:
-            log.warning("%s is damaged and is left aside: %s", path, error)
-
     def _load(self) -> None:
         ends: dict[str, tuple[int, int]] = {}
         for path in sorted(self._folder.glob("*.seg")):
             data = path.read_bytes()
-            found = _scan(path, data)
+            found = scan(path, data)
             if found is None:
                 log.warning("%s holds no whole record; removed", path)
                 path.unlink()
@@ -138,7 +97,7 @@ class Spool:
             if whole < len(data):
                 os.truncate(path, whole)
             for first, last, from_us, to_us in holes:
-                self._lose(segment.head.boot, first, last, from_us, to_us, "damaged on disk")
+                self._gaps.add(segment.head.boot, first, last, from_us, to_us, "damaged on disk")
             if segment.first < 0:
                 path.unlink()
                 continue
@@ -146,23 +105,23 @@ class Spool:
             end, end_us = ends.get(segment.head.boot, (segment.first, 0))
             if segment.first > end:
                 lost = (end, segment.first - 1, end_us, segment.from_us)
-                self._lose(segment.head.boot, *lost, "damaged on disk")
+                self._gaps.add(segment.head.boot, *lost, "damaged on disk")
             ends[segment.head.boot] = (segment.end, segment.to_us)
             self._segments.append(segment)
 
-    def _begin(self) -> _Segment:
+    def _begin(self) -> Segment:
         number = self._next_number
         path = self._folder / f"{number:010d}.seg"
         head = pack_record(Record(0, 0, 0, 0, msgspec.msgpack.encode(self._head), Kind.SEGMENT))
         self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
         try:
-            _write_all(self._file, head)
+            write_all(self._file, head)
         except OSError:
             os.close(self._file)
             path.unlink(missing_ok=True)
             raise
         self._next_number += 1
-        segment = _Segment(number, path, self._head, len(head), len(head))
+        segment = Segment(number, path, self._head, len(head), len(head))
         self._segments.append(segment)
         return segment
 
@@ -193,7 +152,7 @@ class Spool:
                 old = self._file
                 segment = self._current = self._begin()
                 os.close(old)
-            _write_all(self._file, data)
+            write_all(self._file, data)
         except OSError as error:
             log.debug("spool: %s", error)
             os.ftruncate(self._file, segment.size)
@@ -210,7 +169,9 @@ class Spool:
         while self._memory_bytes > MEMORY_BYTES:
             lost = self._memory.popleft()
             self._memory_bytes -= len(lost.body)
-            self._lose(self._head.boot, lost.first, lost.end - 1, lost.from_us, lost.to_us, FULL)
+            self._gaps.add(
+                self._head.boot, lost.first, lost.end - 1, lost.from_us, lost.to_us, FULL
+            )
 
     def _drop_oldest(self) -> bool:
         """Let the oldest segment give way; tell whether there was one besides the current."""
@@ -220,47 +181,31 @@ class Spool:
         first = max(oldest.first, self._acked.get(oldest.head.boot, 0))
         if first < oldest.end:
             # The gap is on record before the file goes: a crash between leaves both, not neither.
-            self._lose(oldest.head.boot, first, oldest.end - 1, oldest.from_us, oldest.to_us, FULL)
-            self._write_gaps()
+            self._gaps.add(
+                oldest.head.boot, first, oldest.end - 1, oldest.from_us, oldest.to_us, FULL
+            )
+            self._gaps.write()
         self._remove(oldest)
         return True
 
-    def _remove(self, segment: _Segment) -> None:
+    def _remove(self, segment: Segment) -> None:
         self._segments.remove(segment)
         segment.path.unlink(missing_ok=True)
 
-    # ── gaps ──
-
-    def lose(self, record: Record, reason: str) -> None:
-        """Record that a batch of this boot is gone."""
-        self._lose(
-            self._head.boot, record.first, record.end - 1, record.from_us, record.to_us, reason
-        )
-
-    def _lose(
-        self, boot: str, first: int, last: int, from_us: int, to_us: int, reason: str
-    ) -> None:
-        log.warning("samples %d to %d of %s are lost: %s", first, last, boot, reason)
-        self._gaps_dirty = True
-        for index, gap in enumerate(self._gaps):
-            if gap.boot == boot and gap.last + 1 == first and gap.reason == reason:
-                first, from_us = gap.first, min(gap.from_us, from_us)
-                del self._gaps[index]
-                break
-        self._gaps.append(
-            Gap(boot=boot, first=first, last=last, from_us=from_us, to_us=to_us, reason=reason)
+    def lose(self, record: Record, reason: str, boot: str = "") -> None:
+        """Record that a batch is gone; of this boot when none is named."""
+        self._gaps.add(
+            boot or self._head.boot,
+            record.first,
+            record.end - 1,
+            record.from_us,
+            record.to_us,
+            reason,
         )
 
     def gaps(self) -> list[Gap]:
         """Give the gaps that the hub has not acknowledged past."""
-        return list(self._gaps)
-
-    def _write_gaps(self) -> None:
-        try:
-            write_whole(self._folder / "gaps.json", msgspec.json.encode(self._gaps))
-            self._gaps_dirty = False
-        except OSError as error:
-            log.debug("gaps.json: %s", error)
+        return self._gaps.all()
 
     # ── acknowledging ──
 
@@ -285,15 +230,12 @@ class Spool:
             current.turn += 1
         while self._memory and self._memory[0].end <= acked:
             self._memory_bytes -= len(self._memory.popleft().body)
-        kept = [gap for gap in self._gaps if gap.last >= self._acked.get(gap.boot, 0)]
-        if len(kept) != len(self._gaps):
-            self._gaps, self._gaps_dirty = kept, True
+        self._gaps.forget(self._acked)
 
     def sync(self) -> None:
         """Force to disk what a power cut would take, unless the hub has it all."""
         self._trim()
-        if self._gaps_dirty:
-            self._write_gaps()
+        self._gaps.write()
         settled = self._acked.get(self._head.boot, 0) >= self._synced_end
         self._synced_end = self._current.end
         if not self._dirty or settled:
@@ -323,7 +265,7 @@ class Spool:
             return [Stored(self._head, each) for each in self._memory], Place(last, 0, 0)
         return [], place
 
-    def _read_segment(self, segment: _Segment, offset: int, most: int) -> tuple[list[Stored], int]:
+    def _read_segment(self, segment: Segment, offset: int, most: int) -> tuple[list[Stored], int]:
         found: list[Stored] = []
         acked = self._acked.get(segment.head.boot, 0)
         file = os.open(segment.path, os.O_RDONLY | os.O_CLOEXEC)
@@ -349,43 +291,10 @@ class Spool:
     def close(self) -> None:
         """Force to disk and close; an empty current segment is removed."""
         self._trim()
-        self._write_gaps()
+        self._gaps.write()
         try:
             os.fdatasync(self._file)
         finally:
             os.close(self._file)
         if self._current.first < 0:
             self._current.path.unlink(missing_ok=True)
-
-
-def _scan(path: Path, data: bytes) -> tuple[_Segment, list[tuple[int, int, int, int]], int] | None:
-    """Read a segment from an earlier run: its range, its holes, and where whole data end."""
-    segment: _Segment | None = None
-    holes: list[tuple[int, int, int, int]] = []
-    whole = 0
-    try:
-        number = int(path.stem)
-    except ValueError:
-        return None
-    for end, record in records(data):
-        if record.kind == Kind.SEGMENT:
-            try:
-                head = msgspec.msgpack.decode(record.body, type=Head)
-            except msgspec.DecodeError:
-                return None
-            segment = _Segment(number, path, head, end, end)
-        elif segment is not None:
-            if segment.first >= 0 and record.first > segment.end:
-                holes.append((segment.end, record.first - 1, segment.to_us, record.from_us))
-            segment.add(record)
-        whole = end
-    if segment is None:
-        return None
-    segment.size = whole
-    return segment, holes, whole
-
-
-def _write_all(file: int, data: bytes) -> None:
-    view = memoryview(data)
-    while view:
-        view = view[os.write(file, view) :]

@@ -47,9 +47,9 @@ class Keeper:
         self._given += size
         self._thread.submit(self._append, record, size).add_done_callback(_log_failure)
 
-    def lose(self, record: Record, reason: str) -> None:
-        """Record a loss that happened before the spool."""
-        self._thread.submit(self._spool.lose, record, reason).add_done_callback(_log_failure)
+    def lose(self, record: Record, reason: str, boot: str = "") -> None:
+        """Record a loss that happened outside the spool; see `Spool.lose`."""
+        self._thread.submit(self._spool.lose, record, reason, boot).add_done_callback(_log_failure)
 
     def _append(self, record: Record, size: int) -> None:
         self._taken += size

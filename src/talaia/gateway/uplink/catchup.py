@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.gateway.spool.journal import Place
+from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 if TYPE_CHECKING:
@@ -25,10 +26,14 @@ def as_old(stored: Stored, catalogue: str) -> bytes:
     """Turn a kept batch into the frame to send: no longer live, and able to stand alone.
 
     A batch of another channel list than the link's carries the addresses of its own.
+
+    Raises:
+        PeerError: the frame cannot be read.
+
     """
     frame = LINK_FROM_GATEWAY.decode(stored.record.body)
     if not isinstance(frame, Samples):
-        raise TypeError("the spool holds a frame that is no batch of samples")
+        raise PeerError("the spool holds a frame that is no batch of samples")
     addresses = [] if stored.head.catalogue == catalogue else stored.head.addresses
     return LINK_FROM_GATEWAY.encode(msgspec.structs.replace(frame, live=False, addresses=addresses))
 
@@ -79,7 +84,12 @@ class CatchUp:
                 if (ours and stored.record.end > first and stored.record.first < end) or (
                     not ours and old_boots
                 ):
-                    data = as_old(stored, self._catalogue)
+                    try:
+                        data = as_old(stored, self._catalogue)
+                    except PeerError as error:
+                        # Whole on disk, yet written by a version that said it differently.
+                        self._keeper.lose(stored.record, str(error), stored.head.boot)
+                        continue
                     self._lanes.backfill(data)
                     sent += len(data)
             await asyncio.sleep(sent / self._rate)

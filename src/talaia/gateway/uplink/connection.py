@@ -123,10 +123,18 @@ async def _close(socket: ClientConnection) -> None:
         socket.transport.abort()
 
 
+def _check_awake(beats: Beats, clock: Clock) -> None:
+    frozen = beats.stood_still_s(clock.monotonic_ns())
+    if frozen > 0:
+        raise LinkLost(f"this process stood still for {frozen:.1f} s; starting clean")
+
+
 async def _beat(socket_send: Callable[[Beat], None], beats: Beats, clock: Clock, what: str) -> None:
     while True:
         if beats.dead:
             raise LinkLost(f"{what} has not answered for {beats.MISSED} s")
+        # Asked here and by the reader: whichever wakes first after a freeze ends the link.
+        _check_awake(beats, clock)
         socket_send(beats.next(clock.monotonic_ns()))
         await asyncio.sleep(beats.PERIOD_S)
 
@@ -199,10 +207,8 @@ class LinkRun:
         while True:
             data = await socket.recv()
             message = LINK_FROM_HUB.decode(data)
+            _check_awake(beats, self._clock)
             now = self._clock.monotonic_ns()
-            frozen = beats.stood_still_s(now)
-            if frozen > 0:
-                raise LinkLost(f"this process stood still for {frozen:.1f} s; starting clean")
             match message:
                 case Beat():
                     self._lanes.send(reply_to(message, now))

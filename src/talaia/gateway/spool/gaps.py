@@ -1,0 +1,73 @@
+"""Samples that are gone for good: which, when and why, until the hub has written it down too."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.gateway.keep import write_whole
+from talaia.wire.frames import Gap
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+__all__ = ["Gaps"]
+
+log = logging.getLogger(__name__)
+
+
+class Gaps:
+    """A short list, kept on disk whole."""
+
+    def __init__(self, path: Path) -> None:
+        """Read what an earlier run left. A damaged file is left aside: it holds no samples.
+
+        Raises:
+            OSError: the file cannot be read.
+
+        """
+        self._path = path
+        self._gaps: list[Gap] = []
+        self._dirty = False
+        try:
+            self._gaps = msgspec.json.decode(path.read_bytes(), type=list[Gap])
+        except FileNotFoundError:
+            return
+        except msgspec.DecodeError as error:
+            log.warning("%s is damaged and is left aside: %s", path, error)
+
+    def all(self) -> list[Gap]:
+        """Give them."""
+        return list(self._gaps)
+
+    def add(self, boot: str, first: int, last: int, from_us: int, to_us: int, reason: str) -> None:
+        """Record one; it grows a gap that it follows for the same reason."""
+        log.warning("samples %d to %d of %s are lost: %s", first, last, boot, reason)
+        self._dirty = True
+        for index, gap in enumerate(self._gaps):
+            if gap.boot == boot and gap.last + 1 == first and gap.reason == reason:
+                first, from_us = gap.first, min(gap.from_us, from_us)
+                del self._gaps[index]
+                break
+        self._gaps.append(
+            Gap(boot=boot, first=first, last=last, from_us=from_us, to_us=to_us, reason=reason)
+        )
+
+    def forget(self, acked: Mapping[str, int]) -> None:
+        """Drop those that the hub has acknowledged past, by boot."""
+        kept = [gap for gap in self._gaps if gap.last >= acked.get(gap.boot, 0)]
+        if len(kept) != len(self._gaps):
+            self._gaps, self._dirty = kept, True
+
+    def write(self) -> None:
+        """Write them if they changed. While the disk is full they stay in memory."""
+        if not self._dirty:
+            return
+        try:
+            write_whole(self._path, msgspec.json.encode(self._gaps))
+            self._dirty = False
+        except OSError as error:
+            log.debug("%s: %s", self._path, error)
