@@ -1,6 +1,7 @@
 """The hub with its own history: what came over the link is read back over HTTP, also later."""
 
 import numpy as np
+
 from talaia.wire.browser import Subscribe, Values
 from talaia.wire.frames import Ack
 
