@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import psutil
-from talaia.hub.settings import Settings
 
 from talaia.cli.parts import Part, end_all, start
 from talaia.hub import accounts
+from talaia.hub.settings import Settings
 from talaia.sim import domain
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Take the documentation's pictures: every page of the running demo, phone and desktop, light and dark.
+"""Take the documentation's pictures: every page of the demo, phone and desktop, light and dark.
 
     .venv/bin/python tools/take_pictures.py [PAGE …]
 
@@ -39,8 +39,7 @@ def main(wanted: list[str]) -> int:
     alarm = threading.Timer(60, process.kill)
     alarm.start()
     said = ""
-    assert process.stdout is not None
-    for line in process.stdout:
+    for line in process.stdout or ():
         said += line
         if "Ctrl-C" in line:
             break
@@ -99,7 +98,7 @@ def wander(browser: Browser, address: str, password: str) -> None:
     page = browser.new_page()
     sign_in(page, address, password)
     page.goto(f"{address}/sites/agv/drive")
-    page.get_by_role("button", name="Wander about").first.click()
+    page.get_by_role("button", name="Send").first.click()
     time.sleep(45)
     page.close()
 

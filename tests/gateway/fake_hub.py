@@ -7,7 +7,6 @@ it is told to ack, and its sockets can be cut at any moment.
 from __future__ import annotations
 
 import asyncio
-import ssl
 from collections import defaultdict
 from contextlib import asynccontextmanager
 from http import HTTPStatus
@@ -34,6 +33,7 @@ from talaia.wire.frames import (
 )
 
 if TYPE_CHECKING:
+    import ssl
     from collections.abc import AsyncIterator, Callable
 
     from websockets.http11 import Request, Response
@@ -48,7 +48,7 @@ DEADLINE_S = 15.0
 class FakeHub:
     """See the module."""
 
-    def __init__(self) -> None:
+    def __init__(self) -> None:  # noqa: D107
         self.url = ""
         self.hellos: list[Hello] = []
         self.messages: list[FromGateway] = []
@@ -60,6 +60,7 @@ class FakeHub:
         self.acking = True
         self.answering = True
         self.key = KEY
+        self.requests = 0
         self.links: list[ServerConnection] = []
         self._changed = asyncio.Event()
         self._boot = ""
@@ -129,6 +130,8 @@ class FakeHub:
     # ── what the gateway meets ──
 
     def _admit(self, socket: ServerConnection, request: Request) -> Response | None:
+        self.requests += 1
+        self._changed.set()
         if request.headers.get("Authorization") != f"Bearer {self.key}":
             return socket.respond(HTTPStatus.UNAUTHORIZED, "who are you?\n")
         return None

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -62,8 +63,10 @@ def start_vehicle(log: Path, domain: int, *options: str) -> Vehicle:
     source = str(Path(talaia.__file__).parents[1])
     paths = [source, *filter(None, [os.environ.get("PYTHONPATH")])]
     process = subprocess.Popen(
-        [sys.executable, "-m", "talaia.sim.vehicle", "--domain", str(domain), "--log", str(log)]
-        + list(options),
+        [
+            *(sys.executable, "-m", "talaia.sim.vehicle"),
+            *("--domain", str(domain), "--log", str(log), *options),
+        ],
         stdout=subprocess.PIPE,
         text=True,
         env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
@@ -85,6 +88,7 @@ class Peer:
     """A ROS node of the test in the vehicle's domain."""
 
     def __init__(self, domain: int) -> None:
+        """Join a domain."""
         import rclpy
         from rclpy.executors import SingleThreadedExecutor
         from rclpy.signals import SignalHandlerOptions
@@ -125,7 +129,11 @@ class Peer:
 def ros() -> None:
     """Skip where ROS 2 cannot be imported."""
     try:
-        import rclpy  # noqa: F401
+        with warnings.catch_warnings():
+            # ROS's own modules import what Python has deprecated.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            import rclpy.executors  # noqa: F401
+            import rosidl_generator_py  # noqa: F401
     except ImportError as error:
         missing(f"ROS 2 cannot be imported: {error}")
 

@@ -50,7 +50,11 @@ def test_keys_drive_as_the_cloudconnect_contract_says() -> None:
     signs = {}
     for key in "wxads":
         base.key(0, key)
-        signs[key] = (math.copysign(1, base.speed) * (base.speed != 0), base.turn > 0, base.turn < 0)
+        signs[key] = (
+            math.copysign(1, base.speed) * (base.speed != 0),
+            base.turn > 0,
+            base.turn < 0,
+        )
     assert signs["w"] == (1, False, False)
     assert signs["x"] == (-1, False, False)
     assert signs["a"] == (0, True, False)

@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from ctypes.util import find_library
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from tests.sim.conftest import missing
 
 import talaia
 from talaia.sim.errors import NoRenderer
 from talaia.sim.vehicle.camera import Camera
 from talaia.sim.vehicle.world import World
-from tests.sim.conftest import missing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -78,7 +79,9 @@ def test_osmesa_draws_where_egl_cannot(broken: dict[str, str], taken: str) -> No
         "camera = Camera(World(0, looks=True)); picture = camera.draw(0.0, 0.0, 0.0)\n"
         "print(camera.way, picture.std() > 30); camera.close()"
     )
-    environment = {k: v for k, v in os.environ.items() if k not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")}
+    environment = {
+        k: v for k, v in os.environ.items() if k not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")
+    }
     source = str(Path(talaia.__file__).parents[1])
     run = subprocess.run(
         [sys.executable, "-c", code],
@@ -87,12 +90,17 @@ def test_osmesa_draws_where_egl_cannot(broken: dict[str, str], taken: str) -> No
         text=True,
         check=False,
     )
-    if "NoRenderer" in run.stderr:
+    # Where the library is there, not to be able to use it is a fault of ours.
+    if "NoRenderer" in run.stderr and not (taken == "osmesa" and find_library("OSMesa")):
         missing(run.stderr.splitlines()[-1])
     assert run.stdout.split() == [taken, "True"], run.stderr
 
 
-def test_without_any_renderer_the_error_names_the_package(world: World) -> None:
+def test_without_any_renderer_the_error_names_the_package(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+
     def none(way: str) -> Any:
         raise ImportError(f"no {way} here")
 

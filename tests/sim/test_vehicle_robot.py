@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import json
+import selectors
 import signal
 import time
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
 from talaia.model.load import read_site
 from talaia.sim.domain import reserve
-from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,15 +31,6 @@ def vehicle(domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[V
     assert running.end() == 0
 
 
-@contextmanager
-def watching(domain: int) -> Iterator[Peer]:
-    peer = Peer(domain)
-    try:
-        yield peer
-    finally:
-        peer.close()
-
-
 def message(kind: str) -> Any:
     package, _, name = kind.split("/")
     return getattr(__import__(f"{package}.msg", fromlist=[name]), name)
@@ -49,6 +40,7 @@ class Drive:
     """Publishes velocities at 20 Hz until told otherwise."""
 
     def __init__(self, peer: Peer) -> None:
+        """Wait until the vehicle listens."""
         self.peer = peer
         self.kind = message("geometry_msgs/msg/Twist")
         self.publisher = peer.node.create_publisher(self.kind, "/cmd_vel", 10)
@@ -188,7 +180,9 @@ def test_everything_the_example_description_names_is_served(vehicle: Vehicle, pe
         assert field(messages[-1], source.field) is not None
         if source.name:
             texts = [f"'name': '{source.name}'"]
-            assert peer.until(lambda t=texts, m=messages: any(t[0] in one.data for one in m)), source
+            assert peer.until(lambda t=texts, m=messages: any(t[0] in one.data for one in m)), (
+                source
+            )
     for device in site.devices.values():
         for command in device.commands.values():
             assert peer.until(
@@ -250,8 +244,19 @@ def test_wandering_from_the_start_moves_it_and_is_written_down(ros: None, tmp_pa
         running = start_vehicle(
             tmp_path / "log.jsonl", reservation.domain, "--no-camera", "--wander"
         )
-        with watching(reservation.domain) as peer:
-            assert peer.until(running.log.read_text)
-        assert running.end() == 0
-        first = json.loads(running.log.read_text().splitlines()[0])
-        assert first["source"] == "wander"
+        try:
+            assert first_line(running.log)["source"] == "wander"
+        finally:
+            assert running.end() == 0
+
+
+def first_line(log: Path) -> Any:
+    """Follow a file until its first line is complete."""
+    with log.open() as lines, selectors.DefaultSelector() as pause:
+        deadline = time.monotonic() + 20.0
+        text = ""
+        while not text.endswith("\n"):
+            assert time.monotonic() < deadline, "nothing was written down"
+            text += lines.readline()
+            pause.select(0.02)
+        return json.loads(text)

@@ -110,13 +110,11 @@ def test_the_lidar_says_infinite_where_it_meets_nothing_in_range() -> None:
 
 def test_the_ultrasonic_sensors_look_left_ahead_and_right() -> None:
     world = World(0)
-    world.place(6.2, 0.4, 0.0)
+    world.place(6.0, 0.4, 0.0)
     left, front, right = world.sonars()
-    assert left < 1.0
-    assert front == pytest.approx(2.3, abs=0.3)
-    assert right > left
-    world.place(6.2, 0.1, math.pi)
-    assert world.sonars()[2] < world.sonars()[0] + 0.5
+    assert left == pytest.approx(0.54 * math.sqrt(2) - RADIUS, abs=0.12)
+    assert right == pytest.approx(0.84 * math.sqrt(2) - RADIUS, abs=0.15)
+    assert front == pytest.approx(2.6, abs=0.3)
 
 
 def test_the_same_seed_and_steps_give_the_same_world() -> None:

@@ -78,7 +78,7 @@ async def _run(options: argparse.Namespace, data: Path, began: float) -> None:
     parts: list[Part] = []
     try:
         ready = asyncio.create_task(_start(options, data, parts, began))
-        stopped = asyncio.create_task(stop.wait())
+        stopped = asyncio.create_task(_until(stop))
         await asyncio.wait({ready, stopped}, return_when=asyncio.FIRST_COMPLETED)
         if not ready.done():
             ready.cancel()
@@ -93,6 +93,10 @@ async def _run(options: argparse.Namespace, data: Path, began: float) -> None:
     finally:
         print("\nstopping …", flush=True)
         await end_all(parts)
+
+
+async def _until(event: asyncio.Event) -> None:
+    await event.wait()
 
 
 async def _start(options: argparse.Namespace, data: Path, parts: list[Part], began: float) -> None:

@@ -195,13 +195,13 @@ class Control:
         self._linked = False
         now = self._clock.monotonic_ns()
         for seat in self.seats.values():
-            seat.link_lost(now, stop_robot=seat.rule.link_loss is LinkLoss.STOP)
+            seat.vacate(now, "link lost", stop_robot=seat.rule.link_loss is LinkLoss.STOP)
 
     def halt(self) -> None:
         """End every hold with a zero now: the process is about to end."""
         now = self._clock.monotonic_ns()
         for seat in self.seats.values():
-            seat.link_lost(now, stop_robot=False)
+            seat.vacate(now, "the gateway ends", stop_robot=False)
 
     def due_ns(self) -> int | None:
         """Give when `step` wants to be called next (monotonic), or none while all rests."""

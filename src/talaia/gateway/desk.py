@@ -137,9 +137,11 @@ class FrontDesk:
         self._keeper = keeper
         self._adapter = adapter
         self._tasks: set[asyncio.Task[None]] = set()
+        self.linked = asyncio.Event()
 
     def link_up(self, welcome: Welcome) -> None:
         """Trim what the hub has, and tell it how things stand."""
+        self.linked.set()
         self._keeper.ack(self._boot, welcome.acked)
         self._control.link_up()
         self._commanding.report()
@@ -147,6 +149,7 @@ class FrontDesk:
 
     def link_lost(self) -> None:
         """End leases and holds; nobody looks at pictures any more."""
+        self.linked.clear()
         self._control.link_lost()
         self._pacer.touch()
         self._adapter.watch(())

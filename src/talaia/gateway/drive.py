@@ -23,6 +23,8 @@ HALF_LOOP_MS = 300.0
 NO_LOOP_MS = 500.0
 OLD_PICTURE_MS = 500.0
 DEAD_PICTURE_MS = 1000.0
+# Publications that may come at once, beyond the steady rate.
+CREDIT = 3.0
 
 
 class Demand(NamedTuple):
@@ -81,6 +83,9 @@ class Driving:
         self._output = STILL
         self._until_ns = 0
         self._said_ns: int | None = None
+        self._unsaid = False
+        self._credit = CREDIT
+        self._credit_ns = 0
         self._seq = -1
         self._epoch = -1
         self._rest = False
@@ -165,9 +170,9 @@ class Driving:
         self._rest = False
         return ""
 
-    def demand_rest(self) -> None:
+    def demand_rest(self, now_ns: int) -> None:
         """Let nothing move before the driver has let go: a reset of STOP starts no motion."""
-        self._rest = True
+        self._rest, self._offered_ns = True, now_ns
 
     def halt(self, now_ns: int) -> None:
         """End the hold now: zeros for the stated time, then silence. Nothing is ramped."""
@@ -179,19 +184,35 @@ class Driving:
     def prompt(self, now_ns: int) -> bool:
         """Tell whether a fresh wish may be published at once instead of at the next turn.
 
-        A demand for zero always may. Otherwise half a period must have passed, so that a flood
-        of frames cannot raise the rate to the robot beyond twice the control rate.
+        A demand for zero always may. Others have a small credit that refills at twice the
+        control rate: a key pressed between two frames is not held back, and a flood of frames
+        cannot raise the rate to the robot.
         """
         if self._wish == STILL and self._output != STILL:
             return True
-        return self._said_ns is None or now_ns - self._said_ns >= self._period_ns // 2
+        earned = max(0, now_ns - self._credit_ns) / (self._period_ns / 2)
+        self._credit = min(CREDIT, self._credit + earned)
+        self._credit_ns = now_ns
+        self._unsaid = self._credit < 1.0
+        if self._unsaid:
+            return False
+        self._credit -= 1.0
+        return True
 
     def due_ns(self) -> int | None:
-        """Give when `step` wants to be called next, or none while silent."""
+        """Give when `step` wants to be called next, or none while silent.
+
+        In a hold the frames themselves set the pace; the turn comes half a period later than
+        theirs, so that it only fills in for a frame that is missing.
+        """
         if self._phase is Phase.SILENT:
             return None
-        turn = 0 if self._said_ns is None else self._said_ns + self._period_ns
-        return min(turn, self._until_ns)
+        if self._said_ns is None:
+            return min(0, self._until_ns)
+        wait = self._period_ns
+        if self._phase is Phase.DRIVING:
+            wait = self._period_ns // 2 if self._unsaid else self._period_ns * 3 // 2
+        return min(self._said_ns + wait, self._until_ns)
 
     def step(self, now_ns: int) -> Demand | None:
         """Give what to publish now, or none for silence."""
@@ -203,7 +224,7 @@ class Driving:
             self._output, self._said_ns = STILL, None
             return None
         self._output = self._next(now_ns) if self._phase is Phase.DRIVING else STILL
-        self._said_ns = now_ns
+        self._said_ns, self._unsaid = now_ns, False
         return self._output
 
     def _next(self, now_ns: int) -> Demand:

@@ -239,10 +239,12 @@ class Gateway:
         await self._keep_dialling("the hub", lambda: link.once(self._hello(), beside))
 
     async def _run_media(self) -> None:
-        await self._keep_dialling(
-            "the hub's media side",
-            lambda: run_media(self._settings, self._trust, self._clock, self._pictures),
-        )
+        async def once() -> None:
+            # After the link, so that what hinders both is said once and tried once.
+            await self._desk.linked.wait()
+            await run_media(self._settings, self._trust, self._clock, self._pictures)
+
+        await self._keep_dialling("the hub's media side", once)
 
     async def _keep_dialling(self, what: str, once: Callable[[], Awaitable[None]]) -> None:
         backoff = Backoff(random.SystemRandom().random)
@@ -354,6 +356,9 @@ def main(argv: Sequence[str]) -> int:
     )
     logging.getLogger("websockets").setLevel(logging.WARNING)
     try:
+        # A thread that decodes may hold the interpreter this long before a driving frame gets it;
+        # Python's own 5 ms would be the largest part of the frame's way to the robot.
+        sys.setswitchinterval(0.0005)
         site = raise_first(read_site(arguments.site))
         settings = _settings(arguments, site)
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:

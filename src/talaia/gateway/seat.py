@@ -128,7 +128,7 @@ class Seat:
         """Take one frame; a wish that is accepted is published before this returns."""
         held = self.lease.holder(now_ns)
         if self.latch.latched is not None:
-            self.driving.demand_rest()
+            self.driving.demand_rest(now_ns)
             why = "STOP is on"
         elif held is None:
             why = "nobody holds the lease"
@@ -208,7 +208,7 @@ class Seat:
         self._end(now_ns, "STOP")
         if fresh:
             self._stopped_ns = now_ns
-            self.driving.demand_rest()
+            self.driving.demand_rest(now_ns)
             self._say_stop(now_ns)
             self._say_zero(now_ns)
             self._mouth.note("stop", self.device, "STOP (software)", latched.who, good=False)
@@ -219,7 +219,7 @@ class Seat:
         """Release STOP, after token and disk; nothing moves by this."""
         self.latch.open()
         self.driving.halt(now_ns)
-        self.driving.demand_rest()
+        self.driving.demand_rest(now_ns)
         self._mouth.stop(self.device, stopped=False)
         self._mouth.note("stop_reset", self.device, "", who, good=True)
         self._mouth.send(self.stop_state())
@@ -248,12 +248,12 @@ class Seat:
 
     # ── time and link ──
 
-    def link_lost(self, now_ns: int, *, stop_robot: bool) -> None:
+    def vacate(self, now_ns: int, why: str, *, stop_robot: bool) -> None:
         """End lease and hold; where the description says so, zeros even if nobody drove."""
         self.lease.drop()
         self._had = None
         was_moving = self.driving.moving
-        self._end(now_ns, "link lost")
+        self._end(now_ns, why)
         if stop_robot and not was_moving:
             self.driving.halt(now_ns)
             self._publish(now_ns)

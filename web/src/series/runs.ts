@@ -20,7 +20,8 @@ export function runs(times: ArrayLike<number>, values: ArrayLike<number>, toUs: 
   };
   for (let i = 0; i < times.length && (times[i] ?? NaN) <= toUs; i += 1) {
     const at = times[i] ?? NaN;
-    const value = values[i] ?? NaN;
+    // A state is a whole number; adding zero takes the sign from minus zero.
+    const value = Math.round(values[i] ?? NaN) + 0;
     if (at - last > allowedUs) close(last + allowedUs);
     else if (!Object.is(value, valueOf(open))) close(at);
     if (open === null && !Number.isNaN(value)) open = { fromUs: at, value };

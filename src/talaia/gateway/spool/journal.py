@@ -126,6 +126,7 @@ class Spool:
             log.warning("%s is damaged and is left aside: %s", path, error)
 
     def _load(self) -> None:
+        ends: dict[str, tuple[int, int]] = {}
         for path in sorted(self._folder.glob("*.seg")):
             data = path.read_bytes()
             found = _scan(path, data)
@@ -140,8 +141,14 @@ class Spool:
                 self._lose(segment.head.boot, first, last, from_us, to_us, "damaged on disk")
             if segment.first < 0:
                 path.unlink()
-            else:
-                self._segments.append(segment)
+                continue
+            # Segments of one boot follow each other; the oldest may be gone, none between.
+            end, end_us = ends.get(segment.head.boot, (segment.first, 0))
+            if segment.first > end:
+                lost = (end, segment.first - 1, end_us, segment.from_us)
+                self._lose(segment.head.boot, *lost, "damaged on disk")
+            ends[segment.head.boot] = (segment.end, segment.to_us)
+            self._segments.append(segment)
 
     def _begin(self) -> _Segment:
         number = self._next_number

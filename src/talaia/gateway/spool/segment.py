@@ -18,7 +18,7 @@ __all__ = ["HEAD", "Kind", "Record", "pack_record", "records"]
 
 MAGIC = b"\xf7TLR"
 # magic, kind, body length, CRC-32 of all that follows it, first, count, from_us, to_us
-_HEAD = struct.Struct("<4sB3xIIQIqq")
+_HEAD = struct.Struct("<4sBIIQIqq")
 _CHECKED = struct.Struct("<QIqq")
 HEAD = _HEAD.size
 _MAX_BODY = 16 * 1024 * 1024

@@ -18,6 +18,8 @@ class Limits(NamedTuple):
             channels' tails are saved to free it. It is what is read again after a crash.
         delete: journal rows deleted in one commit, beside four for each row written.
         raw: up to so many, decompressing is as quick as reading rollups, and more exact.
+        linger_s: a commit of few samples begins so long after the last one (s), so that many
+            small batches share one wait for the disk.
         texts: of more texts than this the newest are shown, for they have no rollups.
 
     """
@@ -28,3 +30,4 @@ class Limits(NamedTuple):
     delete: int = 256
     raw: int = 250_000
     texts: int = 500_000
+    linger_s: float = 0.05

@@ -51,7 +51,7 @@ class HistoryStore:
         self._reading = open_engine(url, writes=False)
         ledger = Ledger(self._writing, clock, limits)
         self._checkpoints = Checkpoints(self._writing, self._reading)
-        self._writer = Writer(ledger, self._checkpoints, clock)
+        self._writer = Writer(ledger, self._checkpoints, clock, limits.linger_s)
         self._reader = Reader(self._reading, ledger, limits)
         # One connection less than the engine has: the checkpoint's is one of them.
         self._threads = ThreadPoolExecutor(READERS - 1, "history-reader")

@@ -1,6 +1,6 @@
 """The thread that writes: everything that waits goes into one commit.
 
-The first batch after a pause is committed at once. Under load a commit waits until `LINGER_S`
+The first batch after a pause is committed at once. Under load a commit waits for a moment
 after the last one began, so that many small batches share one wait for the disk; `ENOUGH` samples
 end the waiting. Callers wait for their commit, which presses back on who sends too much.
 """
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Writer"]
 
-LINGER_S = 0.05
 ENOUGH = 512
 # More than this in one commit only makes the others wait longer.
 MOST = 65_536
@@ -45,11 +44,14 @@ class _Waiting(NamedTuple):
 class Writer:
     """Takes jobs on the event loop and does them in its own thread, in order."""
 
-    def __init__(self, ledger: Ledger, checkpoints: Checkpoints, clock: Clock) -> None:
+    def __init__(
+        self, ledger: Ledger, checkpoints: Checkpoints, clock: Clock, linger_s: float
+    ) -> None:
         """Prepare; `start` begins."""
         self._ledger = ledger
         self._checkpoints = checkpoints
         self._clock = clock
+        self._linger_s = linger_s
         self._changed = threading.Condition()
         self._queue: deque[_Waiting] = deque()
         self._samples = 0
@@ -121,9 +123,9 @@ class Writer:
             while not self._queue and not self._ending:
                 self._changed.wait()
             lingered_s = (self._clock.monotonic_ns() - began) / SECOND
-            if lingered_s < LINGER_S:
+            if lingered_s < self._linger_s:
                 self._changed.wait_for(
-                    lambda: self._samples >= ENOUGH or self._ending, LINGER_S - lingered_s
+                    lambda: self._samples >= ENOUGH or self._ending, self._linger_s - lingered_s
                 )
             group: list[_Waiting] = []
             size = 0

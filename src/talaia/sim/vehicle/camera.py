@@ -49,6 +49,8 @@ def open_context(way: str) -> Context:
     for name in [n for n in sys.modules if n.startswith(("mujoco.egl", "mujoco.osmesa"))]:
         del sys.modules[name]
     os.environ["PYOPENGL_PLATFORM"] = way
+    # MuJoCo's own library looks there to know where to find OpenGL's functions.
+    os.environ["MUJOCO_GL"] = way
     context = importlib.import_module(f"mujoco.{way}").GLContext(WIDTH, HEIGHT)
     context.make_current()
     return context
@@ -63,6 +65,7 @@ def _first_that_works(open_way: Open, model: Context) -> tuple[str, Context, Con
             context = open_way(way)
             return way, context, mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         except Exception as error:  # noqa: BLE001 - graphics libraries raise anything at all
+            os.environ["MUJOCO_GL"] = asked
             reasons[way] = (str(error).strip() or type(error).__name__).splitlines()[0]
     raise NoRenderer(reasons)
 

@@ -30,7 +30,7 @@ NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Only the newest picture is worth sending, also again."""
 IDLE_S = 0.1
 """How often it is asked whether somebody looks now."""
-POLITE = 5
+POLITE = 10
 """Niceness of the drawing thread: driving goes before pictures."""
 
 logger = logging.getLogger(__name__)

@@ -77,14 +77,13 @@ class Inputs:
     def close(self) -> None:
         """Stop listening and end the thread."""
         self._ended.set()
-        self._executor.wake()
         self._thread.join(timeout=5.0)
         self._executor.shutdown(timeout_sec=1.0)
 
     def _run(self) -> None:
         while not self._ended.is_set():
             try:
-                self._executor.spin_once(timeout_sec=1.0)
+                self._executor.spin_once(timeout_sec=0.2)
             except ExternalShutdownException:
                 return
             except Exception:

@@ -67,10 +67,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     # It reports at length which accelerators it does without.
     logging.getLogger("OpenGL").setLevel(logging.WARNING)
     ended = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: ended.set())
     try:
         with ExitStack() as stack:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                before = signal.signal(number, lambda *_: ended.set())
+                stack.callback(signal.signal, number, before)
             domain = options.domain
             if domain is None:
                 domain = stack.enter_context(reserve()).domain

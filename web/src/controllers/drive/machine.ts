@@ -125,6 +125,10 @@ export class DriveMachine {
     return this.held.has(source);
   }
 
+  barred(bar: Bar): boolean {
+    return this.bars.has(bar);
+  }
+
   allow(limits: Limits): void {
     this.limits = limits;
   }

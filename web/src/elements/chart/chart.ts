@@ -129,7 +129,7 @@ export class Chart extends LitElement implements Paintable {
         this.tellSpan({ span, settled });
       },
       reset: () => {
-        this.dispatchEvent(new CustomEvent("t-reset"));
+        this.tell("t-reset", null);
       },
       zoomable: this.zoomable,
     });
@@ -184,7 +184,9 @@ export class Chart extends LitElement implements Paintable {
   }
 
   private draw(plot: Plot, palette: Palette): void {
-    for (const one of this.series) drawGaps(plot, one.gaps, palette.muted);
+    // Channels that were lost together were lost once.
+    const gaps = new Map(this.series.flatMap((one) => one.gaps).map((gap) => [`${String(gap.from_us)} ${String(gap.to_us)}`, gap]));
+    drawGaps(plot, [...gaps.values()], palette.muted);
     for (const one of this.series) {
       const { samples, states } = one;
       if (states.length > 0) {
@@ -197,7 +199,11 @@ export class Chart extends LitElement implements Paintable {
         continue;
       }
       const colour = one.stale ? palette.stale : seriesColour(palette, one.colour);
-      drawTrace(plot, samples.columnsAt(this.widthUs(plot.span)), colour, { dashed: one.stale, dot: this.follow !== null });
+      drawTrace(plot, samples.columnsAt(this.widthUs(plot.span)), colour, {
+        dashed: one.stale,
+        dot: this.follow !== null,
+        outlined: this.follow === null,
+      });
     }
   }
 
@@ -301,7 +307,7 @@ export class Chart extends LitElement implements Paintable {
     this.cursorPart = part;
     const us = this.cursorMoment();
     this.placeCursor();
-    this.dispatchEvent(new CustomEvent("t-cursor", { detail: us }));
+    this.tell("t-cursor", us);
   }
 
   /** On a moving chart the cursor keeps its place, on one that stands still its moment. */
@@ -351,7 +357,12 @@ export class Chart extends LitElement implements Paintable {
   }
 
   private tellSpan(detail: SpanChange): void {
-    this.dispatchEvent(new CustomEvent("t-span", { detail }));
+    this.tell("t-span", detail);
+  }
+
+  // Out of the chart's own frame, so that what stands around several charts hears all of them.
+  private tell(kind: string, detail: unknown): void {
+    this.dispatchEvent(new CustomEvent(kind, { detail, bubbles: true, composed: true }));
   }
 
   private readonly blurred = (): void => {
@@ -365,7 +376,7 @@ export class Chart extends LitElement implements Paintable {
     if (wish === null) return;
     event.preventDefault();
     event.stopPropagation();
-    if (wish.wish === "reset") this.dispatchEvent(new CustomEvent("t-reset"));
+    if (wish.wish === "reset") this.tell("t-reset", null);
     else if (wish.wish === "span") this.tellSpan({ span: wish.span, settled: true });
     else this.moveCursor(wish.part);
     this.speakSoon();

@@ -21,7 +21,8 @@ export interface Plot {
 }
 
 const LINE = 1.6;
-const BAND = 0.28;
+const BAND = 0.3;
+const OUTLINE = 0.6;
 const DOT = 2.6;
 
 export function xOf(plot: Plot, us: number): number {
@@ -43,8 +44,16 @@ export function clipped(plot: Plot, draw: () => void): void {
   plot.ctx.restore();
 }
 
+export interface TraceLook {
+  readonly dashed: boolean;
+  /** The newest sample is marked. */
+  readonly dot: boolean;
+  /** The band has an outline, so that a spike one pixel wide is not overlooked. */
+  readonly outlined: boolean;
+}
+
 /** A line through the means and, where a column holds more than one value, a band from least to greatest. */
-export function drawTrace(plot: Plot, columns: Columns, colour: string, options: { dashed: boolean; dot: boolean }): void {
+export function drawTrace(plot: Plot, columns: Columns, colour: string, options: TraceLook): void {
   const { ctx } = plot;
   const first = Math.max(0, columns.firstFrom(plot.span.fromUs) - 1);
   const line = new Path2D();
@@ -61,6 +70,10 @@ export function drawTrace(plot: Plot, columns: Columns, colour: string, options:
     ctx.globalAlpha = BAND;
     ctx.fillStyle = colour;
     ctx.fill(band);
+    ctx.globalAlpha = OUTLINE;
+    ctx.strokeStyle = colour;
+    ctx.lineWidth = plot.ratio;
+    if (options.outlined) ctx.stroke(band);
     ctx.globalAlpha = 1;
   }
   ctx.strokeStyle = colour;
@@ -181,10 +194,11 @@ export function drawRuns(plot: Plot, runs: readonly Run[], lookOf: (value: numbe
     if (right <= left) continue;
     const look = lookOf(run.value);
     ctx.fillStyle = look.colour;
-    ctx.globalAlpha = 0.3;
+    ctx.globalAlpha = 0.35;
     ctx.fillRect(left, top, Math.max(right - left - ratio, ratio), height);
     ctx.globalAlpha = 1;
-    ctx.fillRect(left, top, Math.min(3 * ratio, Math.max(right - left, ratio)), height);
+    // Where states change faster than pixels, the marks of their beginnings would hide them.
+    if (right - left > 8 * ratio) ctx.fillRect(left, top, 3 * ratio, height);
     if (ctx.measureText(look.word).width + 16 * ratio > right - left) continue;
     ctx.fillStyle = ink;
     ctx.fillText(look.word, left + 8 * ratio, top + height / 2);

@@ -26,6 +26,7 @@ export interface ViewOptions {
 }
 
 const TICK_APART = 84;
+const LABEL_HALF = 30;
 const TYPE = 12;
 const CHAR = 7;
 const GAP = 6;
@@ -106,7 +107,7 @@ export class ChartView {
       ...this.look(),
       size: TYPE + 16,
       splits: (_u, _axis, min, max) => timeTicks(min, max, this.step || 1e6, this.options.clock),
-      values: (_u, splits) => splits.map((us) => this.tickText(us)),
+      values: (_u, splits) => splits.map((us) => (this.hasRoom(us) ? this.tickText(us) : "")),
     };
   }
 
@@ -134,6 +135,13 @@ export class ChartView {
       grid: { stroke: () => this.palette.line, width: 1 },
       ticks: { show: false },
     };
+  }
+
+  // A label too near to the edge would be cut.
+  private hasRoom(us: number): boolean {
+    const { left, width } = this.box;
+    const x = left + ((us - this.span.fromUs) / lengthOf(this.span)) * width;
+    return x >= LABEL_HALF && x <= this.plot.width - LABEL_HALF;
   }
 
   private tickText(us: number): string {

@@ -1,18 +1,268 @@
-/** Actuate page of one site. */
+/** Actuate page of one site: see, drive, stop, find and command a device. */
 
-import { html, LitElement, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { Cockpit } from "../../controllers/drive/cockpit.js";
+import { CommandLine } from "../../controllers/drive/command-line.js";
+import { LinkController } from "../../controllers/link.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
+import "../../elements/card.js";
+import "../../elements/choice.js";
+import "../../elements/empty.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import { sitesContext } from "../../state/contexts.js";
+import "../../tiles/camera/camera.js";
+import "../../tiles/command/commands.js";
+import "../../tiles/drive/drive-pad.js";
+import "../../tiles/map/map.js";
+import "../../tiles/stop/stop.js";
+import type { DeviceInfo, SignalInfo, SiteDetail, StreamInfo } from "../../wire/api.js";
+import { layout } from "./layout.js";
 
 @customElement("t-page-drive")
 export class PageDrive extends LitElement {
-  static override styles = base;
+  static override styles = [base, layout];
 
   @property() site = "";
+  @state() private chosen = "";
+  @state() private full = false;
+  @query(".page") private readonly pageBox!: HTMLElement | null;
+
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly link = new LinkController(this);
+  private readonly detail = new LoadController<SiteDetail>(this);
+  private cockpit: Cockpit | null = null;
+  private commands: CommandLine | null = null;
+  private built = "";
+  private pictureAt: number | null = null;
+  private leavingFull = false;
+  private unwatch: (() => void) | null = null;
+  private head: ResizeObserver | null = null;
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    this.stayBelowHead();
+    document.addEventListener("fullscreenchange", this.fullChanged);
+    this.requestUpdate();
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    document.removeEventListener("fullscreenchange", this.fullChanged);
+    this.head?.disconnect();
+    this.takeApart();
+  }
+
+  override willUpdate(): void {
+    const sites = this.sites.store;
+    if (sites && this.site !== "") {
+      this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
+    }
+    this.build();
+  }
 
   override render(): TemplateResult {
-    return html`<h1>Actuate</h1>`;
+    const detail = this.detail.value;
+    if (!detail) return this.waiting();
+    const drivable = detail.devices.filter((device) => device.drive !== null);
+    const device = this.device(detail);
+    const online = this.online(detail);
+    const options = drivable.map(({ id, name }) => ({ id, label: name }));
+    return html`
+      <div class="page ${this.full ? "full" : ""}">
+        <div class="top">
+          <h1>${detail.name}</h1>
+          ${drivable.length > 1
+            ? html`<t-choice
+                label="Device"
+                .options=${options}
+                .chosen=${device?.id ?? ""}
+                @t-choose=${this.choose}
+              ></t-choice>`
+            : nothing}
+        </div>
+        ${device ? this.cockpitView(detail, device, online) : this.nothingToDrive(detail, online)}
+      </div>
+    `;
   }
+
+  private waiting(): TemplateResult {
+    if (this.detail.result.state !== "failed") return html`<t-loading what="Loading the site"></t-loading>`;
+    const { error } = this.detail.result;
+    return html`<t-problem
+      what="This site cannot be shown."
+      how=${error instanceof Error ? error.message : "The hub gave no reason."}
+      retry="Try again"
+      @t-retry=${this.again}
+    ></t-problem>`;
+  }
+
+  private nothingToDrive(detail: SiteDetail, online: boolean): TemplateResult {
+    return html`<div class="left">
+      <t-empty heading="Nothing to drive here" icon="drive">
+        <p>No device of this site that you may see has a drive in the site description.</p>
+      </t-empty>
+      <t-commands class="commands" .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
+    </div>`;
+  }
+
+  private cockpitView(detail: SiteDetail, device: DeviceInfo, online: boolean): TemplateResult {
+    const stream = streamOf(detail, device.drive?.picture ?? "");
+    const seat = this.cockpit?.seat ?? null;
+    const stop = this.cockpit?.stop ?? null;
+    return html`
+      <div class="left">
+        <t-camera
+          class="camera"
+          .site=${this.site}
+          .stream=${stream?.address ?? ""}
+          .name=${stream?.name ?? ""}
+          .online=${online}
+          .full=${this.full}
+          @t-picture=${this.pictured}
+          @t-fullscreen=${this.toggleFull}
+        ></t-camera>
+        <t-commands class="commands" .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
+      </div>
+      <div class="right">
+        <t-stop-bar class="stop" .line=${stop}></t-stop-bar>
+        <t-card class="hands">
+          ${seat
+            ? html`<t-drive-pad
+                .site=${this.site}
+                .device=${device}
+                .seat=${seat}
+                .stopped=${stop?.desk.bars ?? false}
+                .pictureAge=${this.pictureAge}
+              ></t-drive-pad>`
+            : this.onlooker(device)}
+        </t-card>
+        <t-card class="stopped">
+          <t-stop
+            .line=${stop}
+            .zone=${detail.zone}
+            .epoch=${seat?.lease.epoch ?? 0}
+            .mayUse=${device.rights.includes("use")}
+          ></t-stop>
+        </t-card>
+        <t-map class="map" .site=${this.site} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-map>
+      </div>
+    `;
+  }
+
+  private onlooker(device: DeviceInfo): TemplateResult {
+    return html`<t-empty heading="You may look, but not drive" icon="lock">
+      <p>
+        Driving ${device.name} needs the right <strong>use</strong>; an admin can give it to you. STOP works for
+        everyone who sees the vehicle.
+      </p>
+    </t-empty>`;
+  }
+
+  private online(detail: SiteDetail): boolean {
+    const row = this.sites.store?.row(this.site);
+    return (row?.online ?? detail.online) && this.link.state === "open";
+  }
+
+  private device(detail: SiteDetail): DeviceInfo | undefined {
+    const drivable = detail.devices.filter((device) => device.drive !== null);
+    return drivable.find(({ id }) => id === this.chosen) ?? drivable[0];
+  }
+
+  /** One cockpit for each device and description; built anew when either changes. */
+  private build(): void {
+    const detail = this.detail.value;
+    const { connection } = this.link;
+    const device = detail && this.device(detail);
+    const wanted = detail && connection && this.isConnected ? `${detail.site} ${detail.catalogue} ${device?.id ?? ""}` : "";
+    if (wanted === this.built) return;
+    this.takeApart();
+    this.built = wanted;
+    if (!detail || !connection || wanted === "") return;
+    this.commands = new CommandLine(connection, this.site);
+    this.commands.open();
+    if (!device) return;
+    const online = this.sites.store?.row(this.site)?.online ?? detail.online;
+    this.cockpit = new Cockpit(connection, this.site, device, online);
+    this.cockpit.open();
+    const redraw = (): void => {
+      this.requestUpdate();
+    };
+    const stops = [this.cockpit.stop.watch(redraw), this.cockpit.seat?.watch(redraw)];
+    this.unwatch = () => {
+      for (const stop of stops) stop?.();
+    };
+  }
+
+  private takeApart(): void {
+    this.unwatch?.();
+    this.unwatch = null;
+    this.cockpit?.close();
+    this.commands?.close();
+    this.cockpit = null;
+    this.commands = null;
+    this.built = "";
+  }
+
+  /** STOP sticks below the frame's head, which grows by a banner at times and must not cover it. */
+  private stayBelowHead(): void {
+    const root = this.getRootNode();
+    const head = root instanceof ShadowRoot ? root.querySelector<HTMLElement>(".top") : null;
+    if (!head) return;
+    this.head = new ResizeObserver(() => {
+      this.style.setProperty("--t-header", `${head.offsetHeight.toFixed(0)}px`);
+    });
+    this.head.observe(head);
+  }
+
+  private readonly again = (): void => {
+    this.detail.again();
+  };
+
+  private readonly choose = (event: CustomEvent<string>): void => {
+    this.chosen = event.detail;
+  };
+
+  private readonly pictured = (event: CustomEvent<number | null>): void => {
+    this.pictureAt = event.detail;
+    this.cockpit?.seat?.picture(event.detail);
+  };
+
+  private readonly pictureAge = (): number => (this.pictureAt === null ? -1 : performance.now() - this.pictureAt);
+
+  private readonly toggleFull = (): void => {
+    if (document.fullscreenElement) {
+      this.leavingFull = true;
+      void document.exitFullscreen();
+    } else {
+      // The whole page, not the picture alone: STOP stays in sight.
+      this.pageBox?.requestFullscreen().catch(() => {
+        this.full = false;
+      });
+    }
+  };
+
+  /**
+   * In full screen the browser keeps Escape for itself and tells only that it was left. Escape is
+   * STOP on this page, so leaving by anything but our button is taken as that.
+   */
+  private readonly fullChanged = (): void => {
+    const was = this.full;
+    this.full = document.fullscreenElement !== null;
+    if (was && !this.full && !this.leavingFull) this.cockpit?.stop.press();
+    this.leavingFull = false;
+  };
+}
+
+function streamOf(detail: SiteDetail, address: string): StreamInfo | undefined {
+  return detail.devices.flatMap((device) => device.streams).find((stream) => stream.address === address);
+}
+
+function signalOf(detail: SiteDetail, address: string): SignalInfo | null {
+  return detail.devices.flatMap((device) => device.signals).find((signal) => signal.address === address) ?? null;
 }
 
 declare global {

@@ -61,7 +61,6 @@ export const liveStyle = css`
     display: grid;
     grid-template-columns: repeat(auto-fill, minmax(min(23rem, 100%), 1fr));
     gap: var(--t-space-3);
-    align-items: start;
   }
   @media (max-width: 45rem) {
     .tools {

@@ -213,15 +213,16 @@ export class ChartTile extends LitElement {
     const { signal, feed } = this;
     if (signal === null || feed === null || this.series !== null) return;
     if (signal.type !== "number" && signal.type !== "state") return;
+    const channel = feed.channel(signal.channels[0] ?? signal.address);
     this.series = {
       address: signal.address,
       name: signal.name,
       unit: signal.unit,
       decimals: signal.decimals,
       colour: this.colour,
-      samples: feed.channel(signal.channels[0] ?? signal.address).trace,
+      samples: channel.trace,
       states: signal.type === "state" ? signal.states : [],
-      gaps: [],
+      gaps: channel.gaps,
       stale: false,
     };
     const limits = { minimum: signal.minimum, maximum: signal.maximum };
@@ -232,7 +233,7 @@ export class ChartTile extends LitElement {
     const { feed, signal, series } = this;
     if (feed === null || signal === null || series === null) return;
     const samples = feed.channel(signal.channels[0] ?? signal.address).trace.copy();
-    this.frozen = { span: feed.window(performance.now()), series: { ...series, samples } };
+    this.frozen = { span: feed.window(performance.now()), series: { ...series, samples, gaps: [...series.gaps] } };
   }
 
   private readonly togglePause = (): void => {

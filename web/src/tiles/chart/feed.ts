@@ -1,13 +1,14 @@
 /** The samples behind a page of live charts: one subscription, one trace for each channel. */
 
 import { Trace } from "../../series/trace.js";
-import { typicalInterval } from "../../series/gaps.js";
+import type { Gap } from "../../series/gaps.js";
 import { LiveEdge } from "../../series/edge.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import { SECOND_US } from "../../series/zone.js";
-import type { History, HistorySeries, SignalInfo } from "../../wire/api.js";
+import type { History, SignalInfo } from "../../wire/api.js";
 import type { HistoryQuery } from "../../wire/http.js";
 import type { Batch } from "../../wire/subscriptions.js";
+import { samplesOf } from "./past.js";
 
 /** What the feed needs of a connection. */
 export interface Source {
@@ -29,6 +30,8 @@ const AT_ONCE = 24;
 /** One channel of the feed. */
 export interface Channel {
   readonly trace: Trace;
+  /** Stretches that the hub knows to be missing; added to in place. */
+  readonly gaps: Gap[];
   /** The newest text; null for a number. */
   text: string | null;
   /** When the newest sample was taken (µs since the epoch); NaN before the first. */
@@ -75,7 +78,9 @@ export class ChartFeed {
     this.asked = key;
     this.wanted = wanted;
     const before = this.cancel;
-    this.cancel = wanted.length === 0 ? null : this.source.subscribe(this.site, wanted, EVERY_MS, this.take);
+    // What is not listened to any more has a hole from now on.
+    for (const address of this.filledFrom.keys()) if (!wanted.includes(address)) this.filledFrom.delete(address);
+    this.cancel = wanted.length === 0 ? null : this.source.subscribe(this.site, wanted, EVERY_MS, this.taker());
     before?.();
   }
 
@@ -91,7 +96,7 @@ export class ChartFeed {
     let channel = this.channels.get(address);
     if (channel === undefined) {
       const trace = new Trace(this.lengthUs * 1.1, (this.ageLimits.get(address) ?? 5) * SECOND_US);
-      channel = { trace, text: null, timeUs: NaN, freshAtMs: NaN };
+      channel = { trace, gaps: [], text: null, timeUs: NaN, freshAtMs: NaN };
       this.channels.set(address, channel);
     }
     return channel;
@@ -117,7 +122,18 @@ export class ChartFeed {
     void this.fill(false);
   }
 
-  private readonly take = (batch: Batch): void => {
+  /** A listener of its own for each subscription: its second first batch means a lost connection. */
+  private taker(): (batch: Batch) => void {
+    let begun = false;
+    return (batch) => {
+      this.take(batch);
+      // What came before is asked for: of new channels, or of all after a loss.
+      if (batch.first) void this.fill(begun);
+      begun ||= batch.first;
+    };
+  }
+
+  private take(batch: Batch): void {
     const { channel: index, timeUs, value, texts, ageMs } = batch.columns;
     const now = this.now();
     for (let i = 0; i < index.length; i += 1) {
@@ -126,9 +142,7 @@ export class ChartFeed {
       this.takeOne(this.channel(address), timeUs[i] ?? NaN, value[i] ?? NaN, texts[i] ?? null, now, ageMs[i] ?? 0);
     }
     this.changed();
-    // The first batch is the last known sample of each channel: what came before it is asked for.
-    if (batch.first) void this.fill(true);
-  };
+  }
 
   private takeOne(held: Channel, timeUs: number, value: number, text: string | null, now: number, ageMs: number): void {
     this.edge.observe(timeUs, now, ageMs);
@@ -167,18 +181,10 @@ export class ChartFeed {
     );
     for (const series of answer.series) {
       const { times, values, intervalUs } = samplesOf(series);
-      this.channel(series.address).trace.backfill(times, values, intervalUs);
+      const held = this.channel(series.address);
+      held.trace.backfill(times, values, intervalUs);
+      held.gaps.splice(0, Infinity, ...series.gaps);
       this.filledFrom.set(series.address, span.fromUs);
     }
   }
-}
-
-/** A series of the hub's history as numbers; `intervalUs` is the usual time between readings. */
-export function samplesOf(series: HistorySeries): { times: Float64Array; values: Float64Array; intervalUs: number } {
-  const order = series.t_us.map((_, i) => i).sort((a, b) => (series.t_us[a] ?? 0) - (series.t_us[b] ?? 0));
-  const times = Float64Array.from(order, (i) => series.t_us[i] ?? NaN);
-  const values = Float64Array.from(order, (i) => series.v[i] ?? NaN);
-  // Two points stand for each pixel, anywhere within it: their usual interval is half a pixel.
-  const factor = series.kind === "minmax" ? 2 : 1;
-  return { times, values, intervalUs: factor * typicalInterval(times) };
 }

@@ -98,10 +98,13 @@ export const tileStyle = css`
     color: var(--t-stale);
     font-weight: var(--t-weight);
   }
+  :host(:is(.position, .text)) {
+    align-self: start;
+  }
   .parts {
-    display: grid;
-    grid-template-columns: repeat(auto-fit, minmax(6rem, 1fr));
-    gap: var(--t-space-2) var(--t-space-4);
+    display: flex;
+    flex-wrap: wrap;
+    gap: var(--t-space-2) var(--t-space-5);
     margin: 0 0 var(--t-space-2);
   }
   dt {
@@ -117,6 +120,7 @@ export const tileStyle = css`
   }
   t-chart.state {
     block-size: 5rem;
+    margin-block-start: auto;
   }
   .still {
     color: var(--t-warn);

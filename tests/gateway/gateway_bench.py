@@ -1,0 +1,129 @@
+"""A robot process and a gateway with a fake hub, as the tests see them."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from talaia.clock import SystemClock
+from talaia.gateway.run import Gateway
+from talaia.gateway.settings import HubAddress, Settings
+from talaia.model.check import raise_first
+from talaia.model.load import load_site
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+    from pathlib import Path
+
+    from talaia.wire.frames import Hello
+
+DEADLINE_S = 20.0
+
+SITE = """
+talaia: 1
+site: test
+name: Test robot
+ros2: {node: gateway_under_test}
+devices:
+  base:
+    name: Base
+    signals:
+      number: {name: N, source: {topic: /number, type: std_msgs/msg/Float64, field: data}}
+      speed:
+        name: Speed
+        unit: m/s
+        max_age: 1
+        source: {topic: /odom, type: nav_msgs/msg/Odometry, field: twist.twist.linear.x}
+      pose:
+        name: Pose
+        type: position
+        yaw_from: pose.pose.orientation
+        source: {topic: /odom, type: nav_msgs/msg/Odometry, field: pose.pose.position}
+      speed1: {name: M, source: {topic: /metric, type: std_msgs/msg/String, name: speed1}}
+      mode: {name: Mode, type: text, source: {topic: /mode, type: std_msgs/msg/String, field: data}}
+      odd: {name: Odd, source: {topic: /odd, type: nowhere_msgs/msg/Odd, field: data}}
+    streams:
+      front: {name: Front, source: {topic: /images, type: sensor_msgs/msg/Image}}
+    commands:
+      wander:
+        name: Wander
+        target: /wander
+        type: std_srvs/srv/SetBool
+        arguments: {active: {type: boolean, field: data}}
+      fail: {name: Fail, target: /fail, type: std_srvs/srv/Trigger}
+      absent: {name: Absent, target: /absent, type: std_srvs/srv/Trigger}
+      horn:
+        name: Horn
+        kind: topic
+        target: /horn
+        type: std_msgs/msg/String
+        arguments: {tune: {type: text, field: data, max_length: 10}}
+    drive:
+      topic: /cmd_vel
+      max_speed: 0.2
+      max_turn: 2
+      stop: {topic: /stop, confirmed_by: [base/speed]}
+"""
+
+
+def addresses_of(hello: Hello) -> list[str]:
+    return [channel.address for channel in load_site(hello.description).channels()]
+
+
+class Peer:
+    """The robot process as the test sees it."""
+
+    def __init__(self, process: asyncio.subprocess.Process) -> None:  # noqa: D107
+        self._process = process
+        self.rows: list[dict] = []
+        self._changed = asyncio.Event()
+
+    async def read(self) -> None:
+        assert self._process.stdout is not None
+        async for line in self._process.stdout:
+            self.rows.append(json.loads(line))
+            self._changed.set()
+
+    async def do(self, what: str, **more: object) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(json.dumps({"do": what, **more}).encode() + b"\n")
+        await self._process.stdin.drain()
+
+    def heard(self, key: str) -> list:
+        return [row[key] for row in self.rows if key in row]
+
+    async def until(self, holds: Callable[[], object]) -> None:
+        async with asyncio.timeout(DEADLINE_S):
+            while not holds():
+                self._changed.clear()
+                await self._changed.wait()
+
+    async def until_heard_by(self, listeners: int) -> None:
+        """Wait until so many subscribe to /number: then discovery is over."""
+        async with asyncio.timeout(DEADLINE_S):
+            while True:
+                count = len(self.heard("listeners"))
+                await self.do("listeners")
+                await self.until(lambda count=count: len(self.heard("listeners")) > count)
+                if self.heard("listeners")[-1] == listeners:
+                    return
+                await asyncio.sleep(0.05)
+
+
+@asynccontextmanager
+async def running(
+    url: str, data: Path, text: str = SITE, key: str = "test-key", fingerprint: str = ""
+) -> AsyncIterator[Gateway]:
+    """A gateway in this process, ended cleanly whatever happens."""
+    site = raise_first(load_site(text))
+    hub = HubAddress.checked(url, fingerprint=fingerprint, allow_plain=True)
+    gateway = Gateway(site, Settings(hub=hub, key=key, data=data), SystemClock())
+    ended = asyncio.Event()
+    task = asyncio.ensure_future(gateway.run(ended))
+    try:
+        yield gateway
+    finally:
+        ended.set()
+        await asyncio.wait_for(task, DEADLINE_S)

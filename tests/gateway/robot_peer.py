@@ -1,0 +1,112 @@
+"""A robot for the tests, as a process of its own: JSON lines in, JSON lines out.
+
+Started as a script. It publishes what it is told and reports what it hears, each with its own
+monotonic time (the same clock as the test's, on one machine).
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+import time
+
+import rclpy
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import Image
+from std_msgs.msg import Bool, Float64, String
+from std_srvs.srv import SetBool, Trigger
+
+
+def say(**row: object) -> None:
+    sys.stdout.write(json.dumps({"at": time.monotonic_ns(), **row}) + "\n")
+    sys.stdout.flush()
+
+
+class Peer:
+    """The node and what it can be told."""
+
+    def __init__(self) -> None:  # noqa: D107
+        self.node = Node("robot_peer", enable_rosout=False)
+        best_effort = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        make = self.node.create_publisher
+        self.number = make(Float64, "/number", 1000)
+        self.odom = make(Odometry, "/odom", best_effort)
+        self.metric = make(String, "/metric", 10)
+        self.mode = make(String, "/mode", latched)
+        self.image = make(Image, "/images", 2)
+        self.node.create_subscription(
+            Twist, "/cmd_vel", lambda m: say(cmd=[m.linear.x, m.angular.z]), 100
+        )
+        self.node.create_subscription(Bool, "/stop", lambda m: say(stop=m.data), latched)
+        self.node.create_subscription(String, "/horn", lambda m: say(horn=m.data), 10)
+        self.node.create_service(SetBool, "/wander", self.wander)
+        self.node.create_service(Trigger, "/fail", self.fail)
+
+    def wander(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        say(wander=request.data)
+        response.success, response.message = True, "wandering"
+        return response
+
+    def fail(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        say(failed=True)
+        response.success, response.message = False, "the wheel is off"
+        return response
+
+    def obey(self, order: dict[str, object]) -> None:
+        match order["do"]:
+            case "count":
+                self.count(int(order["from"]), int(order["to"]), float(order["hz"]))
+            case "odom":
+                message = Odometry()
+                message.twist.twist.linear.x = float(order["speed"])
+                message.pose.pose.position.x = 1.5
+                message.pose.pose.orientation.w = 1.0
+                self.odom.publish(message)
+            case "metric":
+                self.metric.publish(String(data=str(order["text"])))
+            case "mode":
+                self.mode.publish(String(data=str(order["text"])))
+            case "image":
+                self.picture(str(order["encoding"]))
+            case "listeners":
+                say(listeners=self.number.get_subscription_count())
+
+    def count(self, first: int, last: int, hz: float) -> None:
+        began = time.monotonic()
+        for number in range(first, last):
+            self.number.publish(Float64(data=float(number)))
+            wait = began + (number - first + 1) / hz - time.monotonic()
+            if wait > 0:
+                time.sleep(wait)
+        say(counted=last)
+
+    def picture(self, encoding: str) -> None:
+        depth = 1 if encoding == "mono8" else 3
+        message = Image(height=48, width=64, encoding=encoding, step=64 * depth)
+        message.data = bytes([255, 0, 0] * (48 * 64)) if depth == 3 else bytes(48 * 64)
+        self.image.publish(message)
+
+
+def main() -> None:
+    rclpy.init()
+    peer = Peer()
+    executor = SingleThreadedExecutor()
+    executor.add_node(peer.node)
+    spinning = threading.Thread(target=executor.spin)
+    spinning.start()
+    say(ready=True)
+    for line in sys.stdin:
+        peer.obey(json.loads(line))
+    executor.shutdown()
+    spinning.join()
+    peer.node.destroy_node()
+    rclpy.try_shutdown()
+
+
+main()

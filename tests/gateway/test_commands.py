@@ -1,0 +1,259 @@
+"""Commands: arguments, phases, and that an id is acted on at most once."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given, strategies as st
+
+from talaia.clock import SECOND, HandClock
+from talaia.gateway.commanding import Commanding, Journal
+from talaia.gateway.commands import FINAL, CommandBook, fields_of
+from talaia.gateway.ports import Outcome
+from talaia.model.load import load_site
+from talaia.model.site import Argument, ArgumentType, Command
+from talaia.wire.frames import CommandAsk, CommandPhase, CommandState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+P = CommandPhase
+SITE = load_site(
+    """
+talaia: 1
+site: s
+name: S
+ros2: {}
+devices:
+  dome:
+    name: Dome
+    commands:
+      open: {name: Open, target: /open, type: std_srvs/srv/Trigger, timeout: 0.05}
+"""
+)
+SLEW = Command(
+    name="Slew",
+    target="/slew",
+    type="p/srv/Slew",
+    fixed={"mode": 3},
+    arguments={
+        "alt": Argument(type=ArgumentType.NUMBER, field="to.alt", minimum=0, maximum=90),
+        "steps": Argument(type=ArgumentType.INTEGER, field="steps", default=1),
+        "quick": Argument(type=ArgumentType.BOOLEAN, field="quick", default=False),
+        "note": Argument(type=ArgumentType.TEXT, field="note", max_length=5, default=""),
+    },
+)
+
+
+def test_fields_come_from_fixed_values_arguments_and_defaults() -> None:
+    assert fields_of(SLEW, {"alt": 45}) == {
+        "mode": 3, "to.alt": 45.0, "steps": 1, "quick": False, "note": "",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        ({}, "missing"),
+        ({"alt": 91}, "above"),
+        ({"alt": -0.1}, "below"),
+        ({"alt": float("nan")}, "finite"),
+        ({"alt": float("inf")}, "finite"),
+        ({"alt": 10**400}, "finite"),
+        ({"alt": True}, "expected a number"),
+        ({"alt": "45"}, "expected a number"),
+        ({"alt": 1, "steps": 1.5}, "whole number"),
+        ({"alt": 1, "steps": True}, "whole number"),
+        ({"alt": 1, "quick": 1}, "true or false"),
+        ({"alt": 1, "note": "too long"}, "at most 5"),
+        ({"alt": 1, "mode": 4}, "no argument 'mode'"),
+    ],
+)
+def test_argument_that_does_not_fit_is_said(args: dict, said: str) -> None:
+    problem = fields_of(SLEW, args)
+    assert isinstance(problem, str)
+    assert said in problem
+
+
+def state(phase: CommandPhase, command_id: str = "i") -> CommandState:
+    return CommandState(id=command_id, device="dome", command="open", phase=phase)
+
+
+@given(st.lists(st.sampled_from(list(P)), max_size=20))
+def test_end_is_final_whatever_comes_after_it(steps: list[CommandPhase]) -> None:
+    book = CommandBook()
+    assert book.open(state(P.ACCEPTED))
+    ended = None
+    for phase in steps:
+        moved = book.move("i", phase)
+        if ended is not None:
+            assert moved is None
+            assert book.get("i").phase is ended
+        elif moved is not None and phase in FINAL:
+            ended = phase
+        assert not book.open(state(P.ACCEPTED))
+
+
+def test_what_had_not_ended_before_a_restart_is_unknown() -> None:
+    book = CommandBook([state(P.ACCEPTED, "a"), state(P.ACCEPTED, "b"), state(P.SUCCEEDED, "b")])
+    assert book.get("a").phase is P.UNKNOWN
+    assert book.get("b").phase is P.SUCCEEDED
+    assert [each.id for each in book.interrupted] == ["a"]
+    assert not book.open(state(P.ACCEPTED, "a"))
+
+
+def test_book_forgets_the_oldest_ended_ones_only() -> None:
+    book = CommandBook()
+    book.KEPT = 10
+    book.open(state(P.ACCEPTED, "runs"))
+    for number in range(30):
+        book.open(state(P.REFUSED, str(number)))
+    assert len(book.states()) == 10
+    assert book.get("runs") is not None
+
+
+class Dome:
+    """A robot that does as the test says."""
+
+    def __init__(self) -> None:  # noqa: D107
+        self.asked: list[str] = []
+        self.answer: Outcome | None = Outcome(P.SUCCEEDED, "open")
+
+    def act(self, device: str, command: str, fields: dict, done: Callable) -> None:
+        self.asked.append(f"{device}/{command}")
+        if self.answer is not None:
+            done(self.answer)
+
+
+class Bench:
+    """Commanding with its robot, clock and what it said."""
+
+    def __init__(self, folder: Path) -> None:  # noqa: D107
+        self.clock = HandClock()
+        self.dome = Dome()
+        self.said: list[CommandState] = []
+        self.disk: Callable[[], None] = lambda: None
+        self.commanding = Commanding(
+            SITE, self.clock, self.dome, Journal(folder / "c.jsonl"), self.on_disk, self.say
+        )
+        self.changed = asyncio.Event()
+
+    def say(self, each: CommandState) -> None:
+        self.said.append(each)
+        self.changed.set()
+
+    async def on_disk(self, work: Callable[[], None]) -> None:
+        self.disk()
+        work()
+
+    async def ask(self, command_id: str = "i", ttl_ms: float = 5000) -> None:
+        await self.commanding.ask(
+            CommandAsk(id=command_id, device="dome", command="open", ttl_ms=ttl_ms, who="Ada")
+        )
+
+    async def ended(self) -> CommandState:
+        async with asyncio.timeout(5):
+            while not self.said or self.said[-1].phase not in FINAL:
+                self.changed.clear()
+                await self.changed.wait()
+        return self.said[-1]
+
+
+async def test_command_goes_through_its_phases(tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    await bench.ask()
+    assert (await bench.ended()).message == "open"
+    assert [each.phase for each in bench.said] == [P.ACCEPTED, P.RUNNING, P.SUCCEEDED]
+    await bench.commanding.close()
+
+
+async def test_accepted_is_on_disk_before_the_robot_is_asked(tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    asked_at_write: list[int] = []
+    bench.disk = lambda: asked_at_write.append(len(bench.dome.asked))
+    await bench.ask()
+    await bench.ended()
+    assert asked_at_write[0] == 0
+    await bench.commanding.close()
+
+
+async def test_same_id_acts_once_and_is_answered_each_time(tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    await asyncio.gather(bench.ask(), bench.ask(), bench.ask())
+    await bench.ended()
+    await bench.ask()
+    assert bench.dome.asked == ["dome/open"]
+    assert bench.said[-1].phase is P.SUCCEEDED
+    await bench.commanding.close()
+
+
+async def test_crash_after_accepted_reads_as_unknown_and_is_not_done_again(
+    tmp_path: Path,
+) -> None:
+    bench = Bench(tmp_path)
+    bench.dome.answer = None
+    await bench.ask()
+    await bench.commanding.close()
+    later = Bench(tmp_path)
+    later.commanding.report()
+    assert [(each.id, each.phase) for each in later.said] == [("i", P.UNKNOWN)]
+    await later.ask()
+    assert later.dome.asked == []
+    await later.commanding.close()
+
+
+async def test_no_answer_in_time_is_unknown_and_a_late_one_changes_nothing(
+    tmp_path: Path,
+) -> None:
+    bench = Bench(tmp_path)
+    bench.dome.answer = None
+    await bench.ask()
+    assert (await bench.ended()).phase is P.UNKNOWN
+    bench.commanding._move("i", P.SUCCEEDED)
+    assert bench.said[-1].phase is P.UNKNOWN
+    await bench.commanding.close()
+
+
+@pytest.mark.parametrize("ttl_ms", [0, -1, float("nan")])
+async def test_command_without_time_left_is_refused(tmp_path: Path, ttl_ms: float) -> None:
+    bench = Bench(tmp_path)
+    await bench.ask(ttl_ms=ttl_ms)
+    assert (await bench.ended()).phase is P.REFUSED
+    assert bench.dome.asked == []
+    await bench.commanding.close()
+
+
+async def test_disk_that_takes_longer_than_the_ttl_means_refused(tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    bench.disk = lambda: bench.clock.advance(6 * SECOND)
+    await bench.ask()
+    assert (await bench.ended()).phase is P.REFUSED
+    assert bench.dome.asked == []
+    await bench.commanding.close()
+
+
+async def test_disk_that_is_full_means_refused(tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+
+    def full() -> None:
+        raise OSError(28, "No space left on device")
+
+    bench.disk = full
+    await bench.ask()
+    assert "No space left" in (await bench.ended()).message
+    assert bench.dome.asked == []
+    await bench.commanding.close()
+
+
+def test_journal_ignores_a_line_cut_short(tmp_path: Path) -> None:
+    path = tmp_path / "c.jsonl"
+    journal = Journal(path)
+    journal.write(state(P.ACCEPTED, "a"), sure=True)
+    journal.write(state(P.SUCCEEDED, "a"), sure=True)
+    path.write_bytes(path.read_bytes()[:-10])
+    later = Journal(path)
+    later.write(state(P.FAILED, "b"), sure=True)
+    assert [each.phase for each in Journal(path).remembered] == [P.ACCEPTED, P.FAILED]

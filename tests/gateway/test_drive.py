@@ -1,0 +1,207 @@
+"""Driving: limits, ramp, cap, watchdog and explicit zeros."""
+
+import math
+
+import pytest
+from hypothesis import given, strategies as st
+
+from talaia.clock import MS, SECOND
+from talaia.gateway.drive import STILL, Driving, cap_of_loop, cap_of_picture
+from talaia.model.site import Drive as Rule
+from talaia.wire.frames import Drive as Frame
+
+RULE = Rule(
+    topic="/cmd_vel", max_speed=0.2, max_turn=2.0, max_acceleration=1.0, max_turn_acceleration=10.0
+)
+
+
+def frame(seq: int = 0, linear: float = 0.2, angular: float = 0.0, **more: float) -> Frame:
+    values = {"epoch": 1, "tick": 0, **more}
+    return Frame(device="base", session="tab", seq=seq, linear=linear, angular=angular, **values)
+
+
+def driving() -> Driving:
+    return Driving(RULE)
+
+
+def test_nothing_is_said_before_the_first_frame() -> None:
+    one = driving()
+    assert one.due_ns() is None
+    assert one.step(0) is None
+
+
+def test_accepted_wish_is_ramped_up_to_at_the_stated_acceleration() -> None:
+    one = driving()
+    assert one.offer(frame(), 1, 0, 0) == ""
+    assert one.step(0).linear == pytest.approx(0.05)
+    assert one.step(50 * MS).linear == pytest.approx(0.10)
+
+
+def test_zero_is_not_ramped() -> None:
+    one = driving()
+    for turn in range(4):
+        one.offer(frame(turn), 1, 0, turn * 50 * MS)
+        one.step(turn * 50 * MS)
+    assert one.output.linear == pytest.approx(0.2)
+    one.offer(frame(9, linear=0.0), 1, 0, 200 * MS)
+    assert one.prompt(200 * MS)
+    assert one.step(200 * MS) == STILL
+
+
+def test_silent_driver_becomes_zeros_for_a_second_and_then_silence() -> None:
+    one = driving()
+    one.offer(frame(), 1, 0, 0)
+    one.step(0)
+    said, now = [], 0
+    while (due := one.due_ns()) is not None:
+        now = max(due, now + 1)
+        said.append((now, one.step(now)))
+    zeros = [at for at, demand in said if demand == STILL]
+    assert zeros[0] == 250 * MS
+    assert len(zeros) >= 20
+    assert said[-1] == (1250 * MS, None)
+
+
+@pytest.mark.parametrize(
+    ("bad", "epoch", "age_ms"),
+    [
+        (frame(5, linear=math.nan), 1, 0),
+        (frame(5, angular=math.inf), 1, 0),
+        (frame(5, held_ms=math.nan), 1, 0),
+        (frame(5, picture_ms=math.nan), 1, 0),
+        (frame(5, ttl_ms=math.nan), 1, 0),
+        (frame(5), 2, 0),
+        (frame(1), 1, 0),
+        (frame(0), 1, 0),
+        (frame(5), 1, 251),
+        (frame(5), 1, -1),
+        (frame(5, ttl_ms=100), 1, 101),
+    ],
+    ids=[
+        "nan",
+        "inf",
+        "held",
+        "picture",
+        "ttl",
+        "epoch",
+        "same",
+        "older",
+        "age",
+        "tick",
+        "own-ttl",
+    ],
+)
+def test_frame_that_breaks_a_rule_is_refused_and_changes_nothing(
+    bad: Frame, epoch: int, age_ms: int
+) -> None:
+    one = driving()
+    one.offer(frame(1), 1, 0, 0)
+    before = one.step(0)
+    assert one.offer(bad, epoch, age_ms * MS, 10 * MS) != ""
+    assert one.output == before
+    assert one.due_ns() == 75 * MS
+    assert one.step(250 * MS) == STILL
+
+
+def test_frame_cannot_lengthen_its_own_life() -> None:
+    assert driving().offer(frame(ttl_ms=60_000), 1, 251 * MS, 0) != ""
+
+
+def test_cap_falls_with_the_loop() -> None:
+    assert [cap_of_loop(ms) for ms in (0, 150, 151, 300, 400, 500, 501, math.nan)] == [
+        1, 1, 0.5, 0.5, 0.25, 0, 0, 0,
+    ]  # fmt: skip
+
+
+def test_waiting_in_the_page_does_not_count_as_loop() -> None:
+    one = driving()
+    one.offer(frame(held_ms=40), 1, 180 * MS, 0)
+    assert one.loop_ms == pytest.approx(140)
+    assert one.cap == 1.0
+
+
+def test_old_picture_slows_and_a_dead_one_stops() -> None:
+    assert [cap_of_picture(ms, has_picture=True) for ms in (0, 500, 501, 1001, -1)] == [
+        1, 1, 0.5, 0, 0.5,
+    ]  # fmt: skip
+    assert cap_of_picture(-1, has_picture=False) == 1
+    one = driving()
+    one.offer(frame(picture_ms=2000), 1, 0, 0)
+    assert one.step(0) == STILL
+
+
+def test_flood_of_frames_does_not_raise_the_rate_to_the_robot() -> None:
+    one, said = driving(), 0
+    for ms in range(1000):
+        one.offer(frame(ms), 1, 0, ms * MS)
+        if one.prompt(ms * MS):
+            one.step(ms * MS)
+            said += 1
+    assert said <= 2 * RULE.rate + 3
+
+
+def test_key_pressed_between_two_frames_is_not_held_back() -> None:
+    one = driving()
+    for at, seq in ((0, 1), (50, 2), (57, 3), (100, 4)):
+        one.offer(frame(seq), 1, 0, at * MS)
+        assert one.prompt(at * MS)
+        one.step(at * MS)
+
+
+def test_turn_fills_in_only_for_a_missing_frame() -> None:
+    one = driving()
+    one.offer(frame(1), 1, 0, 0)
+    one.step(0)
+    assert one.due_ns() == 75 * MS
+
+
+def test_after_a_reset_the_driver_must_let_go_first() -> None:
+    one = driving()
+    one.offer(frame(0), 1, 0, 0)
+    one.halt(0)
+    one.demand_rest(0)
+    assert one.offer(frame(1), 1, 0, 50 * MS) != ""
+    assert one.offer(frame(2), 1, 0, 100 * MS) != ""
+    assert one.offer(frame(3, linear=0.0), 1, 0, 150 * MS) == ""
+    assert one.offer(frame(4), 1, 0, 200 * MS) == ""
+
+
+numbers = st.floats(allow_nan=True, allow_infinity=True)
+moves = st.one_of(
+    st.tuples(
+        st.just("frame"), st.integers(0, 120), numbers, numbers, numbers, st.integers(-5, 600)
+    ),
+    st.tuples(st.just("step"), st.integers(0, 120)),
+    st.tuples(st.just("halt"), st.integers(0, 120)),
+)
+
+
+@given(st.lists(moves, max_size=60))
+def test_no_history_ever_breaks_limit_ramp_or_watchdog(history: list[tuple]) -> None:
+    one = driving()
+    now, last_good, halted, last_said = 0, -(10**12), 0, 0
+    for number, (what, wait, *more) in enumerate(history):
+        now += wait * MS
+        before = one.output
+        if what == "frame":
+            linear, angular, picture, age = more
+            sent = frame(number, linear=linear, angular=angular, picture_ms=picture)
+            if one.offer(sent, 1, age * MS, now) == "":
+                last_good = now
+        elif what == "halt":
+            one.halt(now)
+            halted, last_good = now, -(10**12)
+        demand = one.step(now)
+        if demand is None:
+            assert now - max(last_good + 250 * MS, halted) >= SECOND or last_good < 0
+            continue
+        assert all(map(math.isfinite, demand))
+        assert abs(demand.linear) <= RULE.max_speed
+        assert abs(demand.angular) <= RULE.max_turn
+        if now - last_good >= 250 * MS:
+            assert demand == STILL
+        # Faster only by the ramp; slower may be at once.
+        gain = abs(demand.linear) - abs(before.linear)
+        assert gain <= RULE.max_acceleration * 0.1 + 1e-9
+        last_said = now
+    assert last_said <= now

@@ -1,0 +1,215 @@
+"""The smaller parts: batches, qualities of service, requests, pictures, what is kept on disk."""
+
+from __future__ import annotations
+
+import asyncio
+from types import SimpleNamespace as Message
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+import simplejpeg
+from hypothesis import given, strategies as st
+
+from talaia.gateway.adapters.ros2_pictures import PictureStream, jpeg_of
+from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
+from talaia.gateway.adapters.ros2_requests import fill, key_of, outcome_of
+from talaia.gateway.batching import Batcher, records_of
+from talaia.gateway.errors import FieldError, SpoolError
+from talaia.gateway.keep import Epochs, KeptStops
+from talaia.gateway.run import main
+from talaia.gateway.stop import Latched
+from talaia.model.site import Drive, DriveMessage, Source, Stream
+from talaia.wire.columns import Columns, unpack
+from talaia.wire.frames import LINK_FROM_GATEWAY, CommandPhase, Samples
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from talaia.gateway.spool.segment import Record
+
+
+def columns(times: list[int], texts: dict[int, str] | None = None) -> Columns:
+    count = len(times)
+    return Columns(
+        np.zeros(count, np.uint16),
+        np.array(times, np.int64),
+        np.arange(count, dtype=np.float64),
+        texts or {},
+    )
+
+
+@given(st.lists(st.integers(0, 2**40), max_size=50), st.sets(st.integers(0, 49)))
+def test_columns_come_back_from_their_batches_however_far_apart(
+    times: list[int], marked: set[int]
+) -> None:
+    texts = {at: f"t{at}" for at in marked if at < len(times)}
+    made = records_of(columns(times, texts), "b", "c", 100)
+    back, words, sequence = [], {}, 100
+    for record in made:
+        frame = LINK_FROM_GATEWAY.decode(record.body)
+        assert isinstance(frame, Samples)
+        assert (frame.first, record.first) == (sequence, sequence)
+        part = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+        words |= {sequence - 100 + at: text for at, text in part.texts.items()}
+        back += list(part.time_us)
+        sequence = record.end
+    assert back == times
+    assert words == texts
+
+
+async def test_batches_are_numbered_and_made_once_per_flush() -> None:
+    kept: list[Record] = []
+    batcher = Batcher(asyncio.get_running_loop(), "b", "c", 60.0, kept.append, lambda *_: None)
+    batcher.put(columns([1, 2]))
+    batcher.put(columns([3]))
+    batcher.flush()
+    batcher.put(columns([4]))
+    batcher.flush()
+    batcher.flush()
+    assert [(each.first, each.end) for each in kept] == [(0, 3), (3, 4)]
+
+
+qualities = st.builds(Quality, st.booleans(), st.booleans())
+
+
+@given(st.lists(qualities, min_size=1, max_size=5))
+def test_subscription_hears_every_publisher_it_was_made_for(offers: list[Quality]) -> None:
+    asked = quality_for(offers)
+    assert fits(asked, offers)
+    if all(each.reliable for each in offers):
+        assert asked.reliable
+    if not all(each.latched for each in offers):
+        assert not asked.latched
+
+
+def test_subscription_is_changed_only_for_a_publisher_it_would_not_hear() -> None:
+    assert not fits(Quality(reliable=True, latched=False), [Quality(False, False)])  # noqa: FBT003
+    assert fits(Quality(reliable=False, latched=False), [Quality(True, True)])  # noqa: FBT003
+
+
+def test_request_fields_are_set_by_path_in_the_types_they_have() -> None:
+    request = Message(to=Message(alt=0.0), steps=0, quick=False, note="", list=[0, 0])
+    fill(request, {"to.alt": 4, "steps": 3.0, "quick": True, "note": "x", "list[1]": 7})
+    assert request == Message(to=Message(alt=4.0), steps=3, quick=True, note="x", list=[0, 7])
+    assert isinstance(request.to.alt, float)
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [{"nowhere": 1}, {"steps": 1.5}, {"steps": "x"}, {"quick": 1}, {"list[9]": 1}, {"to..alt": 1}],
+)
+def test_field_that_does_not_fit_is_refused(fields: dict) -> None:
+    request = Message(to=Message(alt=0.0), steps=0, quick=False, list=[0])
+    with pytest.raises(FieldError):
+        fill(request, fields)
+
+
+def test_robots_own_no_is_a_failure_with_its_words() -> None:
+    assert outcome_of(Message(success=False, message="stuck")) == (CommandPhase.FAILED, "stuck")
+    assert outcome_of(Message(success=True, message="ok")) == (CommandPhase.SUCCEEDED, "ok")
+    assert outcome_of(Message(result=3)) == (CommandPhase.SUCCEEDED, "")
+
+
+KEYS = Drive(topic="/control", message=DriveMessage.KEYS, max_speed=0.2, max_turn=2.0)
+
+
+@pytest.mark.parametrize(
+    ("linear", "angular", "key"),
+    [(0.1, 0, "w"), (-0.1, 0, "x"), (0, 1, "a"), (0, -1, "d"), (0, 0, "s"), (0.05, 1.9, "a")],
+)
+def test_velocity_becomes_the_key_of_its_stronger_direction(
+    linear: float, angular: float, key: str
+) -> None:
+    assert key_of(KEYS, linear, angular) == key
+
+
+def image(encoding: str, depth: int, pad: int = 0) -> Message:
+    rows = np.zeros((8, 16 * depth + pad), np.uint8)
+    rows[:, 0 : 16 * depth : depth] = 255
+    return Message(height=8, width=16, encoding=encoding, step=16 * depth + pad, data=rows.ravel())
+
+
+@pytest.mark.parametrize(
+    ("encoding", "depth", "strong"),
+    [("rgb8", 3, 0), ("bgr8", 3, 2), ("rgba8", 4, 0), ("bgra8", 4, 2), ("mono8", 1, 0)],
+)
+def test_colours_keep_their_places_in_every_encoding(
+    encoding: str, depth: int, strong: int
+) -> None:
+    jpeg, width, height = jpeg_of(image(encoding, depth, pad=4), 90, 0)
+    assert (width, height) == (16, 8)
+    assert simplejpeg.decode_jpeg(jpeg)[4, 8, strong] > 200
+
+
+def test_wide_picture_is_made_smaller_by_a_whole_number() -> None:
+    assert jpeg_of(image("rgb8", 3), 70, 10)[1:] == (8, 4)
+
+
+@pytest.mark.parametrize(
+    "change", [{"encoding": "yuv9"}, {"step": 3}, {"height": 900}, {"width": 0, "step": 0}]
+)
+def test_picture_that_is_not_what_it_says_is_refused(change: dict) -> None:
+    broken = Message(**(vars(image("rgb8", 3)) | change))
+    with pytest.raises(FieldError):
+        jpeg_of(broken, 70, 0)
+
+
+def test_picture_problem_is_told_once_and_rate_is_kept() -> None:
+    told: list[str] = []
+    stream = PictureStream(
+        "cam/front",
+        Stream(name="F", source=Source(topic="/i", type="sensor_msgs/msg/Image"), max_rate=10),
+        lambda _: image("yuv9", 3),
+        lambda address, problem: told.append(f"{address} {problem}"),
+    )
+    assert [stream.picture(b"", 0, 0) for _ in range(3)] == [None] * 3
+    assert len(told) == 1
+    taken = sum(stream.is_due(at * 1_000_000) for at in range(0, 2000, 33))
+    assert 19 <= taken <= 21
+
+
+def test_epochs_rise_over_restarts(tmp_path: Path) -> None:
+    path = tmp_path / "e.json"
+    seen = []
+    for _ in range(3):
+        epochs = Epochs(path)
+        seen += [epochs.next() for _ in range(1500)]
+    assert seen == sorted(set(seen))
+
+
+def test_damaged_epochs_are_not_guessed(tmp_path: Path) -> None:
+    path = tmp_path / "e.json"
+    path.write_bytes(b"12x")
+    with pytest.raises(SpoolError, match="not guessed"):
+        Epochs(path)
+
+
+def test_stops_are_kept_by_device(tmp_path: Path) -> None:
+    stops = KeptStops(tmp_path / "s.json")
+    stops.write("a", Latched("1", "Ada", 5))
+    stops.write("b", Latched("2", "Ben", 6))
+    stops.write("a", None)
+    later = KeptStops(tmp_path / "s.json")
+    assert later.get("a") is None
+    assert later.get("b") == Latched("2", "Ben", 6)
+
+
+@pytest.mark.parametrize(
+    ("site", "hub", "said"),
+    [
+        ("talaia: 1\nsite: s\nname: S\ndevices: {d: {nam: D}}", "wss://h:1", "$.devices.d.nam"),
+        ("talaia: 1\nsite: s\nname: S\ndevices: {}", "wss://h:1", "$.devices"),
+        ("talaia: 1\nsite: s\nname: S\ndevices: {d: {name: D}}", "ws://h:1", "plain text"),
+    ],
+)
+def test_what_cannot_start_says_why_and_ends_with_2(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], site: str, hub: str, said: str
+) -> None:
+    (tmp_path / "site.yaml").write_text(site)
+    (tmp_path / "key").write_text("k\n")
+    key = str(tmp_path / "key")
+    assert main([str(tmp_path / "site.yaml"), "--hub", hub, "--key-file", key]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("talaia gateway: ")
+    assert said in error

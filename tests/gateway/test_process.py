@@ -1,0 +1,111 @@
+"""The gateway as a process: signals, and what it says when it cannot start."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import sys
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+from fake_hub import KEY, fake_hub
+from gateway_bench import SITE, Peer, addresses_of
+
+from talaia.wire.frames import Drive, LeaseAsk, LeaseOp, LeaseState
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+async def started(tmp_path: Path, url: str, text: str) -> asyncio.subprocess.Process:
+    (tmp_path / "site.yaml").write_text(text)
+    (tmp_path / "key").write_text(KEY)
+    return await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-m",
+        "talaia.gateway",
+        str(tmp_path / "site.yaml"),
+        "--hub",
+        url,
+        "--key-file",
+        str(tmp_path / "key"),
+        "--allow-plain",
+        "--data",
+        str(tmp_path / "data"),
+        stderr=asyncio.subprocess.PIPE,
+    )
+
+
+async def finished(process: asyncio.subprocess.Process) -> tuple[int, str]:
+    _, said = await asyncio.wait_for(process.communicate(), 10)
+    assert process.returncode is not None
+    return process.returncode, said.decode()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+async def test_signal_ends_it_cleanly(tmp_path: Path, number: signal.Signals) -> None:
+    text = "talaia: 1\nsite: q\nname: Q\ndevices: {d: {name: D}}"
+    async with fake_hub(addresses_of) as hub:
+        process = await started(tmp_path, hub.url, text)
+        await hub.until(lambda: hub.hellos, "a hello")
+        began = time.monotonic()
+        process.send_signal(number)
+        code, said = await finished(process)
+    assert (code, "Traceback" in said) == (0, False)
+    assert time.monotonic() - began < 2
+
+
+async def test_second_gateway_on_one_data_folder_is_refused(tmp_path: Path) -> None:
+    text = "talaia: 1\nsite: q\nname: Q\ndevices: {d: {name: D}}"
+    async with fake_hub(addresses_of) as hub:
+        first = await started(tmp_path, hub.url, text)
+        await hub.until(lambda: hub.hellos, "a hello")
+        code, said = await finished(await started(tmp_path, hub.url, text))
+        assert (code, "used by another gateway" in said) == (2, True)
+        first.terminate()
+        assert (await finished(first))[0] == 0
+
+
+@pytest.mark.robot
+async def test_end_while_driving_leaves_a_zero_behind(peer: Peer, tmp_path: Path) -> None:
+    async with fake_hub(addresses_of) as hub:
+        process = await started(tmp_path, hub.url, SITE)
+        await hub.until(lambda: hub.hellos, "a hello")
+        await peer.until_heard_by(1)
+        await hub.send(LeaseAsk(device="base", session="tab", who="Ada", op=LeaseOp.TAKE))
+        epoch = (await hub.next(LeaseState, lambda each: each.asked == "tab")).epoch
+        await hub.until(lambda: hub.tick >= 0, "a tick")
+        frame = {"device": "base", "session": "tab", "epoch": epoch, "linear": 0.2, "angular": 0.0}
+        await hub.send(Drive(**frame, seq=1, tick=hub.tick))
+        await peer.until(lambda: any(row[0] > 0 for row in peer.heard("cmd")))
+        began = time.monotonic()
+        process.terminate()
+        code, said = await finished(process)
+    assert (code, "Traceback" in said) == (0, False)
+    assert time.monotonic() - began < 2
+    await peer.until(lambda: peer.heard("cmd")[-1] == [0.0, 0.0])
+
+
+@pytest.mark.robot
+async def test_killed_gateway_comes_back_stopped_and_keeps_its_samples(
+    peer: Peer, tmp_path: Path
+) -> None:
+    async with fake_hub(addresses_of) as hub:
+        hub.acking = False
+        first = await started(tmp_path, hub.url, SITE)
+        await hub.until(lambda: hub.hellos, "a hello")
+        await peer.until_heard_by(1)
+        await peer.do("count", **{"from": 0, "to": 200, "hz": 1000})
+        await hub.until(lambda: len(hub.values("base/number")) == 200, "samples")
+        first.kill()
+        await finished(first)
+        # The hub lost what it had not stored; the spool has it all.
+        hub.samples.clear()
+        hub.acking = True
+        second = await started(tmp_path, hub.url, SITE)
+        await hub.until(lambda: len(hub.values("base/number")) == 200, "the same again")
+        assert hub.values("base/number") == [float(each) for each in range(200)]
+        assert peer.heard("cmd") == []
+        second.terminate()
+        assert (await finished(second))[0] == 0

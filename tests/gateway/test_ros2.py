@@ -1,0 +1,238 @@
+"""The gateway between a real ROS 2 robot and a hub."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from contextlib import asynccontextmanager
+from itertools import count
+from typing import TYPE_CHECKING
+
+import pytest
+import simplejpeg
+from fake_hub import FakeHub, fake_hub
+from gateway_bench import Peer, addresses_of, running
+
+from talaia.wire.frames import (
+    CommandAsk,
+    CommandPhase,
+    CommandState,
+    Drive,
+    DriveState,
+    Event,
+    LeaseAsk,
+    LeaseOp,
+    LeaseState,
+    ResetAsk,
+    ResetToken,
+    StopAsk,
+    StopState,
+    Watch,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+pytestmark = pytest.mark.robot
+SEQ = count()
+
+
+@asynccontextmanager
+async def linked(tmp_path: Path) -> AsyncIterator[FakeHub]:
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path):
+        await hub.until(lambda: hub.hellos, "a hello")
+        yield hub
+
+
+@pytest.fixture
+async def hub(peer: Peer, tmp_path: Path) -> AsyncIterator[FakeHub]:
+    async with linked(tmp_path) as one:
+        await peer.until_heard_by(1)
+        yield one
+
+
+async def take_lease(hub: FakeHub) -> int:
+    await hub.send(LeaseAsk(device="base", session="tab", who="Ada", op=LeaseOp.TAKE))
+    state = await hub.next(LeaseState, lambda each: each.asked == "tab")
+    await hub.until(lambda: hub.tick >= 0, "a tick")
+    return state.epoch
+
+
+async def drive(hub: FakeHub, epoch: int, linear: float = 0.2) -> int:
+    sent = time.monotonic_ns()
+    await hub.send(
+        Drive(
+            device="base",
+            session="tab",
+            epoch=epoch,
+            seq=next(SEQ),
+            tick=hub.tick,
+            linear=linear,
+            angular=0.0,
+        )
+    )
+    return sent
+
+
+async def command(hub: FakeHub, name: str, command_id: str, **args: object) -> CommandState:
+    ask = CommandAsk(id=command_id, device="base", command=name, args=args, ttl_ms=5000, who="Ada")
+    await hub.send(ask)
+    final = set(CommandPhase) - {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
+    return await hub.next(CommandState, lambda each: each.id == command_id and each.phase in final)
+
+
+async def test_samples_reach_the_hub_once_each_across_lost_links(hub: FakeHub, peer: Peer) -> None:
+    await peer.do("count", **{"from": 0, "to": 600, "hz": 300})
+    for cut in (1, 2):
+        await hub.until(lambda cut=cut: len(hub.values("base/number")) > cut * 100, "samples")
+        hub.acking = not hub.acking
+        hub.cut()
+        await hub.until(lambda cut=cut: len(hub.hellos) > cut, "a new link")
+    await peer.until(lambda: peer.heard("counted"))
+    await hub.until(lambda: len(hub.values("base/number")) >= 600, "the rest")
+    assert hub.values("base/number") == [float(each) for each in range(600)]
+    assert hub.old_batches > 0
+
+
+async def test_every_kind_of_signal_arrives(hub: FakeHub, peer: Peer) -> None:
+    await peer.do("mode", text="auto ✓")
+    await peer.do("metric", text="{'name': 'speed1', 'magnitude': 1.4}")
+    await peer.do("metric", text='{"name": "other9", "magnitude": 3}')
+    await hub.until(lambda: hub.values("base/speed1") and hub.values("base/mode"), "values")
+    await peer.do("odom", speed=0.25)
+    await hub.until(lambda: hub.values("base/pose.yaw"), "a pose")
+    assert hub.values("base/speed1") == [1.4]
+    assert hub.values("base/mode") == ["auto ✓"]
+    assert hub.values("base/speed") == [0.25]
+    assert hub.values("base/pose.x") == [1.5]
+    assert hub.values("base/pose.yaw") == [0.0]
+
+
+async def test_type_that_is_not_installed_is_named_once_and_the_rest_runs(
+    hub: FakeHub, peer: Peer
+) -> None:
+    event = await hub.next(Event, lambda each: each.kind == "type_missing")
+    assert "/odd" in event.message
+    assert "nowhere_msgs/msg/Odd" in event.message
+    await peer.do("count", **{"from": 0, "to": 3, "hz": 100})
+    await hub.until(lambda: len(hub.values("base/number")) == 3, "numbers")
+
+
+async def test_drive_frame_becomes_cmd_vel_then_zeros_then_silence(
+    hub: FakeHub, peer: Peer
+) -> None:
+    epoch = await take_lease(hub)
+    took = []
+    for _ in range(10):
+        before = len(peer.heard("cmd"))
+        sent = await drive(hub, epoch)
+        await peer.until(lambda before=before: len(peer.heard("cmd")) > before)
+        took.append((peer.rows[-1]["at"] - sent) / 1e6)
+        await asyncio.sleep(0.05)
+    last_moving = max(row["at"] for row in peer.rows if row.get("cmd", [0])[0] > 0)
+    assert max(row[0] for row in peer.heard("cmd")) <= 0.2
+    state = await hub.next(DriveState, lambda each: each.linear > 0.1)
+    assert state.cap == 1.0
+    await hub.next(DriveState, lambda each: each.linear == 0)
+    await hub.next(Event, lambda each: each.kind == "drive_ended")
+    # Silence is shown by an answer that comes after it would have spoken.
+    await asyncio.sleep(1.6)
+    zeros = [row["at"] for row in peer.rows if row.get("cmd") == [0.0, 0.0]]
+    assert len(zeros) >= 18
+    assert 0.9e9 <= zeros[-1] - zeros[0] <= 1.2e9
+    assert zeros[0] - last_moving <= 350e6
+    assert peer.rows[-1]["at"] - zeros[-1] <= 0
+    assert sorted(took)[len(took) // 2] < 60
+
+
+async def test_lost_link_stops_the_robot_and_needs_a_new_lease(hub: FakeHub, peer: Peer) -> None:
+    epoch = await take_lease(hub)
+    await drive(hub, epoch)
+    await peer.until(lambda: any(row[0] > 0 for row in peer.heard("cmd")))
+    hub.cut()
+    await peer.until(lambda: peer.heard("cmd")[-1] == [0.0, 0.0])
+    await hub.until(lambda: len(hub.hellos) == 2, "a new link")
+    await drive(hub, epoch)
+    state = await hub.next(DriveState, lambda each: each.refused > 0)
+    assert state.linear == 0
+    assert peer.heard("cmd")[-1] == [0.0, 0.0]
+
+
+async def test_stop_latches_over_a_restart_and_is_reset_in_two_steps(
+    peer: Peer, tmp_path: Path
+) -> None:
+    async with linked(tmp_path) as hub:
+        await peer.until_heard_by(1)
+        await hub.send(StopAsk(device="base", id="s1", who="Ada"))
+        assert (await hub.next(StopState, lambda each: each.id == "s1")).latched
+        await peer.until(lambda: True in peer.heard("stop"))
+        assert peer.heard("cmd")[-1] == [0.0, 0.0]
+        for _ in range(3):
+            await peer.do("odom", speed=0.0)
+            await asyncio.sleep(0.05)
+        await hub.next(StopState, lambda each: each.confirmed)
+    peer.rows.clear()
+    async with linked(tmp_path) as hub:
+        assert (await hub.next(StopState)).latched
+        await peer.until(lambda: True in peer.heard("stop"))
+        epoch = await take_lease(hub)
+        await drive(hub, epoch)
+        assert (await hub.next(DriveState, lambda each: bool(each.why))).why == "STOP is on"
+        ask = {"device": "base", "session": "tab", "epoch": epoch, "who": "Ada"}
+        await hub.send(ResetAsk(**ask))
+        token = (await hub.next(ResetToken)).token
+        await hub.send(ResetAsk(**ask, token=token))
+        assert not (await hub.next(StopState, lambda each: not each.latched)).latched
+        await peer.until(lambda: peer.heard("stop")[-1] is False)
+        assert all(row == [0.0, 0.0] for row in peer.heard("cmd"))
+
+
+async def test_commands_end_as_the_robot_says(hub: FakeHub, peer: Peer) -> None:
+    done = await command(hub, "wander", "w1", active=True)
+    assert (done.phase, done.message) == (CommandPhase.SUCCEEDED, "wandering")
+    failed = await command(hub, "fail", "f1")
+    assert (failed.phase, failed.message) == (CommandPhase.FAILED, "the wheel is off")
+    absent = await command(hub, "absent", "a1")
+    assert absent.phase is CommandPhase.REFUSED
+    assert "/absent" in absent.message
+    assert (await command(hub, "wander", "w2", active="yes")).phase is CommandPhase.REFUSED
+    assert (await command(hub, "wander", "w3")).phase is CommandPhase.REFUSED
+    assert (await command(hub, "horn", "h1", tune="la")).phase is CommandPhase.SUCCEEDED
+    await peer.until(lambda: peer.heard("horn") == ["la"])
+    assert peer.heard("wander") == [True]
+
+
+async def test_command_id_acts_once_even_across_a_restart(peer: Peer, tmp_path: Path) -> None:
+    for _ in range(2):
+        async with linked(tmp_path) as hub:
+            await peer.until_heard_by(1)
+            for _ in range(2):
+                done = await command(hub, "wander", "only", active=True)
+                assert done.phase is CommandPhase.SUCCEEDED
+    assert peer.heard("wander") == [True]
+
+
+async def test_pictures_come_only_while_somebody_looks(hub: FakeHub, peer: Peer) -> None:
+    async def show(encoding: str) -> None:
+        before = len(hub.pictures)
+        async with asyncio.timeout(15):
+            while len(hub.pictures) == before:
+                await peer.do("image", encoding=encoding)
+                await asyncio.sleep(0.05)
+
+    for _ in range(5):
+        await peer.do("image", encoding="rgb8")
+    await asyncio.sleep(0.3)
+    assert hub.pictures == []
+    await hub.send(Watch(streams=["base/front"]))
+    await show("rgb8")
+    picture = hub.pictures[-1]
+    assert (picture.stream, picture.width, picture.height) == ("base/front", 64, 48)
+    red, green, blue = simplejpeg.decode_jpeg(picture.data)[24, 32]
+    assert red > 200
+    assert max(green, blue) < 60
+    await show("mono8")
+    await peer.do("image", encoding="yuv9")
+    event = await hub.next(Event, lambda each: each.kind == "unreadable")
+    assert "yuv9" in event.message

@@ -1,0 +1,234 @@
+"""Uplink: lanes, waits, beats, catching up, trust, and keys that are refused."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import ssl
+from typing import TYPE_CHECKING
+
+import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from fake_hub import fake_hub
+from gateway_bench import addresses_of, running
+from hypothesis import given, strategies as st
+
+from talaia.clock import SECOND
+from talaia.gateway.errors import SettingsError
+from talaia.gateway.settings import HubAddress
+from talaia.gateway.spool.journal import Head, Stored
+from talaia.gateway.spool.segment import Record
+from talaia.gateway.uplink.backoff import Backoff
+from talaia.gateway.uplink.beats import Beats, reply_to
+from talaia.gateway.uplink.catchup import as_old
+from talaia.gateway.uplink.lanes import Lanes
+from talaia.wire.frames import LINK_FROM_GATEWAY, Event, Samples, StopState, Tick
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+QUIET = """
+talaia: 1
+site: quiet
+name: Quiet
+devices:
+  hut: {name: Hut}
+"""
+
+
+def lanes() -> Lanes:
+    one = Lanes(lambda: None)
+    one.link_up()
+    return one
+
+
+def drained(one: Lanes) -> list[object]:
+    found = []
+    while (data := one.next()) is not None:
+        found.append(data if data.startswith(b"!") else LINK_FROM_GATEWAY.decode(data))
+    return found
+
+
+def test_urgent_frames_go_first() -> None:
+    one = lanes()
+    one.backfill(b"!old")
+    one.live(b"!live", 0, 1)
+    one.send(Event(kind="k"))
+    one.send(Tick(tick=1))
+    assert drained(one) == [Tick(tick=1), Event(kind="k"), b"!live", b"!old"]
+
+
+def test_results_and_events_outlive_a_lost_link_and_nothing_else_does() -> None:
+    one = lanes()
+    one.send(StopState(device="base", latched=False))
+    one.send(Event(kind="k"))
+    one.live(b"!live", 0, 1)
+    one.link_lost()
+    one.send(Tick(tick=1))
+    one.send(Event(kind="while away"))
+    one.link_up()
+    assert drained(one) == [Event(kind="k"), Event(kind="while away")]
+
+
+def test_live_lane_that_overflows_is_emptied_and_says_what_is_owed() -> None:
+    one = lanes()
+    big = b"!" * (one.MAX_LIVE // 4)
+    for number in range(6):
+        one.live(big, number * 10, number * 10 + 10)
+    assert one.overflowed == (0, 40)
+    assert drained(one) == [big, big]
+
+
+def test_lanes_are_bounded() -> None:
+    one = lanes()
+    for number in range(3 * one.MAX_COMMANDS):
+        one.send(Event(kind=f"k{number}"))
+        one.send(Tick(tick=number))
+    assert len(drained(one)) == one.MAX_COMMANDS + one.MAX_CONTROL
+    assert one.dropped_events == 2 * one.MAX_COMMANDS
+
+
+@given(st.lists(st.floats(0, 9.9), min_size=1, max_size=40), st.floats(0, 0.999))
+def test_waits_grow_to_a_bound_and_a_mere_handshake_does_not_reset_them(
+    lasted: list[float], luck: float
+) -> None:
+    backoff = Backoff(lambda: luck)
+    waits = [backoff.after(each) for each in lasted]
+    assert waits == sorted(waits)
+    assert 0.25 <= waits[0] <= 0.5
+    assert waits[-1] <= Backoff.LONGEST_S
+    assert backoff.after(Backoff.STABLE_S) <= 0.5
+
+
+def test_refused_key_waits_long() -> None:
+    assert Backoff(lambda: 0.0).after(0, refused=True) == Backoff.REFUSED_S
+
+
+def test_three_beats_without_answer_and_the_peer_is_gone() -> None:
+    beats = Beats(0)
+    answer = reply_to(beats.next(0), 0)
+    beats.answered(answer, 5_000_000)
+    assert beats.round_trip_ms == 5
+    for _ in range(3):
+        assert not beats.dead
+        beats.next(0)
+    assert beats.dead
+
+
+def test_answer_to_a_beat_never_sent_changes_nothing() -> None:
+    beats = Beats(0)
+    for number in range(3):
+        beats.next(number)
+    beats.answered(reply_to(beats.next(0), 0).__class__(n=99, mono_us=0, peer_us=0), 0)
+    assert beats.dead
+
+
+def test_process_that_stood_still_knows_it() -> None:
+    beats = Beats(0)
+    beats.next(10 * SECOND)
+    assert beats.stood_still_s(11 * SECOND) == 0
+    assert beats.stood_still_s(17 * SECOND) == 5
+
+
+def test_old_batch_stands_alone_when_the_channel_list_changed() -> None:
+    frame = Samples(
+        boot="b", first=0, catalogue="old", base_us=0, channel=b"", offset=b"", value=b""
+    )
+    stored = Stored(Head("b", "old", ["a/x"]), Record(0, 1, 0, 0, LINK_FROM_GATEWAY.encode(frame)))
+    assert LINK_FROM_GATEWAY.decode(as_old(stored, "new")).addresses == ["a/x"]
+    same = LINK_FROM_GATEWAY.decode(as_old(stored, "old"))
+    assert (same.addresses, same.live) == ([], False)
+
+
+@pytest.mark.parametrize(
+    ("url", "more"),
+    [
+        ("ws://127.0.0.1:1", {}),
+        ("ws://10.0.0.1:1", {"allow_plain": True}),
+        ("ftp://hub", {}),
+        ("hub:1", {}),
+        ("wss://hub", {"fingerprint": "abc"}),
+    ],
+)
+def test_address_that_is_unsafe_or_none_is_refused(url: str, more: dict) -> None:
+    with pytest.raises(SettingsError):
+        HubAddress.checked(url, **more)
+
+
+def test_address_is_brought_to_its_plain_form() -> None:
+    pin = ":".join(["AB"] * 32)
+    hub = HubAddress.checked("https://hub:1/x?y", fingerprint=pin)
+    assert (hub.url, hub.fingerprint) == ("wss://hub:1", "ab" * 32)
+
+
+@pytest.fixture(scope="module")
+def certificate(tmp_path_factory: pytest.TempPathFactory) -> tuple[ssl.SSLContext, str]:
+    """A server context with a certificate made for the test, and its fingerprint."""
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, "some hub")])
+    now = datetime.datetime.now(datetime.UTC)
+    made = (
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(1)
+        .not_valid_before(now - datetime.timedelta(days=1))
+        .not_valid_after(now + datetime.timedelta(days=1))
+        .sign(key, hashes.SHA256())
+    )
+    path = tmp_path_factory.mktemp("tls") / "hub.pem"
+    private = key.private_bytes(
+        serialization.Encoding.PEM,
+        serialization.PrivateFormat.PKCS8,
+        serialization.NoEncryption(),
+    )
+    path.write_bytes(private + made.public_bytes(serialization.Encoding.PEM))
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(path)
+    shown = made.public_bytes(serialization.Encoding.DER)
+    return context, hashlib.sha256(shown).hexdigest()
+
+
+async def test_pinned_certificate_is_trusted(
+    certificate: tuple[ssl.SSLContext, str], tmp_path: Path
+) -> None:
+    context, pin = certificate
+    async with (
+        fake_hub(addresses_of, context) as hub,
+        running(hub.url, tmp_path, QUIET, fingerprint=pin),
+    ):
+        await hub.until(lambda: hub.hellos, "a hello")
+        assert hub.hellos[0].site == "quiet"
+
+
+async def test_other_certificate_never_sees_the_key(
+    certificate: tuple[ssl.SSLContext, str], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    context, _ = certificate
+    async with (
+        fake_hub(addresses_of, context) as hub,
+        running(hub.url, tmp_path, QUIET, fingerprint="00" * 32),
+    ):
+        await hub.until(lambda: "somebody stands between" in caplog.text, "a warning")
+        assert hub.requests == 0
+
+
+async def test_refused_key_is_said_once_and_tried_again_slowly(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path, QUIET, key="wrong"):
+        await hub.until(lambda: "refuses this gateway's key" in caplog.text, "a warning")
+        assert hub.requests == 1
+
+
+async def test_hub_that_stops_answering_is_left_after_three_beats(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with fake_hub(addresses_of) as hub:
+        hub.answering = False
+        async with running(hub.url, tmp_path, QUIET):
+            await hub.until(lambda: len(hub.hellos) >= 2, "a second link")
+    assert "has not answered for 3 s" in caplog.text

@@ -1,0 +1,85 @@
+"""``talaia demo`` as a person meets it: it starts, says how to get in, and ends without a trace."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import psutil
+import pytest
+
+from .conftest import start_demo, stop_demo
+
+pytestmark = pytest.mark.robot
+
+
+@pytest.mark.timeout(180)
+def test_the_demo_starts_serves_and_ends_with_everything_it_started(tmp_path: Path) -> None:
+    demo = start_demo(tmp_path, "--no-camera")
+    try:
+        assert set(demo.passwords) == {"admin", "operator", "guest"}
+        with urllib.request.urlopen(f"{demo.address}/api/health", timeout=10) as answer:  # noqa: S310 - http, on loopback
+            assert answer.status == 200
+        family = psutil.Process(demo.process.pid).children(recursive=True)
+        assert len(family) >= 3
+    finally:
+        code = stop_demo(demo)
+    assert code == 0
+    gone, alive = psutil.wait_procs(family, timeout=10)
+    assert alive == []
+    assert len(gone) >= 3
+    port = int(demo.address.rsplit(":", 1)[1])
+    with socket.socket() as probe:
+        assert probe.connect_ex(("127.0.0.1", port)) != 0
+
+
+@pytest.mark.timeout(180)
+def test_when_the_demo_is_killed_its_vehicle_does_not_go_on_alone(tmp_path: Path) -> None:
+    demo = start_demo(tmp_path, "--no-camera")
+    family = psutil.Process(demo.process.pid).children(recursive=True)
+    os.kill(demo.process.pid, signal.SIGKILL)
+    demo.process.wait(10)
+    assert demo.process.stdout is not None
+    demo.process.stdout.close()
+    _, alive = psutil.wait_procs(family, timeout=15)
+    for process in alive:
+        process.kill()
+    assert alive == []
+
+
+@pytest.mark.timeout(180)
+def test_two_demos_side_by_side_have_ports_and_domains_of_their_own(tmp_path: Path) -> None:
+    first = start_demo(tmp_path / "one", "--no-camera")
+    try:
+        second = start_demo(tmp_path / "two", "--no-camera")
+        try:
+            assert first.address != second.address
+            domains = [
+                json.loads((each.data / "sim.log").read_text().splitlines()[-1])["domain"]
+                for each in (first, second)
+            ]
+            assert domains[0] != domains[1]
+        finally:
+            stop_demo(second)
+    finally:
+        stop_demo(first)
+
+
+def test_a_port_that_is_taken_is_told_before_anything_starts(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        done = subprocess.run(
+            [sys.executable, "-m", "talaia", "demo", "--port", port, "--data", str(tmp_path)],
+            capture_output=True, text=True, timeout=60, check=False,
+        )  # fmt: skip
+    assert done.returncode == 2
+    assert f"port {port} is taken; choose another with --port" in done.stderr
+    assert list(tmp_path.iterdir()) == []

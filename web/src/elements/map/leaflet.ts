@@ -1,0 +1,39 @@
+/** Leaflet, loaded when a map is first shown: panning, zooming, touch and keys. We draw ourselves. */
+
+import * as L from "leaflet";
+import leafletStyles from "leaflet/dist/leaflet.css?inline";
+import { unsafeCSS, type CSSResult } from "lit";
+
+export const styles: CSSResult = unsafeCSS(leafletStyles);
+
+/** Zoom 0 shows a metre as one pixel; each step doubles it. */
+const ZOOM = { least: -2, start: 6, most: 10 } as const;
+
+export interface LocalMap {
+  readonly map: L.Map;
+  lookAt(x: number, y: number): void;
+}
+
+/** A map of a flat local plane in metres, x to the right and y up. */
+export function localMap(place: HTMLElement): LocalMap {
+  const map = L.map(place, {
+    crs: L.CRS.Simple,
+    center: [0, 0],
+    zoom: ZOOM.start,
+    minZoom: ZOOM.least,
+    maxZoom: ZOOM.most,
+    attributionControl: false,
+    // Grid and trail are redrawn at each step: an animated stretch of an empty pane would lag.
+    zoomAnimation: false,
+    fadeAnimation: false,
+    inertia: false,
+    zoomControl: false,
+  });
+  L.control.zoom({ position: "topleft", zoomInTitle: "Closer", zoomOutTitle: "Farther" }).addTo(map);
+  return {
+    map,
+    lookAt: (x, y) => {
+      map.setView([y, x], map.getZoom(), { animate: false });
+    },
+  };
+}

@@ -1,0 +1,281 @@
+/** Where the vehicle is and was, on a grid in metres. Needs no tiles and no internet. */
+
+import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { base } from "../base.js";
+import "../button.js";
+import "../loading.js";
+import type { LocalMap } from "./leaflet.js";
+import { paint, scaleBar, type Colours, type Pose } from "./paint.js";
+import type { TrackPoint } from "./track.js";
+
+@customElement("t-track-map")
+export class TrackMap extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-2);
+      }
+      .frame {
+        position: relative;
+        isolation: isolate;
+        overflow: hidden;
+        block-size: var(--t-map-height, 20rem);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+      }
+      .frame:focus-within {
+        border-color: var(--t-accent);
+      }
+      canvas,
+      .leaflet {
+        position: absolute;
+        inset: 0;
+        inline-size: 100%;
+        block-size: 100%;
+      }
+      .leaflet.leaflet-container {
+        background: transparent;
+        font: inherit;
+        z-index: 1;
+      }
+      .leaflet .leaflet-bar {
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        box-shadow: none;
+        overflow: hidden;
+      }
+      .leaflet .leaflet-bar a,
+      .leaflet .leaflet-bar a.leaflet-disabled {
+        inline-size: var(--t-touch);
+        block-size: var(--t-touch);
+        line-height: var(--t-touch);
+        background: var(--t-surface);
+        color: var(--t-text);
+        border-color: var(--t-line);
+        font: inherit;
+        font-size: 1.375rem;
+        line-height: 2.5rem;
+      }
+      .leaflet .leaflet-bar a:hover {
+        background: var(--t-raised);
+      }
+      .leaflet .leaflet-bar a.leaflet-disabled {
+        color: var(--t-muted);
+        opacity: 0.6;
+      }
+      .scale {
+        position: absolute;
+        z-index: 2;
+        inset: auto auto var(--t-space-2) var(--t-space-2);
+        padding: 0 var(--t-space-2) 0.15rem;
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        font-size: var(--t-size-s);
+        pointer-events: none;
+      }
+      .scale i {
+        display: block;
+        block-size: 6px;
+        border: 2px solid currentColor;
+        border-block-start: 0;
+      }
+      .note {
+        position: absolute;
+        z-index: 2;
+        inset: 50% auto auto 50%;
+        transform: translate(-50%, -50%);
+        padding: var(--t-space-2) var(--t-space-3);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-muted);
+        text-align: center;
+        pointer-events: none;
+      }
+      .foot {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        justify-content: space-between;
+        gap: var(--t-space-2);
+        font-variant-numeric: tabular-nums;
+      }
+      .where {
+        font-size: var(--t-size-s);
+      }
+      .stale {
+        color: var(--t-stale);
+        font-weight: var(--t-weight-strong);
+      }
+      .buttons {
+        display: flex;
+        gap: var(--t-space-2);
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) pose: Pose | null = null;
+  @property({ attribute: false }) trail: readonly TrackPoint[] = [];
+  /** Why there is no position; shown while `pose` is null. */
+  @property() note = "Waiting for the first position";
+  /** The position is older than its limit, and how old, in words; empty when it is fresh. */
+  @property() stale = "";
+  /** The position in words, under the map. */
+  @property() where = "";
+
+  @state() private follow = true;
+  @state() private ready = false;
+  @state() private bar = { text: "", px: 0 };
+  @query("canvas") private readonly canvas!: HTMLCanvasElement;
+  @query(".leaflet") private readonly place!: HTMLElement;
+  @query(".scale i") private readonly ruler!: HTMLElement;
+
+  private local: LocalMap | null = null;
+  private sizes: ResizeObserver | null = null;
+  private themes: MutationObserver | null = null;
+  private colours: Colours | null = null;
+  private drawing = 0;
+
+  override render(): TemplateResult {
+    return html`
+      <div class="frame">
+        <canvas role="img" aria-label="Grid in metres with the vehicle and its trail"></canvas>
+        <div class="leaflet" data-keys="own" aria-label="Map: arrow keys move it, plus and minus zoom"></div>
+        <div class="scale" aria-hidden="true" ?hidden=${!this.ready}>${this.bar.text}<i></i></div>
+        ${this.ready ? nothing : html`<div class="note"><t-loading what="Loading the map"></t-loading></div>`}
+        ${this.ready && this.pose === null ? html`<div class="note" role="status">${this.note}</div>` : nothing}
+      </div>
+      <div class="foot">
+        <span class="where">
+          ${this.where} ${this.stale === "" ? nothing : html`<span class="stale" role="status">${this.stale}</span>`}
+        </span>
+        <span class="buttons">
+          <t-button .pressed=${this.follow ? "true" : "false"} @click=${this.toggle}>
+            ${this.follow ? "Following" : "Follow"}
+          </t-button>
+        </span>
+      </div>
+    `;
+  }
+
+  override firstUpdated(): void {
+    void this.start();
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.sizes?.disconnect();
+    this.themes?.disconnect();
+    this.local?.map.remove();
+    this.local = null;
+    this.ready = false;
+    cancelAnimationFrame(this.drawing);
+    this.drawing = 0;
+  }
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    if (this.hasUpdated) void this.start();
+  }
+
+  override updated(changed: PropertyValues<this>): void {
+    this.ruler.style.inlineSize = `${this.bar.px.toFixed(0)}px`;
+    if (changed.has("pose") && this.follow && this.pose) this.local?.lookAt(this.pose.x, this.pose.y);
+    if (changed.has("pose") || changed.has("trail") || changed.has("stale")) this.draw();
+  }
+
+  private async start(): Promise<void> {
+    const leaflet = await import("./leaflet.js");
+    if (!this.isConnected || this.local) return;
+    const root = this.renderRoot;
+    if (root instanceof ShadowRoot && leaflet.styles.styleSheet) {
+      // Before ours, so that our colours win.
+      root.adoptedStyleSheets = [leaflet.styles.styleSheet, ...root.adoptedStyleSheets];
+    }
+    this.local = leaflet.localMap(this.place);
+    const { map } = this.local;
+    map.on("move zoom viewreset resize", this.draw);
+    map.on("dragstart", this.look);
+    this.place.addEventListener("keydown", this.lookByKey);
+    this.sizes = new ResizeObserver(() => {
+      map.invalidateSize({ animate: false });
+      this.draw();
+    });
+    this.sizes.observe(this.place);
+    this.themes = new MutationObserver(this.recolour);
+    this.themes.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", this.recolour);
+    this.ready = true;
+    if (this.pose) this.local.lookAt(this.pose.x, this.pose.y);
+    this.draw();
+  }
+
+  private readonly recolour = (): void => {
+    this.colours = null;
+    this.draw();
+  };
+
+  /** Whoever moves the map wants to look elsewhere. */
+  private readonly look = (): void => {
+    this.follow = false;
+  };
+
+  private readonly lookByKey = (event: KeyboardEvent): void => {
+    if (event.key.startsWith("Arrow")) this.look();
+  };
+
+  private readonly toggle = (): void => {
+    this.follow = !this.follow;
+    if (this.follow && this.pose) this.local?.lookAt(this.pose.x, this.pose.y);
+  };
+
+  /** Once for each painted frame of the browser, however many things changed. */
+  private readonly draw = (): void => {
+    if (this.drawing !== 0) return;
+    this.drawing = requestAnimationFrame(() => {
+      this.drawing = 0;
+      this.paintNow();
+    });
+  };
+
+  private paintNow(): void {
+    const pen = this.canvas.getContext("2d");
+    if (!this.local || !pen) return;
+    const { map } = this.local;
+    const { x: width, y: height } = map.getSize();
+    const ratio = window.devicePixelRatio || 1;
+    if (this.canvas.width !== Math.round(width * ratio)) this.canvas.width = Math.round(width * ratio);
+    if (this.canvas.height !== Math.round(height * ratio)) this.canvas.height = Math.round(height * ratio);
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    const origin = map.latLngToContainerPoint([0, 0]);
+    const scale = map.getZoomScale(map.getZoom(), 0);
+    const sight = { width, height, scale, originX: origin.x, originY: origin.y };
+    const scene = { trail: this.trail, pose: this.pose, stale: this.stale !== "" };
+    const style = getComputedStyle(this);
+    this.colours ??= coloursOf(style);
+    paint(pen, sight, scene, this.colours, `12px ${style.fontFamily}`);
+    const bar = scaleBar(scale);
+    if (bar.text !== this.bar.text) this.bar = bar;
+  }
+}
+
+function coloursOf(style: CSSStyleDeclaration): Colours {
+  const token = (name: string): string => style.getPropertyValue(`--t-${name}`).trim();
+  return {
+    line: token("line"),
+    strong: token("edge"),
+    text: token("muted"),
+    accent: token("accent"),
+    stale: token("stale"),
+    surface: token("surface"),
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-track-map": TrackMap;
+  }
+}

@@ -1,0 +1,117 @@
+/**
+ * Layout of the actuate page. Wide: camera and commands left, STOP, pad and map right. Narrow: one
+ * column under the thumb, where the two columns dissolve and `order` sorts what is in them.
+ */
+
+import { css } from "lit";
+
+export const layout = css`
+  :host {
+    display: block;
+  }
+  .page {
+    display: grid;
+    grid-template-columns: minmax(0, 1fr) minmax(22rem, 27rem);
+    gap: var(--t-space-4);
+    align-items: start;
+  }
+  .top {
+    grid-column: 1 / -1;
+    display: flex;
+    flex-wrap: wrap;
+    align-items: center;
+    justify-content: space-between;
+    gap: var(--t-space-2) var(--t-space-4);
+  }
+  .left,
+  .right {
+    display: grid;
+    gap: var(--t-space-4);
+    align-content: start;
+    min-inline-size: 0;
+  }
+  .right {
+    align-self: stretch;
+  }
+  .stop {
+    position: sticky;
+    inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-2));
+    z-index: 10;
+  }
+  .camera {
+    inline-size: 100%;
+    max-inline-size: calc((100dvh - 11rem) * 4 / 3);
+    margin-inline: auto;
+  }
+  .page:fullscreen {
+    overflow: auto;
+    padding: var(--t-space-3);
+    background: var(--t-bg);
+  }
+  .page.full .stop {
+    inset-block-start: 0;
+  }
+  .page.full .camera {
+    max-inline-size: calc((100dvh - 2rem) * 4 / 3);
+  }
+  .page.full :is(.top, .commands) {
+    display: none;
+  }
+
+  /* A phone on its side: small camera left, hands right. */
+  @media (max-width: 60rem) and (orientation: landscape) {
+    .page {
+      grid-template-columns: minmax(0, 1fr) minmax(19rem, 22rem);
+      gap: var(--t-space-3);
+    }
+    .top h1 {
+      font-size: var(--t-size-l);
+    }
+    .camera {
+      position: sticky;
+      inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-2));
+      max-inline-size: calc((100dvh - 5rem) * 4 / 3);
+    }
+  }
+
+  @media (max-width: 52rem) and (orientation: portrait) {
+    .page {
+      display: flex;
+      flex-direction: column;
+      align-items: stretch;
+      gap: var(--t-space-3);
+    }
+    .left,
+    .right {
+      display: contents;
+    }
+    .top {
+      order: 0;
+    }
+    .top h1 {
+      font-size: var(--t-size-l);
+    }
+    .camera {
+      order: 1;
+      max-inline-size: none;
+    }
+    /* Stays in sight wherever the page is scrolled to: at the lower edge until its own place
+       comes, at the upper edge after that. */
+    .stop {
+      order: 2;
+      inset-block: calc(var(--t-header, 3.75rem) + var(--t-space-2)) calc(4.75rem + env(safe-area-inset-bottom));
+    }
+    .hands {
+      order: 3;
+    }
+    .stopped {
+      order: 4;
+    }
+    .map {
+      order: 5;
+    }
+    .commands {
+      order: 6;
+    }
+  }
+`;

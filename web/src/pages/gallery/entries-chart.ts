@@ -1,0 +1,190 @@
+/** Charts and what stands around them, with samples that do not change. */
+
+import { html, type TemplateResult } from "lit";
+import type { Axis, ChartSeries } from "../../elements/chart/model.js";
+import { Trace } from "../../series/trace.js";
+import type { Span } from "../../series/window.js";
+import { ChartFeed, type Past, type Source } from "../../tiles/chart/feed.js";
+import type { DeviceInfo, SignalInfo } from "../../wire/api.js";
+import { loadedOf, type Loaded } from "../history/loader.js";
+import type { Row, Together } from "../history/rows.js";
+import type { GalleryEntry } from "./entry.js";
+import "../../elements/chart/chart.js";
+import "../../tiles/chart/chart-tile.js";
+import "../history/history-chart.js";
+import "../history/history-tools.js";
+import "../history/signal-picker.js";
+
+const END_US = 1_780_000_000_000_000;
+const LENGTH_US = 30e6;
+const STEP_US = 50_000;
+const SPAN: Span = { fromUs: END_US - LENGTH_US, toUs: END_US };
+const AXIS: Axis = { limits: { minimum: null, maximum: null }, least: 0 };
+const ZONE = "Europe/Madrid";
+
+function wave(seconds: number, phase = 0): number {
+  const spike = Math.abs(seconds - 12) < 0.03 ? 0.5 : 0;
+  return 0.1 * Math.sin(seconds / 2 + phase) + 0.02 * Math.sin(seconds * 31) + spike;
+}
+
+function fill(trace: Trace, valueAt: (seconds: number) => number): Trace {
+  for (let us = SPAN.fromUs; us < END_US; us += STEP_US) trace.take(us, valueAt((us - SPAN.fromUs) / 1e6));
+  return trace;
+}
+
+function samples(valueAt: (seconds: number) => number): Trace {
+  return fill(new Trace(Infinity, 5e6), valueAt);
+}
+
+function series(change: Partial<ChartSeries> = {}): ChartSeries {
+  return {
+    address: "base/speed",
+    name: "Speed",
+    unit: "m/s",
+    decimals: -1,
+    colour: 0,
+    samples: samples(wave),
+    states: [],
+    gaps: [],
+    stale: false,
+    ...change,
+  };
+}
+
+function chart(list: readonly ChartSeries[], span: Span = SPAN): TemplateResult {
+  return html`<t-chart .series=${list} .span=${span} .axis=${AXIS} zone=${ZONE} label="A chart" zoomable></t-chart>`;
+}
+
+function holed(seconds: number): number {
+  return seconds > 14 && seconds < 20 ? NaN : wave(seconds);
+}
+
+const GAP = { from_us: SPAN.fromUs + 14e6, to_us: SPAN.fromUs + 20e6, reason: "the spool was full" };
+const STATES = ["off", "on", "fault"];
+
+function signal(change: Partial<SignalInfo> = {}): SignalInfo {
+  const plain: SignalInfo = {
+    id: "speed",
+    address: "base/speed",
+    name: "Speed",
+    type: "number",
+    unit: "m/s",
+    decimals: -1,
+    minimum: -0.25,
+    maximum: 0.25,
+    states: [],
+    frame: "local",
+    max_age: 5,
+    primary: true,
+    channels: ["base/speed"],
+  };
+  return { ...plain, ...change };
+}
+
+const NOBODY: Source = { subscribe: () => () => undefined };
+const NO_PAST: Past = { history: () => Promise.resolve({ series: [] }) };
+
+/** A feed that has heard all its samples this long ago (s). */
+function feed(what: SignalInfo, ageS: number, valueAt: (seconds: number) => number, text: string | null = null): ChartFeed {
+  const made = new ChartFeed("gallery", NOBODY, NO_PAST, () => undefined, LENGTH_US);
+  made.listen([what]);
+  made.edge.observe(END_US, performance.now(), ageS * 1000);
+  for (const address of what.channels) {
+    const channel = made.channel(address);
+    fill(channel.trace, valueAt);
+    channel.text = text;
+    channel.timeUs = END_US;
+    channel.freshAtMs = performance.now() - ageS * 1000;
+  }
+  return made;
+}
+
+function tile(what: SignalInfo, made: ChartFeed, paused = false, forbidden = false): TemplateResult {
+  return html`<t-chart-tile .feed=${made} .signal=${what} .paused=${paused} .forbidden=${forbidden} zone=${ZONE}></t-chart-tile>`;
+}
+
+// Fresh for a day, so that the gallery can be looked at for long.
+const LASTING = signal({ max_age: 86_400 });
+const SILENT = new ChartFeed("gallery", NOBODY, NO_PAST, () => undefined, LENGTH_US);
+const WANDER = signal({ name: "Wander mode", type: "state", states: STATES, max_age: 86_400 });
+const PLACE = signal({ name: "Position", type: "position", channels: ["base/pose.x", "base/pose.y", "base/pose.yaw"], max_age: 86_400 });
+const WORDS = signal({ name: "Last message", type: "text", max_age: 86_400 });
+
+const DEVICE: DeviceInfo = { id: "base", name: "Vehicle base", kind: "vehicle", signals: [], streams: [], commands: [], drive: null, rights: [] };
+const ROWS: readonly Row[] = [
+  { address: "base/speed", device: DEVICE, name: "Speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true },
+  { address: "base/other", device: DEVICE, name: "Other speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true },
+];
+const GROUP: Together = { key: "m/s", title: "m/s", type: "number", rows: ROWS };
+
+function past(): ReadonlyMap<string, Loaded> {
+  const times = Array.from({ length: 600 }, (_, i) => SPAN.fromUs + i * STEP_US);
+  return new Map(
+    ROWS.map(({ address }, i) => {
+      const v = times.map((us) => holed((us - SPAN.fromUs) / 1e6) + i * 0.3).map((value) => (Number.isNaN(value) ? null : value));
+      return [address, loadedOf({ address, t_us: times, v, kind: "exact", gaps: [GAP] }, 5e6)];
+    }),
+  );
+}
+
+function historyChart(data: ReadonlyMap<string, Loaded>, cursorUs: number | null): TemplateResult {
+  return html`<t-history-chart
+    .group=${GROUP}
+    .data=${data}
+    .span=${SPAN}
+    .cursorUs=${cursorUs}
+    .newest=${new Map([["base/speed", SPAN.fromUs - 3600e6]])}
+    loaded
+    zone=${ZONE}
+  ></t-history-chart>`;
+}
+
+export const entries: readonly GalleryEntry[] = [
+  {
+    tag: "t-chart",
+    wide: true,
+    states: [
+      { name: "line, with a spike that is kept", show: () => chart([series()]) },
+      { name: "several, band from least to greatest", show: () => chart([series(), series({ address: "b", name: "Other", colour: 1, samples: samples((s) => wave(s, 1) + 0.3) })], { fromUs: SPAN.fromUs - 20 * LENGTH_US, toUs: END_US }) },
+      { name: "gap with its reason", show: () => chart([series({ samples: samples(holed), gaps: [GAP] })]) },
+      { name: "stale", show: () => chart([series({ stale: true })]) },
+      { name: "states", show: () => chart([series({ states: STATES, samples: samples((s) => Math.floor(s / 7) % 3) })]) },
+      { name: "empty", show: () => chart([series({ samples: new Trace(Infinity, 5e6) })]) },
+    ],
+  },
+  {
+    tag: "t-chart-tile",
+    wide: true,
+    states: [
+      { name: "number, live", show: () => tile(LASTING, feed(LASTING, 0, wave)) },
+      { name: "number, paused", show: () => tile(LASTING, feed(LASTING, 0, wave), true) },
+      { name: "number, stale", show: () => tile(signal(), feed(signal(), 9, wave)) },
+      { name: "no data yet", show: () => tile(signal(), SILENT) },
+      { name: "forbidden", show: () => tile(signal(), SILENT, false, true) },
+      { name: "state", show: () => tile(WANDER, feed(WANDER, 0, (s) => Math.floor(s / 7) % 2)) },
+      { name: "position", show: () => tile(PLACE, feed(PLACE, 0, (s) => s / 10)) },
+      { name: "text", show: () => tile(WORDS, feed(WORDS, 0, () => NaN, "Docked at the charger in the kitchen")) },
+    ],
+  },
+  {
+    tag: "t-history-chart",
+    wide: true,
+    states: [
+      { name: "two of a unit", show: () => historyChart(past(), null) },
+      { name: "cursor from another chart", show: () => historyChart(past(), SPAN.fromUs + 8e6) },
+      { name: "no samples", show: () => historyChart(new Map(), null) },
+    ],
+  },
+  {
+    tag: "t-history-tools",
+    wide: true,
+    states: [
+      { name: "following", show: () => html`<t-history-tools .shown=${{ last: 900 }} .span=${SPAN} zone=${ZONE}></t-history-tools>` },
+      { name: "a window that stands still", show: () => html`<t-history-tools .shown=${SPAN} .span=${SPAN} zone=${ZONE}></t-history-tools>` },
+    ],
+  },
+  {
+    tag: "t-signal-picker",
+    states: [{ name: "one of two chosen", show: () => html`<t-signal-picker .rows=${ROWS} .chosen=${["base/speed"]}></t-signal-picker>` }],
+  },
+];

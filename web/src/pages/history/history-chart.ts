@@ -1,0 +1,306 @@
+/** One chart of the history page with what its lines are and say: values at the cursor, least, mean, greatest. */
+
+import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, query } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { base } from "../../elements/base.js";
+import type { Chart } from "../../elements/chart/chart.js";
+import type { ChartSeries } from "../../elements/chart/model.js";
+import type { Painter } from "../../elements/chart/painter.js";
+import { momentText, readOut } from "../../elements/chart/read-out.js";
+import { decimalsFor, formatNumber } from "../../format/number.js";
+import { knownZone, timeText } from "../../format/time.js";
+import { summary } from "../../series/columns.js";
+import { lengthOf, type Span } from "../../series/window.js";
+import type { Loaded } from "./loader.js";
+import type { Row, Together } from "./rows.js";
+import "../../elements/chart/chart.js";
+
+/** Columns for statistics, where the chart has not been drawn yet. */
+const COLUMNS = 1000;
+/** The cursor finds a value within this part of the window. */
+const REACH = 0.015;
+const TEXTS = 100;
+
+@customElement("t-history-chart")
+export class HistoryChart extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-2);
+        padding: var(--t-space-3) var(--t-space-3) var(--t-space-2);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+        box-shadow: var(--t-shadow);
+        min-inline-size: 0;
+      }
+      t-chart {
+        block-size: clamp(13rem, 34vh, 22rem);
+        margin-inline: calc(-1 * var(--t-space-2));
+      }
+      t-chart.state {
+        block-size: 5.5rem;
+      }
+      .place {
+        position: relative;
+      }
+      .none {
+        position: absolute;
+        inset: 0 0 2rem;
+        display: grid;
+        place-content: center;
+        justify-items: center;
+        text-align: center;
+        color: var(--t-muted);
+        pointer-events: none;
+      }
+      .none > * {
+        padding-inline: var(--t-space-2);
+        background: var(--t-surface);
+      }
+      .none strong {
+        color: var(--t-text);
+      }
+      .scroll {
+        overflow-x: auto;
+      }
+      table {
+        inline-size: 100%;
+        border-collapse: collapse;
+        font-size: var(--t-size-s);
+        font-variant-numeric: tabular-nums;
+      }
+      th,
+      td {
+        padding: 0.2rem var(--t-space-3);
+        text-align: end;
+        white-space: nowrap;
+        font-weight: var(--t-weight);
+      }
+      thead th {
+        color: var(--t-muted);
+      }
+      th:first-child {
+        inline-size: 100%;
+        padding-inline-start: 0;
+        text-align: start;
+      }
+      tbody th {
+        font-weight: var(--t-weight-strong);
+      }
+      .at {
+        min-inline-size: 11rem;
+        font-weight: var(--t-weight-strong);
+      }
+      .swatch {
+        display: inline-block;
+        inline-size: 1rem;
+        block-size: 0.25rem;
+        margin-inline-end: var(--t-space-2);
+        border-radius: 2px;
+        vertical-align: middle;
+      }
+      ol {
+        display: grid;
+        gap: var(--t-space-1);
+        max-block-size: 14rem;
+        margin: 0;
+        padding: 0;
+        overflow-y: auto;
+        list-style: none;
+        font-size: var(--t-size-s);
+      }
+      time {
+        color: var(--t-muted);
+        font-variant-numeric: tabular-nums;
+      }
+      .c1 {
+        background: var(--t-series-1);
+      }
+      .c2 {
+        background: var(--t-series-2);
+      }
+      .c3 {
+        background: var(--t-series-3);
+      }
+      .c4 {
+        background: var(--t-series-4);
+      }
+      .c5 {
+        background: var(--t-series-5);
+      }
+      .c6 {
+        background: var(--t-series-6);
+      }
+      .c7 {
+        background: var(--t-series-7);
+      }
+      .c8 {
+        background: var(--t-series-8);
+      }
+      @media (max-width: 45rem) {
+        th,
+        td {
+          padding-inline: var(--t-space-2) 0;
+        }
+        th:first-child {
+          white-space: normal;
+        }
+        .at {
+          min-inline-size: 0;
+        }
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) group: Together | null = null;
+  @property({ attribute: false }) data: ReadonlyMap<string, Loaded> = new Map();
+  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) cursorUs: number | null = null;
+  @property({ attribute: false }) painter: Painter | null = null;
+  /** When each channel was heard of last (µs), for a window without samples. */
+  @property({ attribute: false }) newest: ReadonlyMap<string, number> = new Map();
+  /** The first answer has come. */
+  @property({ type: Boolean }) loaded = false;
+  @property() zone = "UTC";
+
+  @query("t-chart") private readonly chart!: Chart | null;
+
+  private series: readonly ChartSeries[] = [];
+
+  protected override willUpdate(changed: PropertyValues<this>): void {
+    if (changed.has("group") || changed.has("data")) this.series = this.makeSeries();
+  }
+
+  override render(): TemplateResult | null {
+    const { group } = this;
+    if (group === null) return null;
+    if (group.type === "text") return this.texts(group);
+    return html`
+      ${this.table(group)}
+      <div class="place">
+        <t-chart
+          class=${group.type}
+          zoomable
+          axis-width="60"
+          .series=${this.series}
+          .span=${this.span}
+          .cursorUs=${this.cursorUs}
+          .painter=${this.painter}
+          zone=${this.zone}
+          label=${`History of ${group.rows.map(({ name }) => name).join(", ")}`}
+        ></t-chart>
+        ${this.loaded && this.series.every((one) => this.countOf(one.address) === 0) ? this.none(group) : nothing}
+      </div>
+    `;
+  }
+
+  private table(group: Together): TemplateResult {
+    const head = group.type === "number" ? html`<th>min</th><th>mean</th><th>max</th>` : nothing;
+    const { cursorUs } = this;
+    return html`<div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th scope="col">${group.type === "number" ? group.title || "without unit" : "state"}</th>
+            <th scope="col" class="at">
+              ${cursorUs === null ? "newest shown" : momentText(cursorUs, knownZone(this.zone), lengthOf(this.span))}
+            </th>
+            ${head}
+          </tr>
+        </thead>
+        <tbody>
+          ${repeat(
+            group.rows,
+            (row) => row.address,
+            (row, i) => this.line(row, i),
+          )}
+        </tbody>
+      </table>
+    </div>`;
+  }
+
+  private line(row: Row, index: number): TemplateResult {
+    const series = this.series.find(({ address }) => address === row.address);
+    const swatch = row.type === "number" ? html`<span class="swatch c${(index % 8) + 1}"></span>` : nothing;
+    return html`<tr>
+      <th scope="row">${swatch}${row.name} <span class="muted">${row.device.name}</span></th>
+      <td class="at">${series === undefined ? "–" : this.valueAt(series)}</td>
+      ${row.type === "number" ? this.statistics(row, series) : nothing}
+    </tr>`;
+  }
+
+  private valueAt(series: ChartSeries): string {
+    const at = this.cursorUs ?? Math.min(this.span.toUs, series.samples.newestUs);
+    return readOut(series, at, this.columnUs(), lengthOf(this.span) * REACH).text;
+  }
+
+  private statistics(row: Row, series: ChartSeries | undefined): TemplateResult {
+    const { fromUs, toUs } = this.span;
+    const seen = series && summary(series.samples.columnsAt(this.columnUs()), fromUs, toUs);
+    const decimals = decimalsFor(row.unit, row.decimals);
+    const text = (value: number | undefined): string =>
+      seen === undefined || seen.count === 0 ? "–" : formatNumber(value ?? NaN, decimals);
+    return html`<td>${text(seen?.min)}</td>
+      <td>${text(seen?.mean)}</td>
+      <td>${text(seen?.max)}</td>`;
+  }
+
+  // The chart's own columns where there is one: two resolutions would thin all of it twice.
+  private columnUs(): number {
+    return this.chart?.columnUs || Math.max(1, Math.round(lengthOf(this.span) / COLUMNS));
+  }
+
+  private none(group: Together): TemplateResult {
+    const newest = Math.max(...group.rows.map(({ address }) => this.newest.get(address) ?? 0));
+    const now = Date.now() * 1000;
+    return html`<div class="none">
+      <strong>No samples in this window</strong>
+      ${newest > 0 ? html`<span>The newest is of ${timeText(newest, knownZone(this.zone), now).local}.</span>` : nothing}
+    </div>`;
+  }
+
+  private texts(group: Together): TemplateResult {
+    const row = group.rows[0];
+    const { fromUs, toUs } = this.span;
+    const texts = (this.data.get(row?.address ?? "")?.texts ?? []).filter(({ timeUs }) => timeUs >= fromUs && timeUs <= toUs);
+    return html`<h3>${group.title} <span class="muted">${row?.device.name}</span></h3>
+      ${
+        texts.length === 0 && this.loaded
+          ? html`<p class="muted">No samples in this window</p>`
+          : html`<ol>
+              ${map(
+                texts.slice(-TEXTS).reverse(),
+                ({ timeUs, text }) =>
+                  html`<li><time>${momentText(timeUs, knownZone(this.zone), lengthOf(this.span))}</time> ${text}</li>`,
+              )}
+            </ol>`
+      }`;
+  }
+
+  private countOf(address: string): number {
+    const held = this.data.get(address);
+    if (held === undefined) return 0;
+    const { fromUs, toUs } = this.span;
+    return held.trace.times.some((time, i) => time >= fromUs && time <= toUs && !Number.isNaN(held.trace.values[i])) ? 1 : 0;
+  }
+
+  private makeSeries(): ChartSeries[] {
+    return (this.group?.rows ?? []).flatMap((row, colour) => {
+      const held = this.data.get(row.address);
+      if (held === undefined) return [];
+      const { address, name, unit, decimals, states } = row;
+      return [{ address, name, unit, decimals, states, colour, samples: held.trace, gaps: held.gaps, stale: false }];
+    });
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-history-chart": HistoryChart;
+  }
+}

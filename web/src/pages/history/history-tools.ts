@@ -1,0 +1,227 @@
+/** Which stretch of time the history page shows: quick ranges, from and to, zoom, follow, share. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property, queryAll, state } from "lit/decorators.js";
+import { base } from "../../elements/base.js";
+import { knownZone, timeText, zoneName } from "../../format/time.js";
+import { lengthOf, pan, zoom, type Span } from "../../series/window.js";
+import { ZoneClock } from "../../series/zone.js";
+import { QUICK, quickOf, quickShown, spanOf, type HistoryView } from "./query.js";
+import "../../elements/button.js";
+import "../../elements/choice.js";
+
+type Shown = HistoryView["shown"];
+
+const COPIED_MS = 2000;
+
+/** @fires t-shown detail is what is asked to be shown */
+@customElement("t-history-tools")
+export class HistoryTools extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-2) var(--t-space-3);
+      }
+      .dates,
+      .moves {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-2);
+      }
+      summary {
+        min-block-size: var(--t-touch);
+        align-content: center;
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight-strong);
+        font-variant-numeric: tabular-nums;
+        cursor: pointer;
+      }
+      label {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight-strong);
+      }
+      input {
+        box-sizing: border-box;
+        min-block-size: var(--t-touch);
+        padding: var(--t-space-1) var(--t-space-2);
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-text);
+        font: inherit;
+        font-variant-numeric: tabular-nums;
+      }
+      input[aria-invalid="true"] {
+        border: 2px solid var(--t-bad);
+      }
+      .zone {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .wrong {
+        inline-size: 100%;
+        color: var(--t-bad);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight-strong);
+      }
+      .moves t-button {
+        font-variant-numeric: tabular-nums;
+      }
+      @media (min-width: 45.01rem) {
+        summary {
+          display: none;
+        }
+      }
+      @media (max-width: 45rem) {
+        .when {
+          inline-size: 100%;
+        }
+        .moves t-button {
+          flex: 1 0 auto;
+        }
+        .moves {
+          inline-size: 100%;
+        }
+        label {
+          inline-size: 100%;
+        }
+        label span {
+          inline-size: 2.5rem;
+        }
+        input {
+          flex: 1;
+          min-inline-size: 0;
+        }
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) shown: Shown = { last: 900 };
+  /** The window that is on screen now. */
+  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property() zone = "UTC";
+
+  @queryAll("input") private readonly inputs!: NodeListOf<HTMLInputElement>;
+
+  private readonly wide = matchMedia("(min-width: 45.01rem)");
+
+  @state() private wrong = "";
+  @state() private copied = false;
+
+  override render(): TemplateResult {
+    const clock = this.clock();
+    const follows = "last" in this.shown;
+    return html`
+      <t-choice
+        label="Time range"
+        .options=${QUICK}
+        chosen=${quickOf(this.shown, Date.now() * 1000, clock)}
+        @t-choose=${this.quick}
+      ></t-choice>
+      <details class="when" ?open=${this.wide.matches}>
+        <summary>${this.spanText(clock)}</summary>
+        <div class="dates" @change=${this.typed}>
+          ${this.dateField("From", clock.toInput(this.span.fromUs))} ${this.dateField("To", clock.toInput(this.span.toUs))}
+          <span class="zone" title=${clock.zone}>${zoneName(this.span.toUs, clock.zone)}</span>
+        </div>
+      </details>
+      <div class="moves">
+        <t-button label="Earlier" @click=${this.earlier}>←</t-button>
+        <t-button label="Later" @click=${this.later}>→</t-button>
+        <t-button label="Zoom in" @click=${this.closer}>+</t-button>
+        <t-button label="Zoom out" @click=${this.wider}>−</t-button>
+        <t-button pressed=${follows ? "true" : "false"} kind=${follows ? "primary" : "plain"} @click=${this.follow}
+          >${follows ? "Following live" : "Follow live"}</t-button
+        >
+        <t-button @click=${this.share}>${this.copied ? "Link copied" : "Copy link"}</t-button>
+      </div>
+      <span class="wrong" role="alert" ?hidden=${this.wrong === ""}>${this.wrong}</span>
+    `;
+  }
+
+  private dateField(name: string, value: string): TemplateResult {
+    const invalid = this.wrong === "" ? "false" : "true";
+    return html`<label
+      ><span>${name}</span><input type="datetime-local" step="1" aria-invalid=${invalid} .value=${value}
+    /></label>`;
+  }
+
+  private spanText(clock: ZoneClock): string {
+    const now = Date.now() * 1000;
+    const [from, to] = [this.span.fromUs, this.span.toUs].map((us) => timeText(us, clock.zone, now).local);
+    return `${from ?? ""} – ${to ?? ""} ${zoneName(this.span.toUs, clock.zone)}`;
+  }
+
+  private clock(): ZoneClock {
+    return new ZoneClock(knownZone(this.zone));
+  }
+
+  private readonly quick = (event: CustomEvent<string>): void => {
+    this.tell(quickShown(event.detail, Date.now() * 1000, this.clock()));
+  };
+
+  private readonly typed = (): void => {
+    const clock = this.clock();
+    const [fromUs, toUs] = [...this.inputs].map((input) => clock.fromInput(input.value));
+    if (fromUs === undefined || toUs === undefined || Number.isNaN(fromUs) || Number.isNaN(toUs)) {
+      this.wrong = "Give both times, with date and clock.";
+      return;
+    }
+    this.wrong = fromUs < toUs ? "" : "“From” must be before “to”.";
+    if (this.wrong === "") this.tell({ fromUs, toUs });
+  };
+
+  private readonly earlier = (): void => {
+    this.tell(pan(this.span, -lengthOf(this.span) / 2));
+  };
+
+  private readonly later = (): void => {
+    this.tell(pan(this.span, lengthOf(this.span) / 2));
+  };
+
+  private readonly closer = (): void => {
+    this.tell(zoom(this.span, 0.5, (this.span.fromUs + this.span.toUs) / 2));
+  };
+
+  private readonly wider = (): void => {
+    this.tell(zoom(this.span, 2, (this.span.fromUs + this.span.toUs) / 2));
+  };
+
+  /** From a window that stands still to one of the same length that goes on, and back. */
+  private readonly follow = (): void => {
+    if ("last" in this.shown) this.tell(spanOf(this.shown, this.span.toUs));
+    else this.tell({ last: Math.max(1, Math.round(lengthOf(this.span) / 1e6)) });
+  };
+
+  private readonly share = (): void => {
+    void navigator.clipboard.writeText(location.href).then(() => {
+      this.copied = true;
+      setTimeout(() => {
+        this.copied = false;
+      }, COPIED_MS);
+    });
+  };
+
+  private tell(detail: Shown): void {
+    this.wrong = "";
+    this.dispatchEvent(new CustomEvent("t-shown", { detail }));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-history-tools": HistoryTools;
+  }
+  interface HTMLElementEventMap {
+    "t-shown": CustomEvent<Shown>;
+  }
+}

@@ -1,0 +1,87 @@
+/** What the history page shows, as it stands in the address bar. */
+
+import type { Span } from "../../series/window.js";
+import { SECOND_US, type ZoneClock } from "../../series/zone.js";
+
+export interface HistoryView {
+  /** Addresses of the chosen channels; null when the address says nothing of them. */
+  readonly channels: readonly string[] | null;
+  /** The last so many seconds, going on with the time; or a window that stands still. */
+  readonly shown: { readonly last: number } | Span;
+}
+
+export const FIRST_LAST = 900;
+const LONGEST_LAST = 3660 * 86_400;
+
+/** Reads the search part of the address. What makes no sense is as if it were not there. */
+export function readView(search: string): HistoryView {
+  const query = new URLSearchParams(search);
+  const channels = query.has("none") ? [] : query.getAll("c");
+  return { channels: channels.length > 0 || query.has("none") ? [...new Set(channels)] : null, shown: readShown(query) };
+}
+
+/** The search part for a view: what `readView` reads back. */
+export function writeView(view: HistoryView): string {
+  const query = new URLSearchParams();
+  for (const channel of view.channels ?? []) query.append("c", channel);
+  if (view.channels?.length === 0) query.set("none", "");
+  if ("last" in view.shown) {
+    query.set("last", String(view.shown.last));
+  } else {
+    query.set("from", String(Math.round(view.shown.fromUs)));
+    query.set("to", String(Math.round(view.shown.toUs)));
+  }
+  // Slashes and commas may stand in a query, and addresses read better with them.
+  return `?${query.toString().replaceAll("%2F", "/")}`;
+}
+
+function readShown(query: URLSearchParams): { last: number } | Span {
+  const [fromUs, toUs, last] = ["from", "to", "last"].map((key) => Number(query.get(key) ?? NaN));
+  if (fromUs !== undefined && toUs !== undefined && Number.isSafeInteger(fromUs) && Number.isSafeInteger(toUs) && fromUs < toUs) {
+    return { fromUs, toUs };
+  }
+  return { last: last !== undefined && last >= 1 && last <= LONGEST_LAST ? last : FIRST_LAST };
+}
+
+export interface QuickRange {
+  readonly id: string;
+  readonly label: string;
+}
+
+export const QUICK: readonly QuickRange[] = [
+  { id: "300", label: "5 min" },
+  { id: "900", label: "15 min" },
+  { id: "3600", label: "1 h" },
+  { id: "21600", label: "6 h" },
+  { id: "86400", label: "24 h" },
+  { id: "604800", label: "7 d" },
+  { id: "today", label: "Today" },
+  { id: "yesterday", label: "Yesterday" },
+];
+
+/** What a quick range shows; days are those of the site's zone. */
+export function quickShown(id: string, nowUs: number, clock: ZoneClock): { last: number } | Span {
+  switch (id) {
+    case "today":
+      return { fromUs: clock.dayStart(nowUs), toUs: clock.dayAfter(nowUs, 1) };
+    case "yesterday":
+      return { fromUs: clock.dayAfter(nowUs, -1), toUs: clock.dayStart(nowUs) };
+    default:
+      return { last: Number(id) };
+  }
+}
+
+/** Which quick range is shown; empty for none. */
+export function quickOf(shown: HistoryView["shown"], nowUs: number, clock: ZoneClock): string {
+  if ("last" in shown) return QUICK.some(({ id }) => id === String(shown.last)) ? String(shown.last) : "";
+  const same = (id: string): boolean => {
+    const span = quickShown(id, nowUs, clock);
+    return !("last" in span) && span.fromUs === shown.fromUs && span.toUs === shown.toUs;
+  };
+  return ["today", "yesterday"].find(same) ?? "";
+}
+
+/** The window at a moment. */
+export function spanOf(shown: HistoryView["shown"], nowUs: number): Span {
+  return "last" in shown ? { fromUs: nowUs - shown.last * SECOND_US, toUs: nowUs } : shown;
+}

@@ -1,0 +1,63 @@
+/** The channels of a site that have a history, and how they share charts. */
+
+import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api.js";
+
+/** One channel that can be chosen. */
+export interface Row {
+  readonly address: string;
+  readonly device: DeviceInfo;
+  readonly name: string;
+  readonly type: "number" | "state" | "text";
+  readonly unit: string;
+  readonly decimals: number;
+  readonly states: readonly string[];
+  /** s */
+  readonly maxAge: number;
+  readonly primary: boolean;
+}
+
+/** Rows that are drawn in one chart: one unit, or one state, or one text. */
+export interface Together {
+  readonly key: string;
+  readonly title: string;
+  readonly type: Row["type"];
+  readonly rows: readonly Row[];
+}
+
+const PART_UNITS: Readonly<Record<string, string>> = { x: "m", y: "m", yaw: "rad", lat: "°", lon: "°", alt: "m" };
+const DEGREE_DIGITS = 6;
+/** Chosen when the address chooses nothing. */
+const FIRST_CHOICE = 2;
+
+export function rowsOf(detail: SiteDetail): Row[] {
+  return detail.devices.flatMap((device) => device.signals.flatMap((signal) => signal.channels.map((channel) => rowOf(device, signal, channel))));
+}
+
+/** What to show to somebody who has not chosen: the first main numbers. */
+export function firstChoice(rows: readonly Row[]): string[] {
+  const numbers = rows.filter(({ type }) => type === "number");
+  const main = numbers.filter(({ primary }) => primary);
+  return (main.length > 0 ? main : numbers).slice(0, FIRST_CHOICE).map(({ address }) => address);
+}
+
+/** Puts numbers of one unit together, in the order of the description. */
+export function together(rows: readonly Row[]): Together[] {
+  const found = new Map<string, { title: string; type: Row["type"]; rows: Row[] }>();
+  for (const row of rows) {
+    const key = row.type === "number" && row.unit !== "" ? `unit ${row.unit}` : row.address;
+    const group = found.get(key) ?? { title: row.type === "number" ? row.unit : row.name, type: row.type, rows: [] };
+    found.set(key, group);
+    group.rows.push(row);
+  }
+  return [...found].map(([key, group]) => ({ key, ...group }));
+}
+
+function rowOf(device: DeviceInfo, signal: SignalInfo, channel: string): Row {
+  const plain = { address: channel, device, states: [], maxAge: signal.max_age, primary: signal.primary } as const;
+  if (signal.type !== "position") {
+    return { ...plain, name: signal.name, type: signal.type, unit: signal.unit, decimals: signal.decimals, states: signal.states };
+  }
+  const part = channel.slice(channel.lastIndexOf(".") + 1);
+  const unit = PART_UNITS[part] ?? "";
+  return { ...plain, name: `${signal.name}, ${part}`, type: "number", unit, decimals: unit === "°" ? DEGREE_DIGITS : -1 };
+}

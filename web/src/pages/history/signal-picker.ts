@@ -1,0 +1,158 @@
+/** Which channels are shown: check boxes by device. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { base } from "../../elements/base.js";
+import type { Row } from "./rows.js";
+import "../../elements/button.js";
+
+/** @fires t-pick detail is the addresses that are chosen now, in the order of the description */
+@customElement("t-signal-picker")
+export class SignalPicker extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr);
+        gap: var(--t-space-3);
+        align-content: start;
+      }
+      .head {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-2);
+      }
+      input[type="search"] {
+        box-sizing: border-box;
+        flex: 1;
+        min-inline-size: 0;
+        min-block-size: var(--t-touch);
+        padding: var(--t-space-2) var(--t-space-3);
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-text);
+        font: inherit;
+      }
+      ::placeholder {
+        color: var(--t-muted);
+        opacity: 1;
+      }
+      fieldset {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr);
+        margin: 0;
+        padding: 0;
+        border: 0;
+        min-inline-size: 0;
+      }
+      legend {
+        padding: 0;
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight-strong);
+      }
+      label {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        min-block-size: 2.25rem;
+        border-radius: var(--t-radius-s);
+        cursor: pointer;
+      }
+      label:hover {
+        background: var(--t-raised);
+      }
+      .name {
+        flex: 1;
+        min-inline-size: 0;
+        overflow: hidden;
+        text-overflow: ellipsis;
+        white-space: nowrap;
+      }
+      .unit {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      input[type="checkbox"] {
+        inline-size: 1.15rem;
+        block-size: 1.15rem;
+        margin: 0 0 0 var(--t-space-1);
+        accent-color: var(--t-accent);
+      }
+      @media (pointer: coarse) {
+        label {
+          min-block-size: var(--t-touch);
+        }
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) rows: readonly Row[] = [];
+  @property({ attribute: false }) chosen: readonly string[] = [];
+
+  @state() private filter = "";
+
+  override render(): TemplateResult {
+    const words = this.filter.toLowerCase().split(/\s+/).filter(Boolean);
+    const fits = this.rows.filter(({ name, device, address }) => {
+      const text = `${device.name} ${name} ${address}`.toLowerCase();
+      return words.every((word) => text.includes(word));
+    });
+    const devices = [...new Set(fits.map(({ device }) => device))];
+    return html`
+      <div class="head">
+        <input type="search" placeholder="Filter" aria-label="Filter signals" @input=${this.typed} />
+        <t-button kind="quiet" ?disabled=${this.chosen.length === 0} @click=${this.none}>Clear</t-button>
+      </div>
+      ${repeat(
+        devices,
+        (device) => device.id,
+        (device) => html`<fieldset @change=${this.toggled}>
+          <legend>${device.name}</legend>
+          ${repeat(
+            fits.filter((row) => row.device === device),
+            (row) => row.address,
+            (row) => html`<label title=${row.address}
+              ><input type="checkbox" .value=${row.address} .checked=${this.chosen.includes(row.address)} /><span class="name"
+                >${row.name}</span
+              ><span class="unit">${row.type === "number" ? row.unit : row.type}</span></label
+            >`,
+          )}
+        </fieldset>`,
+      )}
+    `;
+  }
+
+  private readonly typed = (event: Event): void => {
+    if (event.target instanceof HTMLInputElement) this.filter = event.target.value;
+  };
+
+  private readonly toggled = (event: Event): void => {
+    if (!(event.target instanceof HTMLInputElement)) return;
+    const { value, checked } = event.target;
+    const next = new Set(this.chosen);
+    if (checked) next.add(value);
+    else next.delete(value);
+    this.tell(this.rows.map(({ address }) => address).filter((address) => next.has(address)));
+  };
+
+  private readonly none = (): void => {
+    this.tell([]);
+  };
+
+  private tell(detail: readonly string[]): void {
+    this.dispatchEvent(new CustomEvent("t-pick", { detail }));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-signal-picker": SignalPicker;
+  }
+  interface HTMLElementEventMap {
+    "t-pick": CustomEvent<readonly string[]>;
+  }
+}

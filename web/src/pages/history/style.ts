@@ -1,0 +1,75 @@
+import { css } from "lit";
+
+export const historyStyle = css`
+  :host {
+    display: grid;
+    gap: var(--t-space-4);
+    min-inline-size: 0;
+  }
+  .title {
+    display: flex;
+    flex-wrap: wrap;
+    align-items: baseline;
+    gap: 0 var(--t-space-3);
+  }
+  .body {
+    display: grid;
+    grid-template-columns: minmax(14rem, 17rem) minmax(0, 1fr);
+    gap: var(--t-space-4);
+    align-items: start;
+  }
+  .pick {
+    padding: var(--t-space-3);
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
+  }
+  summary {
+    min-block-size: var(--t-touch);
+    align-content: center;
+    font-weight: var(--t-weight-strong);
+    cursor: pointer;
+  }
+  .count {
+    padding: 0 0.5em;
+    border-radius: 1em;
+    background: var(--t-raised);
+    font-variant-numeric: tabular-nums;
+  }
+  .charts {
+    position: relative;
+    display: grid;
+    gap: var(--t-space-3);
+    min-inline-size: 0;
+  }
+  .progress {
+    position: absolute;
+    inset: -0.4rem 0 auto;
+    block-size: 3px;
+    border-radius: 2px;
+    background: linear-gradient(90deg, transparent, var(--t-accent), transparent) 0 / 40% 100% no-repeat;
+    animation: pass 1s 0.3s linear infinite both;
+  }
+  @keyframes pass {
+    from {
+      background-position: -60% 0;
+    }
+    to {
+      background-position: 160% 0;
+    }
+  }
+  .hint {
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+  }
+  @media (max-width: 60rem) {
+    .body {
+      grid-template-columns: minmax(0, 1fr);
+    }
+  }
+  @media (pointer: coarse) {
+    .hint {
+      display: none;
+    }
+  }
+`;
