@@ -1,5 +1,6 @@
 """Passwords, the throttle, permissions and sessions."""
 
+import asyncio
 import dataclasses
 
 import pytest
@@ -22,7 +23,8 @@ async def test_password_fits_its_hash_and_no_other() -> None:
     kept = await passwords.hash("correct horse")
     assert await passwords.verify("correct horse", kept)
     assert not await passwords.verify("correct horsf", kept)
-    assert not await passwords.verify("correct horse", None)
+    for guess in ("correct horse", "nobody", ""):
+        assert not await passwords.verify(guess, None)
 
 
 async def test_nothing_of_a_long_password_is_cut() -> None:
@@ -203,3 +205,19 @@ async def test_change_of_role_is_seen_in_the_session(people, sessions) -> None:
     after = await sessions.who(token)
     assert after != before
     assert after.grants == Grants()
+
+
+async def test_of_two_who_set_up_at_once_exactly_one_wins(people) -> None:
+    token = await people.offer_setup(60.0)
+    assert await people.set_up("wrong", "eve", "hash") is None
+    won = await asyncio.gather(*(people.set_up(token, f"ada {at}", "hash") for at in range(5)))
+    assert sum(each is not None for each in won) == 1
+    assert await people.offer_setup(60.0) is None
+
+
+async def test_setup_token_grows_old(people, clock) -> None:
+    token = await people.offer_setup(60.0)
+    assert await people.may_set_up(token)
+    clock.advance(61 * SECOND)
+    assert not await people.may_set_up(token)
+    assert await people.set_up(token, "ada", "hash") is None

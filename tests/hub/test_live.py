@@ -159,3 +159,11 @@ async def test_changed_description_renews_subscriptions(hub, gateway) -> None:
     second = await hub.gateway()
     await second.hello(second.description.replace("charge:", "level:"))
     assert (await page.hear(Subscribed)).refused == ["power/charge"]
+
+
+async def test_address_that_is_asked_twice_is_sent_once(hub, gateway) -> None:
+    page = await hub.page("operator")
+    answer = await subscribed(page, "base/speed", "base/speed")
+    assert answer.refused == []
+    await gateway.samples(("base/speed", NOW, 0.5))
+    assert columns(await page.hear(Values)).channel.tolist() == [0]

@@ -187,3 +187,12 @@ def test_samples_further_apart_than_a_batch_holds_are_cut_in_two() -> None:
 
 def test_weight_counts_texts() -> None:
     assert weight(columns((0, nan), texts={0: "x" * 1000})) > 1000
+
+
+def test_spike_survives_when_thinning_by_extremes_is_enough() -> None:
+    outbox = Outbox(TO_BROWSER.encode, budget=40_000)
+    for at in range(200):
+        outbox.values(1, columns(*[(0, 1.0)] * 20, (0, 99.0 if at == 50 else 1.0), (0, 2.0)))
+    values = [value for _, value in drained(outbox)[1]]
+    assert max(values) == 99.0
+    assert values[-1] == 2.0

@@ -56,6 +56,7 @@ class Hub:
 
     Attributes:
         browsers: the pages that are connected now.
+        fanout: who of them gets which live values.
         setup_token: opens the set-up page; set after the start when there are no people yet.
 
     """
@@ -74,6 +75,7 @@ class Hub:
         self._seats = Seats(self._sessions)
         self._sites = Sites()
         self.browsers = Browsers()
+        self.fanout = Fanout(self._sites, clock)
         self._media = Media(self._sites, clock, settings.linger_s)
         self._tasks: list[asyncio.Task[None]] = []
         self.app = self._application()
@@ -141,13 +143,12 @@ class Hub:
 
     def _sockets(self, access: Access) -> Sockets:
         browsers = self.browsers
-        fanout = Fanout(self._sites, self._clock)
         commanding = Commanding(self._sites, self._audit)
         reporting = Reporting(self._sites, browsers, self._audit, self._clock)
         gateways = Gateways(
             self._sites,
             browsers,
-            fanout,
+            self.fanout,
             reporting,
             self._media,
             self._history,
@@ -161,7 +162,7 @@ class Hub:
             Gate(self._sites),
             self._seats,
             browsers,
-            fanout,
+            self.fanout,
             commanding,
             reporting,
             self._media,
