@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sqlalchemy as sa
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from talaia.hub.history.errors import HistoryError
@@ -324,3 +325,21 @@ async def test_a_database_without_tables_says_what_to_do(tmp_path) -> None:
     with pytest.raises(HistoryError, match="tables are up to date"):
         await store.open()
     await store.close()
+
+
+async def test_a_database_that_refuses_for_a_while_loses_and_doubles_nothing(url) -> None:
+    engine = sa.create_engine(url)
+    async with opened(url) as store:
+        await feed(store, 200, size=20)
+        with engine.begin() as connection:
+            connection.exec_driver_sql("ALTER TABLE history_hot RENAME TO elsewhere")
+        for _ in range(2):
+            with pytest.raises(HistoryError, match="nothing can be stored"):
+                await feed(store, 20, first=200)
+        with engine.begin() as connection:
+            connection.exec_driver_sql("ALTER TABLE elsewhere RENAME TO history_hot")
+        await feed(store, 200, first=190, size=20)
+        assert await store.stored_below("agv", "b1") == 390
+        (series,) = await store.read("agv", ["base/speed"], *ALL, 1000)
+        np.testing.assert_array_equal(series.value, np.sin(np.arange(390) / 500))
+    engine.dispose()
