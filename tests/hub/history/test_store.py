@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sqlalchemy as sa
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from talaia.hub.history.errors import HistoryError
@@ -161,6 +162,18 @@ async def test_late_samples_are_in_the_rollups_too(url) -> None:
         (series,) = await store.read("agv", ["base/speed"], START, START + 200 * SECOND, 20)
         assert not series.exact
         assert series.value.max() == 50.0
+
+
+async def test_a_few_lone_samples_show_beside_rollups(url) -> None:
+    """Too few for rollup rows of their own: they come out of their block."""
+    async with opened(url, SMALL._replace(block=512, recent=512)) as store:
+        await feed(store, 10_000)
+        lone = [(0, START + (3 + i) * 3600 * SECOND, 70.0 + i) for i in range(4)]
+        await store.append("agv", "b1", 10_000, ["base/speed"], batch(lone))
+        await feed(store, 1_000, first=2_000_000)
+        (series,) = await store.read("agv", ["base/speed"], START, START + 8 * 3600 * SECOND, 50)
+        assert not series.exact
+        assert [70.0, 71.0, 72.0, 73.0] == series.value[series.value >= 70.0].tolist()
 
 
 async def test_nan_infinities_and_texts_come_back(url) -> None:
@@ -324,3 +337,21 @@ async def test_a_database_without_tables_says_what_to_do(tmp_path) -> None:
     with pytest.raises(HistoryError, match="tables are up to date"):
         await store.open()
     await store.close()
+
+
+async def test_a_database_that_refuses_for_a_while_loses_and_doubles_nothing(url) -> None:
+    engine = sa.create_engine(url)
+    async with opened(url) as store:
+        await feed(store, 200, size=20)
+        with engine.begin() as connection:
+            connection.exec_driver_sql("ALTER TABLE history_hot RENAME TO elsewhere")
+        for _ in range(2):
+            with pytest.raises(HistoryError, match="nothing can be stored"):
+                await feed(store, 20, first=200)
+        with engine.begin() as connection:
+            connection.exec_driver_sql("ALTER TABLE elsewhere RENAME TO history_hot")
+        await feed(store, 200, first=190, size=20)
+        assert await store.stored_below("agv", "b1") == 390
+        (series,) = await store.read("agv", ["base/speed"], *ALL, 1000)
+        np.testing.assert_array_equal(series.value, np.sin(np.arange(390) / 500))
+    engine.dispose()

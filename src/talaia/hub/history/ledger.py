@@ -5,26 +5,27 @@ the next commit also writes its block, and when no channel needs a journal row a
 deleted. Each channel records up to which row it is done in the same transaction, so after a crash
 at any point the journal and the saved tails give back exactly what was in memory.
 
-Only the writing thread comes here.
+Only the writing thread comes here. The file is longer than 300 lines because a group's plan, its
+commit and its reading back after a crash must agree on every column: they are read together.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from sqlalchemy import delete, func, insert, select
 
 from talaia.hub.history.block import concatenate, decode
 from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.jobs import Append, Below, Gap, checked
 from talaia.hub.history.journal import part_of, read_row, write_row
 from talaia.hub.history.names import Names
 from talaia.hub.history.ranges import Ranges
 from talaia.hub.history.sealing import Saved, Sealed, save, seal
 from talaia.hub.history.tails import Chunk, Tails
 from talaia.hub.store import history_tables as tables
-from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,41 +33,10 @@ if TYPE_CHECKING:
     from sqlalchemy import Connection, Engine
 
     from talaia.clock import Clock
+    from talaia.hub.history.jobs import Job
     from talaia.hub.history.limits import Limits
 
-__all__ = ["Append", "Below", "Gap", "Job", "Ledger"]
-
-
-class Append(NamedTuple):
-    """Store a batch; sample i has the sequence number ``first + i``."""
-
-    site: str
-    boot: str
-    first: int
-    addresses: Sequence[str]
-    columns: Columns
-
-
-class Gap(NamedTuple):
-    """Store that ``first`` to ``last`` of a boot are lost."""
-
-    site: str
-    boot: str
-    first: int
-    last: int
-    from_us: int
-    to_us: int
-    reason: str
-
-
-class Below(NamedTuple):
-    """Ask up to where a boot is stored without a hole."""
-
-    site: str
-    boot: str
-
-
-Job = Append | Gap | Below
+__all__ = ["Ledger"]
 
 
 class _Draft:
@@ -94,6 +64,7 @@ class Ledger:
     Attributes:
         names: numbers of channels and boots.
         tails: what is not in blocks; readers look at it too.
+        written: bytes of the last commit's bodies.
 
     """
 
@@ -111,6 +82,7 @@ class Ledger:
         self._next_block = 1
         self._journal: deque[tuple[int, int]] = deque()
         self._in_journal = 0
+        self.written = 0
 
     def load(self) -> None:
         """Read what is stored; also after a commit of which nobody knows whether it happened."""
@@ -147,8 +119,6 @@ class Ledger:
             self._committed(draft, last_gone)
             self.written = draft.size()
         return answers
-
-    written = 0
 
     def _load_ranges(self, connection: Connection) -> None:
         for row in connection.execute(select(tables.stored_range)):
@@ -197,7 +167,7 @@ class Ledger:
         return 0
 
     def _take(self, job: Append, draft: _Draft) -> None:
-        columns = _checked(job)
+        columns = checked(job)
         # Packing may refuse, so it comes before anything is remembered.
         boot = self.names.boot(job.site, job.boot)
         now_us = self._clock.wall_ns() // 1_000
@@ -347,28 +317,6 @@ class Ledger:
     def _note(self, row: int, samples: int) -> None:
         self._journal.append((row, samples))
         self._in_journal += samples
-
-
-def _checked(job: Append) -> Columns:
-    columns = job.columns
-    count = columns.channel.size
-    problem = ""
-    if job.first < 0 or job.first + count > 2**63 - 1:
-        problem = f"its first sequence number is {job.first}"
-    elif columns.time_us.size != count or columns.value.size != count:
-        problem = f"its columns have {count}, {columns.time_us.size} and {columns.value.size} rows"
-    elif count and int(columns.channel.max()) >= len(job.addresses):
-        problem = f"it names channel {columns.channel.max()} of {len(job.addresses)}"
-    elif any(not 0 <= position < count for position in columns.texts):
-        problem = "a text stands outside of it"
-    if problem:
-        raise HistoryError(f"a batch from {job.site} cannot be stored: {problem}")
-    return Columns(
-        columns.channel,
-        columns.time_us.astype(np.int64, copy=False),
-        columns.value.astype(np.float64, copy=False),
-        columns.texts,
-    )
 
 
 def _only(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:

@@ -10,7 +10,8 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_engine
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.ledger import Append, Below, Gap, Ledger
+from talaia.hub.history.jobs import Append, Below, Gap
+from talaia.hub.history.ledger import Ledger
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.reader import Reader
 from talaia.hub.history.writer import Writer

@@ -17,14 +17,15 @@ from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
 from talaia.clock import SECOND
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.ledger import Append
+from talaia.hub.history.jobs import Append
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from talaia.clock import Clock
     from talaia.hub.history.engine import Checkpoints
-    from talaia.hub.history.ledger import Job, Ledger
+    from talaia.hub.history.jobs import Job
+    from talaia.hub.history.ledger import Ledger
 
 __all__ = ["Writer"]
 
