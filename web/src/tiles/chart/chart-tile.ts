@@ -77,7 +77,7 @@ export class ChartTile extends LitElement {
       <div class="head">
         <h3 title=${signal.address}>${signal.name}</h3>
         ${this.status()}
-        ${signal.type === "number" || signal.type === "state" ? this.pauseButton(signal) : nothing}
+        ${this.series === null || this.forbidden ? nothing : this.pauseButton(signal)}
       </div>
       ${this.reading(signal, feed)} ${this.chart(signal)}
     `;
@@ -100,7 +100,7 @@ export class ChartTile extends LitElement {
       case "unknown":
         return html`<t-status kind="unknown" word="no data yet"></t-status>`;
       case "forbidden":
-        return html`<t-status kind="offline" word="not yours to see"></t-status>`;
+        return html`<t-status kind="unknown" word="not yours to see"></t-status>`;
     }
   }
 
@@ -147,7 +147,7 @@ export class ChartTile extends LitElement {
             .unit=${signal.unit}
             .decimals=${signal.decimals}
           ></t-value>
-          <p class="range">${this.extremes(signal)}</p>
+          <p class="range">${this.forbidden ? nothing : this.extremes(signal)}</p>
         </div>`;
     }
   }
