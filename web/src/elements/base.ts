@@ -15,6 +15,10 @@ export const base = css`
   [hidden] {
     display: none !important;
   }
+  ::selection {
+    background: var(--t-accent);
+    color: var(--t-on-accent);
+  }
   :focus-visible {
     outline: 3px solid var(--t-accent);
     outline-offset: 2px;

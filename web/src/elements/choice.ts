@@ -34,11 +34,11 @@ export class Choice extends LitElement {
       }
       label {
         position: relative;
-        flex: 1 0 auto;
+        flex: 1 1 auto;
         display: grid;
         place-items: center;
         min-block-size: calc(var(--t-touch) - 6px);
-        padding-inline: var(--t-space-3);
+        padding-inline: var(--t-space-2);
         border-radius: calc(var(--t-radius-s) - 2px);
         color: var(--t-muted);
         font-size: var(--t-size-s);

@@ -6,7 +6,7 @@ export const doorway = css`
   :host {
     display: grid;
     place-items: start center;
-    padding-block: clamp(var(--t-space-5), 12dvh, 8rem) var(--t-space-6);
+    padding-block: clamp(var(--t-space-3), 9dvh, 7rem) var(--t-space-6);
   }
   form,
   .sheet {

@@ -42,7 +42,7 @@ export class Menu extends LitElement {
         z-index: 30;
         display: grid;
         gap: var(--t-space-3);
-        min-inline-size: 17rem;
+        min-inline-size: 19rem;
         max-inline-size: calc(100vw - 2 * var(--t-space-3));
         padding: var(--t-space-4);
         border: 1px solid var(--t-line);

@@ -5,8 +5,8 @@ import { base } from "./base.js";
 export type StatusKind = "online" | "offline" | "stale" | "unknown" | "ok" | "warn" | "bad" | "busy";
 
 const WORDS: Readonly<Record<StatusKind, string>> = {
-  online: "on line",
-  offline: "off line",
+  online: "online",
+  offline: "offline",
   stale: "stale",
   unknown: "unknown",
   ok: "in order",

@@ -81,7 +81,7 @@ export class Value extends LitElement {
     if (this.state === "unknown") return NOTHING;
     if (this.text !== "") return this.text;
     const number = formatNumber(this.value, decimalsFor(this.unit, this.decimals));
-    if (this.unit === "") return number;
+    if (this.unit === "" || number === NOTHING) return number;
     return html`${number}<span class="unit" aria-hidden="true">${unitGap(this.unit)}${this.unit}</span
       ><span class="visually-hidden"> ${spokenUnit(this.unit)}</span>`;
   }

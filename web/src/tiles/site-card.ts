@@ -60,10 +60,13 @@ export class SiteCard extends LitElement {
       }
       .values {
         display: grid;
-        grid-template-columns: repeat(auto-fit, minmax(7.5rem, 1fr));
+        grid-template-columns: repeat(2, minmax(0, 1fr));
         gap: var(--t-space-4);
         padding-inline: var(--t-space-4);
         min-block-size: 4.25rem;
+      }
+      .wide {
+        grid-column: 1 / -1;
       }
       nav {
         display: flex;
@@ -121,9 +124,9 @@ export class SiteCard extends LitElement {
           <t-status kind=${row.online ? "online" : "offline"}></t-status>
         </div>
         <p class="facts">
-          ${count(row.devices, "device")}, ${count(row.signals, "signal")} ·
+          ${count(row.devices, "device")}, ${count(row.signals, "signal")}${staleness(row)} ·
           ${row.online
-            ? html`on line for ${since}`
+            ? html`online for ${since}`
             : html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`}
         </p>
       </header>
@@ -140,16 +143,16 @@ export class SiteCard extends LitElement {
 
   private values(row: SiteRow): unknown {
     if (this.detail.result.state === "failed") {
-      return html`<p class="facts">Its description could not be loaded. It is asked for again when the site changes.</p>`;
+      return html`<p class="facts wide">Its description could not be loaded. It is asked for again when the site changes.</p>`;
     }
     const signals = keySignals(this.detail.value?.devices ?? [], SHOWN);
     if (this.detail.value !== undefined && signals.length === 0) {
-      return html`<p class="facts">No values to show here: none is marked as primary, or none is yours to see.</p>`;
+      return html`<p class="facts wide">No values to show here: none is marked as primary, or none is yours to see.</p>`;
     }
     return repeat(
       signals,
       (signal) => signal.address,
-      (signal) => html`<t-signal-value .site=${row.site} .signal=${signal}></t-signal-value>`,
+      (signal) => html`<t-signal-value size="l" .site=${row.site} .signal=${signal}></t-signal-value>`,
     );
   }
 
@@ -158,6 +161,10 @@ export class SiteCard extends LitElement {
       (device) => device.rights.includes("use") && (device.drive !== null || device.commands.length > 0),
     );
   }
+}
+
+function staleness(row: SiteRow): string {
+  return row.online && row.stale > 0 ? `, ${String(row.stale)} of them stale` : "";
 }
 
 function count(number: number, noun: string): string {

@@ -130,7 +130,7 @@ export const entries: readonly GalleryEntry[] = [
     wide: true,
     states: [
       { name: "info", show: () => html`<t-banner>This is a demo: its accounts are thrown away.</t-banner>` },
-      { name: "warn", show: () => html`<t-banner kind="warn">House vehicle is off line. Values are the last known.</t-banner>` },
+      { name: "warn", show: () => html`<t-banner kind="warn">House vehicle is offline. Values are the last known.</t-banner>` },
       { name: "bad", show: () => html`<t-banner kind="bad">No connection to the hub. What you see is old.</t-banner>` },
     ],
   },

@@ -92,7 +92,7 @@ export class PageHome extends LitElement {
 
 function summary(sites: Sites): string {
   const online = sites.list.filter((row) => row.online).length;
-  return `${String(online)} of ${String(sites.list.length)} on line`;
+  return `${String(online)} of ${String(sites.list.length)} online`;
 }
 
 declare global {

@@ -102,7 +102,7 @@ export class Header extends LitElement {
           padding-inline: var(--t-space-3) var(--t-space-1);
           gap: var(--t-space-2);
         }
-        .word,
+        .brand.small .word,
         .name,
         t-status[kind="online"] {
           display: none;
@@ -134,7 +134,7 @@ export class Header extends LitElement {
   override render(): TemplateResult {
     const person = this.session.store?.person;
     return html`
-      <a class="brand" href="/home" aria-label="Talaia, home">
+      <a class=${person == null ? "brand" : "brand small"} href="/home" aria-label="Talaia, home">
         <svg viewBox="0 0 32 32" aria-hidden="true">
           <path fill="currentColor" d="M9 28 11.5 13h9L23 28zM8 12V5h3v3h3V5h4v3h3V5h3v7z"></path>
         </svg>
@@ -161,7 +161,7 @@ export class Header extends LitElement {
         rows,
         (row) => row.site,
         (row) => html`<option .value=${row.site} .selected=${row.site === this.site}>
-          ${row.name}${row.online ? "" : " (off line)"}
+          ${row.name}${row.online ? "" : " (offline)"}
         </option>`,
       )}
     </select>`;

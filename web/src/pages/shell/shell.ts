@@ -149,7 +149,7 @@ export class Shell extends LitElement {
     const row = this.sites.store?.row(this.router.store?.route.site ?? "");
     if (row === undefined || row.online) return nothing;
     return html`<t-banner kind="warn"
-      >${row.name} is off line since <t-time .us=${row.since_us} .zone=${row.zone}></t-time>. Values are the last
+      >${row.name} has been offline since <t-time .us=${row.since_us} .zone=${row.zone}></t-time>. Values are the last
       known.</t-banner
     >`;
   }

@@ -39,7 +39,7 @@ export class PageSignIn extends LitElement {
   });
 
   override firstUpdated(): void {
-    this.name.focus();
+    void this.begin();
   }
 
   override render(): TemplateResult {
@@ -63,6 +63,12 @@ export class PageSignIn extends LitElement {
         <t-button type="submit" kind="primary" ?busy=${this.busy}>${this.busy ? "Signing in…" : "Sign in"}</t-button>
       </form>
     `;
+  }
+
+  private async begin(): Promise<void> {
+    // A control takes the focus only once the field around it is drawn.
+    await this.name.closest("t-field")?.updateComplete;
+    this.name.focus();
   }
 
   private readonly submit = (event: SubmitEvent): void => {

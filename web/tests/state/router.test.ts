@@ -1,0 +1,54 @@
+import { describe, expect, test } from "vitest";
+import { localPath, returnPath, routeOf, sitePath } from "../../src/state/router.js";
+
+describe("addresses", () => {
+  test.each([
+    ["/", "home", ""],
+    ["/home", "home", ""],
+    ["/home/", "home", ""],
+    ["/login", "login", ""],
+    ["/sites/agv/live", "live", "agv"],
+    ["/sites/a%20b/history", "history", "a b"],
+    ["/sites/agv/drive/", "drive", "agv"],
+    ["/sites/agv", "missing", ""],
+    ["/sites/agv/home", "missing", ""],
+    ["/sites/%E0%A4%A/live", "missing", ""],
+    ["/elsewhere", "missing", ""],
+    ["/constructor", "missing", ""],
+  ])("%s is the page %s of site '%s'", (path, page, site) => {
+    expect(routeOf(path)).toEqual({ page, site });
+  });
+
+  test("a site's path leads back to the site, whatever it is called", () => {
+    for (const site of ["agv", "a/b", "ü ?#%", ".."]) expect(routeOf(sitePath(site, "live")).site).toBe(site);
+  });
+});
+
+describe("the way back after signing in", () => {
+  const origin = "https://hub.example";
+  test.each([
+    ["?return=%2Fsites%2Fagv%2Flive%3Fa%3D1", "/sites/agv/live?a=1"],
+    ["", "/home"],
+    ["?return=https%3A%2F%2Fevil.test%2F", "/home"],
+    ["?return=%2F%2Fevil.test%2Fhome", "/home"],
+    ["?return=%2F%5Cevil.test", "/home"],
+    ["?return=%2F%09%2Fevil.test", "/home"],
+    ["?return=javascript%3Aalert(1)", "/home"],
+    ["?return=%2Flogin%3Freturn%3D%2Flogin", "/home"],
+  ])("%s leads to %s", (search, path) => {
+    expect(returnPath(search, origin)).toBe(path);
+  });
+});
+
+describe("a link", () => {
+  test.each([
+    ["https://hub.example/home", "/home"],
+    ["https://hub.example/sites/agv/history?x=1", "/sites/agv/history?x=1"],
+    ["https://hub.example/api/export.csv", null],
+    ["https://elsewhere.example/home", null],
+    ["mailto:a@b.example", null],
+    ["nonsense", null],
+  ])("to %s is ours as %s", (href, path) => {
+    expect(localPath(href, "https://hub.example")).toBe(path);
+  });
+});
