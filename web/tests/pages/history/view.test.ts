@@ -45,7 +45,7 @@ function signal(id: string, change: Partial<SignalInfo> = {}): SignalInfo {
 }
 
 const DETAIL: SiteDetail = {
-  site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1",
+  site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, last_seen_us: 0,
   devices: [
     {
       id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, rights: [],
@@ -119,6 +119,11 @@ describe("loading a window", () => {
     } finally {
       vi.useRealTimers();
     }
+  });
+
+  it("lists texts with their times", () => {
+    const loaded = loadedOf({ address: "a", t_us: [1, 2], v: [null, null], text: ["docked", "gone"], kind: "exact", gaps: [] }, 5e6);
+    expect(loaded.texts).toEqual([{ timeUs: 1, text: "docked" }, { timeUs: 2, text: "gone" }]);
   });
 
   it("tells a silence once: with its reason where the hub has one", () => {
