@@ -167,6 +167,10 @@ export const entries: readonly GalleryEntry[] = [
       { name: "number, live", show: () => tile(LASTING, feed(LASTING, 0, wave)) },
       { name: "number, paused", show: () => tile(LASTING, feed(LASTING, 0, wave), true) },
       { name: "number, stale", show: () => tile(signal(), feed(signal(), 9, wave)) },
+      {
+        name: "a link on the way is down",
+        show: () => html`<t-chart-tile .feed=${feed(LASTING, 1, wave)} .signal=${LASTING} cut zone=${ZONE}></t-chart-tile>`,
+      },
       { name: "no data yet", show: () => tile(signal(), SILENT) },
       { name: "forbidden", show: () => tile(signal(), SILENT, false, true) },
       { name: "state", show: () => tile(WANDER, feed(WANDER, 0, (s) => Math.floor(s / 7) % 2)) },

@@ -127,7 +127,8 @@ export const historyChartStyle = css`
       min-inline-size: 0;
       white-space: normal;
     }
-    tbody .muted {
+    tbody .muted,
+    .spread {
       display: none;
     }
   }

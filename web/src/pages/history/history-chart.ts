@@ -105,9 +105,11 @@ export class HistoryChart extends LitElement {
     </tr>`;
   }
 
-  private valueAt(series: ChartSeries): string {
+  private valueAt(series: ChartSeries): unknown {
     const at = this.cursorUs ?? Math.min(this.span.toUs, series.samples.newestUs);
-    return readOut(series, at, this.columnUs(), lengthOf(this.span) * REACH).text;
+    const { text } = readOut(series, at, this.columnUs(), lengthOf(this.span) * REACH);
+    const spread = text.indexOf(" (");
+    return spread < 0 ? text : html`${text.slice(0, spread)}<span class="spread">${text.slice(spread)}</span>`;
   }
 
   private statistics(row: Row, series: ChartSeries | undefined): TemplateResult {

@@ -41,6 +41,8 @@ export class ChartTile extends LitElement {
   @property({ type: Number }) colour = 0;
   /** All charts of the page stand still. */
   @property({ type: Boolean }) paused = false;
+  /** Nothing can come, because a link on the way is down: no value is fresh, however young. */
+  @property({ type: Boolean }) cut = false;
   /** The person may not see it. */
   @property({ type: Boolean }) forbidden = false;
 
@@ -87,7 +89,7 @@ export class ChartTile extends LitElement {
     if (this.forbidden) return "forbidden";
     const age = this.feed?.ageOf(this.signal?.channels[0] ?? "") ?? NaN;
     if (Number.isNaN(age)) return "unknown";
-    return age > (this.signal?.max_age ?? 0) ? "stale" : "live";
+    return this.cut || age > (this.signal?.max_age ?? 0) ? "stale" : "live";
   }
 
   private status(): TemplateResult {
