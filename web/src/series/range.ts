@@ -14,6 +14,7 @@ export interface Limits {
 export const NO_LIMITS: Limits = { minimum: null, maximum: null };
 
 const PADDING = 0.06;
+const MOST_DECIMALS = 9;
 /** While the data fill at least this much of the axis, the axis stays as it is. */
 const WORTH = 0.4;
 
@@ -45,6 +46,15 @@ export function niceStep(size: number): number {
   const power = 10 ** Math.floor(Math.log10(size));
   for (const factor of [1, 2, 5]) if (factor * power >= size * (1 - 1e-12)) return factor * power;
   return 10 * power;
+}
+
+/** Digits after the point that marks with this step need: 2 for 0.25. */
+export function decimalsOf(step: number): number {
+  for (let decimals = 0; decimals < MOST_DECIMALS; decimals += 1) {
+    const scaled = step * 10 ** decimals;
+    if (Math.abs(scaled - Math.round(scaled)) < 1e-6 * scaled) return decimals;
+  }
+  return MOST_DECIMALS;
 }
 
 /** Keeps an axis still while it still fits, so that it does not jump with every sample. */

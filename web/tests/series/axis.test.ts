@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { niceRange, niceStep, SteadyRange } from "../../src/series/range.js";
+import { decimalsOf, niceRange, niceStep, SteadyRange } from "../../src/series/range.js";
 import { tickText, timeStep, timeTicks } from "../../src/series/timeticks.js";
 import { DAY_US, HOUR_US, MINUTE_US, SECOND_US, ZoneClock } from "../../src/series/zone.js";
 import { forSeeds } from "./seeded.js";
@@ -44,6 +44,10 @@ describe("a value axis", () => {
     expect(steady.next(1, 9)).toBe(first);
     expect(steady.next(0, 50).high).toBeGreaterThanOrEqual(50);
     expect(steady.next(0, 5).high).toBeLessThan(10);
+  });
+
+  it("writes as many digits as its step needs", () => {
+    expect([5, 0.5, 0.25, 0.02, 1e-3].map(decimalsOf)).toEqual([0, 1, 2, 2, 3]);
   });
 
   it("has round steps", () => {

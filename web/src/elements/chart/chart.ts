@@ -1,5 +1,5 @@
 /**
- * A chart of one or more channels over time. A little over 200 lines: it is where drawing, size,
+ * A chart of one or more channels over time. Longer than most files: it is where drawing, size,
  * theme, pointer and keys of one chart come together.
  *
  * After each paint of a moving chart `window.__talaiaPainted(address, newestUs)` is called where a
@@ -8,21 +8,18 @@
 
 import { html, LitElement, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
-import type { Range } from "../../series/range.js";
 import { SteadyRange } from "../../series/range.js";
-import { runs } from "../../series/runs.js";
-import { summary } from "../../series/columns.js";
-import { stateWord } from "../../format/reading.js";
 import { knownZone } from "../../format/time.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import { ZoneClock } from "../../series/zone.js";
 import { base } from "../base.js";
-import { drawGaps, drawRuns, drawTrace, type Plot } from "./draw.js";
+import { drawSeries, extent } from "./draw-series.js";
 import { Gestures } from "./gestures.js";
 import { keyWish } from "./keys.js";
 import type { Axis, ChartSeries, Follow, ReadOut, SpanChange } from "./model.js";
+import { Overlay } from "./overlay.js";
 import { Painter, type Paintable } from "./painter.js";
-import { readPalette, seriesColour, watchTheme, type Palette } from "./palette.js";
+import { readPalette, watchTheme, type Palette } from "./palette.js";
 import { momentText, readOut } from "./read-out.js";
 import { chartStyle } from "./style.js";
 import { ChartView } from "./view.js";
@@ -70,6 +67,7 @@ export class Chart extends LitElement implements Paintable {
   @query("[aria-live]") private spoken!: HTMLElement;
 
   private view: ChartView | null = null;
+  private overlay: Overlay | null = null;
   private palette: Palette | null = null;
   private range: SteadyRange | null = null;
   private shown: Span | null = null;
@@ -113,6 +111,7 @@ export class Chart extends LitElement implements Paintable {
   }
 
   protected override firstUpdated(): void {
+    this.overlay = new Overlay(this.cursorLine, this.readBox, this.chosenBox);
     new Gestures(this.place, {
       span: () => this.shown,
       partAt: (x) => this.partAt(x),
@@ -120,10 +119,10 @@ export class Chart extends LitElement implements Paintable {
         this.moveCursor(part);
       },
       choosing: (from, to) => {
-        this.choosing(from, to);
+        if (this.view !== null) this.overlay?.choosing(this.view.box, from, to);
       },
       notChoosing: () => {
-        this.chosenBox.hidden = true;
+        this.overlay?.notChoosing();
       },
       change: (span, settled) => {
         this.tellSpan({ span, settled });
@@ -175,48 +174,14 @@ export class Chart extends LitElement implements Paintable {
     this.dirty = false;
     this.drawnAt = nowMs;
     this.drawnVersion = this.version();
-    view.paint(span, this.valueRange(span), (plot) => {
-      this.draw(plot, palette);
+    const columnUs = this.widthUs(span);
+    const { min, max } = extent(this.series, span, columnUs);
+    view.paint(span, this.range?.next(min, max) ?? { low: 0, high: 1 }, (plot) => {
+      drawSeries(plot, this.series, palette, columnUs, this.follow !== null);
     });
     this.placeCursor();
     const tell = window.__talaiaPainted;
     if (tell !== undefined && this.follow !== null) for (const { address, samples } of this.series) tell(address, samples.newestUs);
-  }
-
-  private draw(plot: Plot, palette: Palette): void {
-    // Channels that were lost together were lost once.
-    const gaps = new Map(this.series.flatMap((one) => one.gaps).map((gap) => [`${String(gap.from_us)} ${String(gap.to_us)}`, gap]));
-    drawGaps(plot, [...gaps.values()], palette.muted);
-    for (const one of this.series) {
-      const { samples, states } = one;
-      if (states.length > 0) {
-        const found = runs(samples.times, samples.values, plot.span.toUs, samples.allowedUs);
-        const lookOf = (value: number): { word: string; colour: string } => ({
-          word: stateWord(states, value),
-          colour: one.stale ? palette.stale : seriesColour(palette, one.colour + Math.max(0, Math.floor(value))),
-        });
-        drawRuns(plot, found, lookOf, palette.text);
-        continue;
-      }
-      const colour = one.stale ? palette.stale : seriesColour(palette, one.colour);
-      drawTrace(plot, samples.columnsAt(this.widthUs(plot.span)), colour, {
-        dashed: one.stale,
-        dot: this.follow !== null,
-        outlined: this.follow === null,
-      });
-    }
-  }
-
-  private valueRange(span: Span): Range {
-    let min = Infinity;
-    let max = -Infinity;
-    for (const { samples, states } of this.series) {
-      if (states.length > 0) continue;
-      const seen = summary(samples.columnsAt(this.widthUs(span)), span.fromUs, span.toUs);
-      min = Math.min(min, seen.min);
-      max = Math.max(max, seen.max);
-    }
-    return this.range?.next(min, max) ?? { low: 0, high: 1 };
   }
 
   /** Time of one pixel column (µs). Rounded: a window that moves must not change it by a hair. */
@@ -318,19 +283,17 @@ export class Chart extends LitElement implements Paintable {
   }
 
   private placeCursor(): void {
-    const { shown, view } = this;
+    const { shown, view, overlay, cursorPart } = this;
     const us = this.follow === null ? (this.cursorUs ?? this.cursorMoment()) : this.cursorMoment();
-    const seen = us !== null && shown !== null && view !== null && us >= shown.fromUs && us <= shown.toUs;
-    this.cursorLine.hidden = !seen;
-    this.readBox.hidden = !seen || this.cursorPart === null;
-    if (!seen) return;
-    const { left, top, width, height } = view.box;
-    const x = left + ((us - shown.fromUs) / lengthOf(shown)) * width;
-    this.cursorLine.style.cssText = `transform: translate(${String(Math.round(x))}px, ${String(top)}px); block-size: ${String(height)}px`;
-    if (this.cursorPart === null) return;
-    this.readBox.textContent = this.readText(us, shown);
-    const after = x < left + width / 2;
-    this.readBox.style.cssText = after ? `left: ${String(x + 10)}px` : `right: ${String(this.size.width - x + 10)}px`;
+    if (us === null || shown === null || view === null || us < shown.fromUs || us > shown.toUs) {
+      overlay?.noCursor();
+      return;
+    }
+    const part = (us - shown.fromUs) / lengthOf(shown);
+    overlay?.cursor(view.box, part);
+    // A chart whose cursor is another's shows the place only: its values stand beside it.
+    if (cursorPart === null) overlay?.noRead();
+    else overlay?.read(view.box, part, this.size.width, this.readText(us, shown));
   }
 
   /** Values near a moment, one for each series. */
@@ -346,14 +309,6 @@ export class Chart extends LitElement implements Paintable {
     const values = this.readAt(us).map(({ series, text }) => (this.series.length > 1 ? `${series.name} ${text}` : text));
     const gap = this.series.flatMap(({ gaps }) => gaps).find(({ from_us, to_us }) => us >= from_us && us <= to_us);
     return [moment, ...values, ...(gap === undefined ? [] : [gap.reason || "no samples"])].join("\n");
-  }
-
-  private choosing(from: number, to: number): void {
-    const box = this.view?.box;
-    if (box === undefined) return;
-    const left = box.left + Math.min(from, to) * box.width;
-    this.chosenBox.hidden = false;
-    this.chosenBox.style.cssText = `transform: translate(${String(left)}px, ${String(box.top)}px); inline-size: ${String(Math.abs(to - from) * box.width)}px; block-size: ${String(box.height)}px`;
   }
 
   private tellSpan(detail: SpanChange): void {

@@ -2,7 +2,7 @@
 
 import type UPlotType from "uplot";
 import { formatNumber } from "../../format/number.js";
-import type { Range } from "../../series/range.js";
+import { decimalsOf, type Range } from "../../series/range.js";
 import { tickText, timeStep, timeTicks } from "../../series/timeticks.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import type { ZoneClock } from "../../series/zone.js";
@@ -121,7 +121,7 @@ export class ChartView {
       // uPlot asks once before it has any values, whatever its types say.
       size: (_u, values: string[] | null) => Math.max(axisWidth, ...(values ?? []).map((text) => text.length * CHAR + GAP + 8)),
       values: (_u, splits, _axis, _space, step) => {
-        const decimals = Math.min(9, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+        const decimals = decimalsOf(step);
         return splits.map((value) => formatNumber(value, decimals));
       },
     };

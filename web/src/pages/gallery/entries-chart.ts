@@ -27,13 +27,18 @@ function wave(seconds: number, phase = 0): number {
   return 0.1 * Math.sin(seconds / 2 + phase) + 0.02 * Math.sin(seconds * 31) + spike;
 }
 
-function fill(trace: Trace, valueAt: (seconds: number) => number): Trace {
-  for (let us = SPAN.fromUs; us < END_US; us += STEP_US) trace.take(us, valueAt((us - SPAN.fromUs) / 1e6));
+function fill(trace: Trace, valueAt: (seconds: number) => number, step = STEP_US): Trace {
+  for (let us = SPAN.fromUs; us < END_US; us += step) trace.take(us, valueAt((us - SPAN.fromUs) / 1e6));
   return trace;
 }
 
 function samples(valueAt: (seconds: number) => number): Trace {
   return fill(new Trace(Infinity, 5e6), valueAt);
+}
+
+/** A thousand samples a second: many to a pixel. */
+function dense(level: number): Trace {
+  return fill(new Trace(Infinity, 5e6), (s) => wave(s, level) + level + 0.04 * Math.sin(s * 977), STEP_US / 50);
 }
 
 function series(change: Partial<ChartSeries> = {}): ChartSeries {
@@ -145,7 +150,10 @@ export const entries: readonly GalleryEntry[] = [
     wide: true,
     states: [
       { name: "line, with a spike that is kept", show: () => chart([series()]) },
-      { name: "several, band from least to greatest", show: () => chart([series(), series({ address: "b", name: "Other", colour: 1, samples: samples((s) => wave(s, 1) + 0.3) })], { fromUs: SPAN.fromUs - 20 * LENGTH_US, toUs: END_US }) },
+      {
+        name: "several, with the band from least to greatest",
+        show: () => chart([series({ samples: dense(0) }), series({ address: "b", name: "Other", colour: 1, samples: dense(0.4) })]),
+      },
       { name: "gap with its reason", show: () => chart([series({ samples: samples(holed), gaps: [GAP] })]) },
       { name: "stale", show: () => chart([series({ stale: true })]) },
       { name: "states", show: () => chart([series({ states: STATES, samples: samples((s) => Math.floor(s / 7) % 3) })]) },
@@ -159,6 +167,10 @@ export const entries: readonly GalleryEntry[] = [
       { name: "number, live", show: () => tile(LASTING, feed(LASTING, 0, wave)) },
       { name: "number, paused", show: () => tile(LASTING, feed(LASTING, 0, wave), true) },
       { name: "number, stale", show: () => tile(signal(), feed(signal(), 9, wave)) },
+      {
+        name: "a link on the way is down",
+        show: () => html`<t-chart-tile .feed=${feed(LASTING, 1, wave)} .signal=${LASTING} cut zone=${ZONE}></t-chart-tile>`,
+      },
       { name: "no data yet", show: () => tile(signal(), SILENT) },
       { name: "forbidden", show: () => tile(signal(), SILENT, false, true) },
       { name: "state", show: () => tile(WANDER, feed(WANDER, 0, (s) => Math.floor(s / 7) % 2)) },

@@ -1,6 +1,6 @@
 /** One chart of the history page with what its lines are and say: values at the cursor, least, mean, greatest. */
 
-import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -13,6 +13,7 @@ import { decimalsFor, formatNumber } from "../../format/number.js";
 import { knownZone, timeText } from "../../format/time.js";
 import { summary } from "../../series/columns.js";
 import { lengthOf, type Span } from "../../series/window.js";
+import { historyChartStyle } from "./history-chart-style.js";
 import type { Loaded } from "./loader.js";
 import type { Row, Together } from "./rows.js";
 import "../../elements/chart/chart.js";
@@ -25,137 +26,7 @@ const TEXTS = 100;
 
 @customElement("t-history-chart")
 export class HistoryChart extends LitElement {
-  static override styles = [
-    base,
-    css`
-      :host {
-        display: grid;
-        gap: var(--t-space-2);
-        padding: var(--t-space-3) var(--t-space-3) var(--t-space-2);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
-        box-shadow: var(--t-shadow);
-        min-inline-size: 0;
-      }
-      t-chart {
-        block-size: clamp(13rem, 34vh, 22rem);
-        margin-inline: calc(-1 * var(--t-space-2));
-      }
-      t-chart.state {
-        block-size: 5.5rem;
-      }
-      .place {
-        position: relative;
-      }
-      .none {
-        position: absolute;
-        inset: 0 0 2rem;
-        display: grid;
-        place-content: center;
-        justify-items: center;
-        text-align: center;
-        color: var(--t-muted);
-        pointer-events: none;
-      }
-      .none > * {
-        padding-inline: var(--t-space-2);
-        background: var(--t-surface);
-      }
-      .none strong {
-        color: var(--t-text);
-      }
-      .scroll {
-        overflow-x: auto;
-      }
-      table {
-        inline-size: 100%;
-        border-collapse: collapse;
-        font-size: var(--t-size-s);
-        font-variant-numeric: tabular-nums;
-      }
-      th,
-      td {
-        padding: 0.2rem var(--t-space-3);
-        text-align: end;
-        white-space: nowrap;
-        font-weight: var(--t-weight);
-      }
-      thead th {
-        color: var(--t-muted);
-      }
-      th:first-child {
-        inline-size: 100%;
-        padding-inline-start: 0;
-        text-align: start;
-      }
-      tbody th {
-        font-weight: var(--t-weight-strong);
-      }
-      .at {
-        min-inline-size: 11rem;
-        font-weight: var(--t-weight-strong);
-      }
-      .swatch {
-        display: inline-block;
-        inline-size: 1rem;
-        block-size: 0.25rem;
-        margin-inline-end: var(--t-space-2);
-        border-radius: 2px;
-        vertical-align: middle;
-      }
-      ol {
-        display: grid;
-        gap: var(--t-space-1);
-        max-block-size: 14rem;
-        margin: 0;
-        padding: 0;
-        overflow-y: auto;
-        list-style: none;
-        font-size: var(--t-size-s);
-      }
-      time {
-        color: var(--t-muted);
-        font-variant-numeric: tabular-nums;
-      }
-      .c1 {
-        background: var(--t-series-1);
-      }
-      .c2 {
-        background: var(--t-series-2);
-      }
-      .c3 {
-        background: var(--t-series-3);
-      }
-      .c4 {
-        background: var(--t-series-4);
-      }
-      .c5 {
-        background: var(--t-series-5);
-      }
-      .c6 {
-        background: var(--t-series-6);
-      }
-      .c7 {
-        background: var(--t-series-7);
-      }
-      .c8 {
-        background: var(--t-series-8);
-      }
-      @media (max-width: 45rem) {
-        th,
-        td {
-          padding-inline: var(--t-space-2) 0;
-        }
-        th:first-child {
-          white-space: normal;
-        }
-        .at {
-          min-inline-size: 0;
-        }
-      }
-    `,
-  ];
+  static override styles = [base, historyChartStyle];
 
   @property({ attribute: false }) group: Together | null = null;
   @property({ attribute: false }) data: ReadonlyMap<string, Loaded> = new Map();
@@ -234,9 +105,11 @@ export class HistoryChart extends LitElement {
     </tr>`;
   }
 
-  private valueAt(series: ChartSeries): string {
+  private valueAt(series: ChartSeries): unknown {
     const at = this.cursorUs ?? Math.min(this.span.toUs, series.samples.newestUs);
-    return readOut(series, at, this.columnUs(), lengthOf(this.span) * REACH).text;
+    const { text } = readOut(series, at, this.columnUs(), lengthOf(this.span) * REACH);
+    const spread = text.indexOf(" (");
+    return spread < 0 ? text : html`${text.slice(0, spread)}<span class="spread">${text.slice(spread)}</span>`;
   }
 
   private statistics(row: Row, series: ChartSeries | undefined): TemplateResult {

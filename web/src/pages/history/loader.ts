@@ -117,6 +117,8 @@ export function loadedOf(series: HistorySeries, maxAgeUs: number): Loaded {
   const silent = silences(trace.times, trace.allowedUs).filter(
     (gap) => !known.some(({ from_us, to_us }) => from_us < gap.to_us && to_us > gap.from_us),
   );
-  const texts = (series.texts ?? []).flatMap((text, i) => (text === null ? [] : [{ timeUs: series.t_us[i] ?? NaN, text }]));
+  const texts = (series.text ?? []).flatMap((text, i) =>
+    typeof series.v[i] === "number" ? [] : [{ timeUs: series.t_us[i] ?? NaN, text }],
+  );
   return { trace, gaps: [...known, ...silent], texts, count: series.t_us.length };
 }

@@ -13,7 +13,6 @@ import type { Option } from "../../elements/choice.js";
 import { adviceFor } from "../../format/problem.js";
 import { SECOND_US } from "../../series/zone.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import { sitePath } from "../../state/router.js";
 import { ChartFeed } from "../../tiles/chart/feed.js";
 import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
@@ -24,7 +23,6 @@ import "../../elements/choice.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
-import "../../elements/time.js";
 import "../../tiles/chart/chart-tile.js";
 
 const WINDOWS: readonly Option[] = [
@@ -136,20 +134,10 @@ export class PageLive extends LitElement {
 
   /** What stands between the person and fresh values, said once, above all. */
   private trouble(): unknown {
-    const row = this.sites.store?.row(this.site);
     const detail = this.detail.result;
     if (detail.state === "failed") {
       const advice = adviceFor(detail.error, "this site");
       return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
-    }
-    if (this.link.state === "lost") {
-      return html`<t-banner kind="bad">The connection to the hub is lost. Values stand still until it is back; the page tries by itself.</t-banner>`;
-    }
-    if (row !== undefined && !row.online) {
-      return html`<t-banner kind="warn"
-        >The gateway of this site is off line since <t-time short .us=${row.since_us} zone=${row.zone}></t-time>. What you see is
-        old. <a href=${sitePath(this.site, "history")}>Look into its history</a></t-banner
-      >`;
     }
     if (this.feed?.backfill === "failed") {
       return html`<t-banner>Earlier samples could not be loaded; the charts fill as new ones come.</t-banner>`;
@@ -186,12 +174,18 @@ export class PageLive extends LitElement {
               .painter=${this.painter}
               .colour=${device.signals.indexOf(signal)}
               .paused=${this.paused}
+              .cut=${this.cut()}
               .forbidden=${signal.channels.some((channel) => this.refused.has(channel))}
               zone=${detail.zone}
             ></t-chart-tile>`,
         )}
       </div>
     </section>`;
+  }
+
+  /** The shell says so in words; here it keeps young values from looking fresh. */
+  private cut(): boolean {
+    return this.link.state === "lost" || this.sites.store?.row(this.site)?.online === false;
   }
 
   private empty(detail: SiteDetail): TemplateResult {

@@ -41,6 +41,8 @@ export class ChartTile extends LitElement {
   @property({ type: Number }) colour = 0;
   /** All charts of the page stand still. */
   @property({ type: Boolean }) paused = false;
+  /** Nothing can come, because a link on the way is down: no value is fresh, however young. */
+  @property({ type: Boolean }) cut = false;
   /** The person may not see it. */
   @property({ type: Boolean }) forbidden = false;
 
@@ -77,7 +79,7 @@ export class ChartTile extends LitElement {
       <div class="head">
         <h3 title=${signal.address}>${signal.name}</h3>
         ${this.status()}
-        ${signal.type === "number" || signal.type === "state" ? this.pauseButton(signal) : nothing}
+        ${this.series === null || this.forbidden ? nothing : this.pauseButton(signal)}
       </div>
       ${this.reading(signal, feed)} ${this.chart(signal)}
     `;
@@ -87,7 +89,7 @@ export class ChartTile extends LitElement {
     if (this.forbidden) return "forbidden";
     const age = this.feed?.ageOf(this.signal?.channels[0] ?? "") ?? NaN;
     if (Number.isNaN(age)) return "unknown";
-    return age > (this.signal?.max_age ?? 0) ? "stale" : "live";
+    return this.cut || age > (this.signal?.max_age ?? 0) ? "stale" : "live";
   }
 
   private status(): TemplateResult {
@@ -100,7 +102,7 @@ export class ChartTile extends LitElement {
       case "unknown":
         return html`<t-status kind="unknown" word="no data yet"></t-status>`;
       case "forbidden":
-        return html`<t-status kind="offline" word="not yours to see"></t-status>`;
+        return html`<t-status kind="unknown" word="not yours to see"></t-status>`;
     }
   }
 
@@ -147,7 +149,7 @@ export class ChartTile extends LitElement {
             .unit=${signal.unit}
             .decimals=${signal.decimals}
           ></t-value>
-          <p class="range">${this.extremes(signal)}</p>
+          <p class="range">${this.forbidden ? nothing : this.extremes(signal)}</p>
         </div>`;
     }
   }
