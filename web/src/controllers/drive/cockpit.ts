@@ -1,9 +1,16 @@
 /** Seat, STOP and hands of one device, built and taken apart together. */
 
+import type { LeaseNews, StopNews } from "../../generated/wire.js";
 import type { DeviceInfo } from "../../wire/api.js";
 import { Hands } from "./hands.js";
 import { DriveSeat, type Line } from "./seat.js";
 import { StopLine } from "./stop-line.js";
+
+/** What was said of a device before this page was opened. */
+export interface Known {
+  readonly lease: LeaseNews | undefined;
+  readonly stop: StopNews | undefined;
+}
 
 export class Cockpit {
   readonly stop: StopLine;
@@ -21,15 +28,15 @@ export class Cockpit {
     this.hands = new Hands(this.seat, this.stop);
   }
 
-  open(): void {
+  open(known: Known): void {
     // STOP bars the seat in the same turn as it is pressed: zeros follow it down the line.
     this.unwatch = this.stop.watch(() => {
       if (!this.seat) return;
       if (this.stop.desk.bars) this.seat.bar("stop");
       else if (this.seat.machine.barred("stop")) this.seat.lift("stop");
     });
-    this.stop.open();
-    this.seat?.open();
+    this.stop.open(known.stop);
+    this.seat?.open(known.lease);
     this.hands.open();
   }
 

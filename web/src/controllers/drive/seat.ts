@@ -6,7 +6,7 @@
  */
 
 import { Store } from "../../state/store.js";
-import type { DriveNews } from "../../generated/wire.js";
+import type { DriveNews, LeaseNews } from "../../generated/wire.js";
 import type { Connection } from "../../wire/connection.js";
 import { LeaseDesk, type LeaseAsk } from "./lease.js";
 import { DriveMachine, type Bar, type Frame, type Halt, type Limits } from "./machine.js";
@@ -25,7 +25,8 @@ export interface Seated {
 const LEASE_BEAT_MS = 100;
 /** More than this waiting in the socket, and a moving frame would be too old on arrival. */
 const BACKLOG_BYTES = 16_384;
-const OFFLINE = "Connection lost. Take control again once it is back.";
+const LINK_GONE = "The connection to the hub is lost. The gateway brings the vehicle to rest by itself.";
+const SITE_GONE = "The site went off line. Its gateway brings the vehicle to rest by itself.";
 
 export class DriveSeat extends Store {
   readonly machine: DriveMachine;
@@ -63,7 +64,8 @@ export class DriveSeat extends Store {
     return this.lease.trouble || haltWords(this.machine.why);
   }
 
-  open(): void {
+  /** @param known - what was said of the lease before, if anything was */
+  open(known?: LeaseNews): void {
     const { site, device } = this.seated;
     this.stops = [
       this.line.on("lease_news", (news) => {
@@ -96,6 +98,7 @@ export class DriveSeat extends Store {
         this.follow();
       }),
     ];
+    if (known) this.lease.news(known, this.now());
     this.follow();
   }
 
@@ -174,7 +177,7 @@ export class DriveSeat extends Store {
       this.machine.lift("offline");
     } else {
       this.machine.bar("offline", this.now());
-      this.lease.lose(OFFLINE);
+      this.lease.lose(this.line.state === "open" ? SITE_GONE : LINK_GONE);
       this.machine.revoke("offline");
       this.told = null;
     }

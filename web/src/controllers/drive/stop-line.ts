@@ -1,5 +1,6 @@
 /** STOP (software) of one device over the connection. */
 
+import type { StopNews } from "../../generated/wire.js";
 import { Store } from "../../state/store.js";
 import { freshId } from "./id.js";
 import type { Line } from "./seat.js";
@@ -39,7 +40,8 @@ export class StopLine extends Store {
     return reset.kind === "armed" ? Math.max(0, reset.until - this.now()) : 0;
   }
 
-  open(): void {
+  /** @param known - what was said of STOP before, if anything was */
+  open(known?: StopNews): void {
     const ours = (news: { readonly site: string; readonly device: string }): boolean =>
       news.site === this.site && news.device === this.device;
     this.stops = [
@@ -72,6 +74,10 @@ export class StopLine extends Store {
         this.settle();
       }),
     ];
+    if (known) {
+      this.desk.news(known, this.now());
+      this.settle();
+    }
   }
 
   close(): void {

@@ -13,7 +13,7 @@ const HALTS: Readonly<Record<Halt, string>> = {
   silent: "Halted: the gateway has been silent for a second. Press again once it answers.",
   freed: "",
   "lease lost": "Halted: control is no longer yours.",
-  offline: "Connection lost. The gateway brings the vehicle to rest by itself.",
+  offline: "Not connected. The gateway brings the vehicle to rest by itself.",
   stop: "Halted: STOP is on.",
 };
 

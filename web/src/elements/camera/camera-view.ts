@@ -54,6 +54,7 @@ export class CameraView extends LitElement {
         block-size: 100%;
         object-fit: contain;
         background: #000;
+        filter: var(--t-picture-filter, none);
       }
       .aged canvas {
         filter: grayscale(1) brightness(0.55) contrast(0.8);
@@ -207,7 +208,7 @@ export class CameraView extends LitElement {
 
   private frozen(): TemplateResult {
     const known = Number.isFinite(this.age);
-    const cause = this.link === "open" ? "Nothing newer has come." : this.why || WORDS[this.link].heading;
+    const cause = this.link === "open" ? "Nothing newer has come." : this.why || `${WORDS[this.link].heading}.`;
     return html`<div class="veil">
       <div class="plate" role="status">
         <strong>Frozen: not live</strong>

@@ -61,6 +61,21 @@ export class Arrows extends LitElement {
         -webkit-touch-callout: none;
         cursor: pointer;
       }
+      .forward {
+        grid-area: forward;
+      }
+      .left {
+        grid-area: left;
+      }
+      .right {
+        grid-area: right;
+      }
+      .backward {
+        grid-area: backward;
+      }
+      .halt {
+        grid-area: halt;
+      }
       button:hover:not(:disabled) {
         background: var(--t-raised);
       }

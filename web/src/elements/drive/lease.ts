@@ -40,6 +40,12 @@ export class LeaseLine extends LitElement {
         font-size: var(--t-size-s);
         font-variant-numeric: tabular-nums;
       }
+      .mine {
+        flex-wrap: nowrap;
+      }
+      .mine t-button {
+        flex: none;
+      }
       .who {
         display: grid;
       }
@@ -63,11 +69,11 @@ export class LeaseLine extends LitElement {
   }
 
   private mine(): TemplateResult {
-    const word = this.stopped ? "You have control; STOP is on" : "You have control";
-    return html`<div class="row">
+    const word = this.stopped ? "In control, but STOP is on" : "You have control";
+    return html`<div class="row mine">
       <span class="who">
         <t-status kind=${this.stopped ? "warn" : "ok"} .word=${word}></t-status>
-        <span class="remains">renewed each second, ${(this.remains / 1000).toFixed(1)}&#8239;s left</span>
+        <span class="remains">lease ${(this.remains / 1000).toFixed(1)}&#8239;s, renewed</span>
       </span>
       <t-button @click=${this.free}>Give back</t-button>
     </div>`;
@@ -89,7 +95,7 @@ export class LeaseLine extends LitElement {
   }
 
   private standing(): TemplateResult {
-    if (!this.online) return html`<t-status kind="offline" word="Nobody can drive while the site is off line"></t-status>`;
+    if (!this.online) return html`<t-status kind="offline" word="Not connected: no driving from here"></t-status>`;
     switch (this.kind) {
       case "other":
         return html`<t-status kind="busy" .word=${`${this.holder} has control`}></t-status>`;

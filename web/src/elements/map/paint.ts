@@ -1,6 +1,6 @@
 /** Draws grid, trail and vehicle on the map's canvas. No Leaflet here: it is told where things are. */
 
-import { formatLength, niceLength, type TrackPoint } from "./track.js";
+import { formatLength, isBreak, niceLength, type TrackPoint } from "./track.js";
 
 export interface Pose {
   /** m */
@@ -136,7 +136,8 @@ function labels(pen: Pen, sight: Sight, step: number, colours: Colours, font: st
 }
 
 function trail(pen: Pen, sight: Sight, scene: Scene, colours: Colours): void {
-  const points = scene.pose ? [...scene.trail, { ...scene.pose, timeUs: 0 }] : scene.trail;
+  const last = scene.trail.at(-1);
+  const points = scene.pose && last ? [...scene.trail, { ...scene.pose, timeUs: last.timeUs }] : scene.trail;
   pen.lineJoin = "round";
   pen.lineCap = "round";
   pen.strokeStyle = colours.accent;
@@ -148,8 +149,10 @@ function trail(pen: Pen, sight: Sight, scene: Scene, colours: Colours): void {
     const to = Math.min(points.length - 1, Math.floor((points.length * (part + 1)) / parts));
     pen.beginPath();
     for (let i = from; i <= to; i++) {
-      const point = points[i];
-      if (point) pen.lineTo(pxX(sight, point.x), pxY(sight, point.y));
+      const [before, point] = [points[i - 1], points[i]];
+      if (!point) continue;
+      if (i === from || (before && isBreak(before, point))) pen.moveTo(pxX(sight, point.x), pxY(sight, point.y));
+      else pen.lineTo(pxX(sight, point.x), pxY(sight, point.y));
     }
     pen.globalAlpha = 0.3 + (0.7 * (part + 1)) / parts;
     pen.stroke();

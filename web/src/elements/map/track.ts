@@ -13,6 +13,7 @@ export interface TrackPoint {
 export interface PointSeries {
   readonly t_us: readonly number[];
   readonly v: readonly (number | null)[];
+  readonly kind?: "exact" | "minmax";
 }
 
 /** Closer than this to the point before adds nothing to a drawn trail (m). */
@@ -20,18 +21,51 @@ const CLOSER_ADDS_NOTHING = 0.01;
 /** So that a trail can not grow without end. */
 export const MOST_POINTS = 8000;
 
-/** Two channels of one position, joined where both have a number at the same moment. */
-export function joinTrack(x: PointSeries, y: PointSeries): TrackPoint[] {
-  const points: TrackPoint[] = [];
-  let j = 0;
-  for (let i = 0; i < x.t_us.length; i++) {
-    const timeUs = x.t_us[i] ?? 0;
-    while (j < y.t_us.length && (y.t_us[j] ?? 0) < timeUs) j++;
-    const [first, second] = [x.v[i], y.v[j]];
-    if (y.t_us[j] !== timeUs || typeof first !== "number" || typeof second !== "number") continue;
-    points.push({ x: first, y: second, timeUs });
+/** Readings farther apart than this have nothing to say about the time between (µs). */
+const APART_US = 10e6;
+
+interface Reading {
+  readonly timeUs: number;
+  readonly value: number;
+}
+
+/** The numbers of a series; of least and greatest in a bucket, what lies between them. */
+function readings(series: PointSeries): Reading[] {
+  const all = series.t_us.flatMap((timeUs, i) => {
+    const value = series.v[i];
+    return typeof value === "number" ? [{ timeUs, value }] : [];
+  });
+  if (series.kind !== "minmax") return all;
+  const middles: Reading[] = [];
+  for (let i = 0; i + 1 < all.length; i += 2) {
+    const [a, b] = [all[i], all[i + 1]];
+    if (a && b) middles.push({ timeUs: (a.timeUs + b.timeUs) / 2, value: (a.value + b.value) / 2 });
   }
-  return points;
+  return middles;
+}
+
+/** Two channels of one position, joined at the moments of the first. */
+export function joinTrack(x: PointSeries, y: PointSeries): TrackPoint[] {
+  const [across, up] = [readings(x), readings(y)];
+  let j = 0;
+  return across.flatMap(({ timeUs, value }) => {
+    while (j + 1 < up.length && (up[j + 1]?.timeUs ?? 0) <= timeUs) j++;
+    const between = valueAt(timeUs, up[j], up[j + 1]);
+    return between === null ? [] : [{ x: value, y: between, timeUs }];
+  });
+}
+
+function valueAt(timeUs: number, before: Reading | undefined, after: Reading | undefined): number | null {
+  if (!before || before.timeUs > timeUs) return null;
+  if (before.timeUs === timeUs) return before.value;
+  if (!after || after.timeUs - before.timeUs > APART_US) return null;
+  const share = (timeUs - before.timeUs) / (after.timeUs - before.timeUs);
+  return before.value + share * (after.value - before.value);
+}
+
+/** Nothing is known of the way from one point to the next: no line is drawn. */
+export function isBreak(from: TrackPoint, to: TrackPoint): boolean {
+  return to.timeUs - from.timeUs > APART_US && Math.hypot(to.x - from.x, to.y - from.y) > 0.5;
 }
 
 /** Adds a newer point, unless it lies where the last one does, and forgets what is too old. */

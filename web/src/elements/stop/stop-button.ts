@@ -74,11 +74,13 @@ export class StopButton extends LitElement {
         font: inherit;
         font-size: var(--t-size-s);
       }
-      /* Latched: filled stripes at the edge say "engaged" without colour. */
+      /* Latched: turned inside out, so that it reads as engaged without colour. */
       :host([engaged]) button {
         border-style: double;
-        border-width: 7px;
-        padding: calc(var(--t-space-2) - 4px) calc(var(--t-space-4) - 4px);
+        border-width: 8px;
+        padding: calc(var(--t-space-2) - 5px) calc(var(--t-space-4) - 5px);
+        background: var(--t-surface);
+        color: var(--t-bad);
       }
       @media (pointer: coarse) {
         kbd {

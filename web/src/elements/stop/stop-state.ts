@@ -173,7 +173,7 @@ export class StopState extends LitElement {
       <p><strong>Release STOP?</strong> Look at the robot first. Nothing moves by the release itself.</p>
       <div class="row">
         <t-button @click=${this.keep}>Keep stopped</t-button>
-        <t-button kind="danger" @click=${this.go}>Release now</t-button>
+        <t-button kind="primary" @click=${this.go}>Release now</t-button>
       </div>
       <progress max="10000" .value=${this.armed} aria-label="Time to decide"></progress>
       <span class="muted">This question closes in ${seconds}&#8239;s.</span>

@@ -38,6 +38,9 @@ export const layout = css`
     inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-2));
     z-index: 10;
   }
+  .top h1 {
+    font-size: var(--t-size-l);
+  }
   .camera {
     inline-size: 100%;
     max-inline-size: calc((100dvh - 11rem) * 4 / 3);
@@ -58,19 +61,34 @@ export const layout = css`
     display: none;
   }
 
-  /* A phone on its side: small camera left, hands right. */
+  /* A phone on its side: the camera stays left while the hands scroll, commands come below. */
   @media (max-width: 60rem) and (orientation: landscape) {
     .page {
-      grid-template-columns: minmax(0, 1fr) minmax(19rem, 22rem);
+      grid-template-columns: minmax(0, 1fr) 22rem;
       gap: var(--t-space-3);
     }
-    .top h1 {
-      font-size: var(--t-size-l);
+    .plain {
+      position: absolute;
+      clip-path: inset(50%);
+    }
+    .left {
+      display: contents;
     }
     .camera {
       position: sticky;
       inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-2));
+      grid-column: 1;
       max-inline-size: calc((100dvh - 5rem) * 4 / 3);
+    }
+    .right {
+      grid-column: 2;
+    }
+    .camera,
+    .right {
+      grid-row: 2;
+    }
+    .commands {
+      grid-area: 3 / 1 / 4 / -1;
     }
   }
 
@@ -88,8 +106,9 @@ export const layout = css`
     .top {
       order: 0;
     }
-    .top h1 {
-      font-size: var(--t-size-l);
+    .plain {
+      position: absolute;
+      clip-path: inset(50%);
     }
     .camera {
       order: 1;
@@ -101,10 +120,10 @@ export const layout = css`
       order: 2;
       inset-block: calc(var(--t-header, 3.75rem) + var(--t-space-2)) calc(4.75rem + env(safe-area-inset-bottom));
     }
-    .hands {
+    .stopped {
       order: 3;
     }
-    .stopped {
+    .hands {
       order: 4;
     }
     .map {

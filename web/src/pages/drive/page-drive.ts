@@ -1,5 +1,6 @@
 /** Actuate page of one site: see, drive, stop, find and command a device. */
 
+import { ContextConsumer } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { Cockpit } from "../../controllers/drive/cockpit.js";
@@ -13,7 +14,7 @@ import "../../elements/choice.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
-import { sitesContext } from "../../state/contexts.js";
+import { robotNewsContext, sitesContext } from "../../state/contexts.js";
 import "../../tiles/camera/camera.js";
 import "../../tiles/command/commands.js";
 import "../../tiles/drive/drive-pad.js";
@@ -32,6 +33,7 @@ export class PageDrive extends LitElement {
   @query(".page") private readonly pageBox!: HTMLElement | null;
 
   private readonly sites = new StoreController(this, sitesContext);
+  private readonly news = new ContextConsumer(this, { context: robotNewsContext });
   private readonly link = new LinkController(this);
   private readonly detail = new LoadController<SiteDetail>(this);
   private cockpit: Cockpit | null = null;
@@ -73,8 +75,8 @@ export class PageDrive extends LitElement {
     const options = drivable.map(({ id, name }) => ({ id, label: name }));
     return html`
       <div class="page ${this.full ? "full" : ""}">
-        <div class="top">
-          <h1>${detail.name}</h1>
+        <div class="top ${options.length > 1 ? "" : "plain"}">
+          <h1>${device?.name ?? detail.name}</h1>
           ${drivable.length > 1
             ? html`<t-choice
                 label="Device"
@@ -129,32 +131,32 @@ export class PageDrive extends LitElement {
       </div>
       <div class="right">
         <t-stop-bar class="stop" .line=${stop}></t-stop-bar>
-        <t-card class="hands">
-          ${seat
-            ? html`<t-drive-pad
-                .site=${this.site}
-                .device=${device}
-                .seat=${seat}
-                .stopped=${stop?.desk.bars ?? false}
-                .pictureAge=${this.pictureAge}
-              ></t-drive-pad>`
-            : this.onlooker(device)}
-        </t-card>
-        <t-card class="stopped">
+        <div class="stopped">
           <t-stop
             .line=${stop}
             .zone=${detail.zone}
             .epoch=${seat?.lease.epoch ?? 0}
             .mayUse=${device.rights.includes("use")}
           ></t-stop>
-        </t-card>
+        </div>
+        ${seat
+          ? html`<t-card class="hands">
+              <t-drive-pad
+                .site=${this.site}
+                .device=${device}
+                .seat=${seat}
+                .stopped=${stop?.desk.bars ?? false}
+                .pictureAge=${this.pictureAge}
+              ></t-drive-pad>
+            </t-card>`
+          : this.onlooker(device)}
         <t-map class="map" .site=${this.site} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-map>
       </div>
     `;
   }
 
   private onlooker(device: DeviceInfo): TemplateResult {
-    return html`<t-empty heading="You may look, but not drive" icon="lock">
+    return html`<t-empty class="hands" heading="You may look, but not drive" icon="lock">
       <p>
         Driving ${device.name} needs the right <strong>use</strong>; an admin can give it to you. STOP works for
         everyone who sees the vehicle.
@@ -187,7 +189,8 @@ export class PageDrive extends LitElement {
     if (!device) return;
     const online = this.sites.store?.row(this.site)?.online ?? detail.online;
     this.cockpit = new Cockpit(connection, this.site, device, online);
-    this.cockpit.open();
+    const news = this.news.value;
+    this.cockpit.open({ lease: news?.lease(this.site, device.id), stop: news?.stop(this.site, device.id) });
     const redraw = (): void => {
       this.requestUpdate();
     };

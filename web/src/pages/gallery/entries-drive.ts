@@ -102,7 +102,6 @@ function stopped(phase: StopPhase, name: string = phase): GalleryState {
 export const entries: readonly GalleryEntry[] = [
   {
     tag: "t-camera-view",
-    wide: true,
     states: [
       { name: "live", show: () => camera("open", 84) },
       { name: "frozen", show: () => camera("open", 2310) },

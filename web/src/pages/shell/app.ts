@@ -7,12 +7,14 @@ import {
   apiContext,
   connectionContext,
   liveContext,
+  robotNewsContext,
   routerContext,
   sessionContext,
   sitesContext,
   themeContext,
 } from "../../state/contexts.js";
 import { LiveValues } from "../../state/live.js";
+import { RobotNews } from "../../state/robot-news.js";
 import { Router } from "../../state/router.js";
 import { Session } from "../../state/session.js";
 import { Sites } from "../../state/sites.js";
@@ -30,6 +32,7 @@ export class App extends LitElement {
   private readonly api = new HubApi();
   private readonly connection = new Connection({ url: socketUrl("/ws", location) });
   private readonly live = new LiveValues(this.connection);
+  private readonly robotNews = new RobotNews(this.connection);
   private readonly router = new Router(window);
   private readonly session = new Session(this.api);
   private readonly sites = new Sites(this.api);
@@ -42,6 +45,7 @@ export class App extends LitElement {
     new ContextProvider(this, { context: apiContext, initialValue: this.api });
     new ContextProvider(this, { context: connectionContext, initialValue: this.connection });
     new ContextProvider(this, { context: liveContext, initialValue: this.live });
+    new ContextProvider(this, { context: robotNewsContext, initialValue: this.robotNews });
     new ContextProvider(this, { context: routerContext, initialValue: this.router });
     new ContextProvider(this, { context: sessionContext, initialValue: this.session });
     new ContextProvider(this, { context: sitesContext, initialValue: this.sites });

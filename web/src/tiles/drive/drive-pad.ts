@@ -37,6 +37,11 @@ export class DrivePad extends LitElement {
         color: var(--t-muted);
         font-size: var(--t-size-s);
       }
+      summary {
+        cursor: pointer;
+        inline-size: fit-content;
+        min-block-size: 1.5rem;
+      }
       @media (pointer: coarse) {
         .hint {
           display: none;
@@ -107,10 +112,13 @@ export class DrivePad extends LitElement {
         .turn=${limits.max_turn}
         @t-level=${this.level}
       ></t-speed-limit>
-      <p class="hint">
-        Hold the pad, an arrow, W&nbsp;A&nbsp;D&nbsp;X or the arrow keys; let go to halt. S halts, + and − change the
-        speed. Gamepad: hold a shoulder button and push the stick.
-      </p>
+      <details class="hint">
+        <summary>Keys and gamepad</summary>
+        <p>
+          Hold W&nbsp;A&nbsp;D&nbsp;X or the arrow keys to drive, several at once for a curve; let go to halt. S halts, +
+          and − change the speed, Escape is STOP. Gamepad: hold a shoulder button and push the left stick.
+        </p>
+      </details>
       <t-drive-readout
         .asked=${machine.asked}
         .told=${told ?? NO_MOTION}

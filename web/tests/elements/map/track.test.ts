@@ -1,13 +1,28 @@
 import { describe, expect, test } from "vitest";
-import { backfill, course, extendTrack, flat, formatLength, joinTrack, MOST_POINTS, niceLength, type TrackPoint } from "../../../src/elements/map/track.js";
+import { backfill, course, extendTrack, flat, formatLength, isBreak, joinTrack, MOST_POINTS, niceLength, type TrackPoint } from "../../../src/elements/map/track.js";
 
 const at = (x: number, y: number, timeUs: number): TrackPoint => ({ x, y, timeUs });
 
 describe("joining the channels of a position", () => {
-  test("takes the moments that both have", () => {
-    const x = { t_us: [1, 2, 3, 5], v: [10, 20, 30, 50] };
-    const y = { t_us: [2, 3, 4, 5], v: [-2, -3, -4, -5] };
+  test("takes the moments of the first that lie within the second", () => {
+    const x = { t_us: [1, 2, 3, 5, 7], v: [10, 20, 30, 50, 70] };
+    const y = { t_us: [2, 4, 5, 6], v: [-2, -4, -5, -6] };
     expect(joinTrack(x, y)).toEqual([at(20, -2, 2), at(30, -3, 3), at(50, -5, 5)]);
+  });
+
+  test("of least and greatest takes the middle", () => {
+    const x = { t_us: [0, 2, 4, 6], v: [1, 3, 5, 9], kind: "minmax" } as const;
+    const y = { t_us: [0, 2, 4, 6], v: [0, 0, 2, 4], kind: "minmax" } as const;
+    expect(joinTrack(x, y)).toEqual([at(2, 0, 1), at(7, 3, 5)]);
+  });
+
+  test("makes nothing up across a gap", () => {
+    const x = { t_us: [0, 15e6, 30e6], v: [0, 1, 2] };
+    const y = { t_us: [0, 30e6], v: [0, 9] };
+    expect(joinTrack(x, y)).toEqual([at(0, 0, 0), at(2, 9, 30e6)]);
+    expect(isBreak(at(0, 0, 0), at(2, 9, 30e6))).toBe(true);
+    expect(isBreak(at(0, 0, 0), at(0.1, 0, 30e6))).toBe(false);
+    expect(isBreak(at(0, 0, 0), at(2, 9, 1e6))).toBe(false);
   });
 
   test("leaves out what is no number", () => {

@@ -1,0 +1,46 @@
+/**
+ * What was last said of each device's lease and STOP. The hub says it when the connection opens
+ * and at each change; a page that is opened later must not begin without it.
+ */
+
+import type { LeaseNews, StopNews } from "../generated/wire.js";
+import type { Connection } from "../wire/connection.js";
+
+type Line = Pick<Connection, "on" | "onState">;
+
+export class RobotNews {
+  private readonly leases = new Map<string, LeaseNews>();
+  private readonly stops = new Map<string, StopNews>();
+
+  /** Listens for as long as the connection lives. */
+  constructor(line: Line) {
+    line.on("lease_news", (news) => this.leases.set(key(news.site, news.device), news));
+    line.on("stop_news", (news) => this.stops.set(key(news.site, news.device), news));
+    line.on("site", (news) => {
+      if (!news.online) this.forget(news.site);
+    });
+    line.onState((state) => {
+      if (state === "open") return;
+      this.leases.clear();
+      this.stops.clear();
+    });
+  }
+
+  lease(site: string, device: string): LeaseNews | undefined {
+    return this.leases.get(key(site, device));
+  }
+
+  stop(site: string, device: string): StopNews | undefined {
+    return this.stops.get(key(site, device));
+  }
+
+  private forget(site: string): void {
+    for (const known of [this.leases, this.stops]) {
+      for (const [id, news] of known) if (news.site === site) known.delete(id);
+    }
+  }
+}
+
+function key(site: string, device: string): string {
+  return `${site}\n${device}`;
+}
