@@ -216,7 +216,7 @@ def test_escape_stops_latches_and_is_released_in_two_steps(
         page.get_by_role("button", name="Take control").click()
     page.get_by_role("button", name="Release STOP…").click()
     page.get_by_role("button", name="Release now").click()
-    expect(page.get_by_text("Press to stop the robot").first).to_be_visible(timeout=10_000)
+    expect(page.get_by_text("Not latched").first).to_be_visible(timeout=10_000)
     assert len([each for each in actuations(demo) if each["v"] != 0]) == known
 
 
