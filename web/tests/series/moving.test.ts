@@ -39,6 +39,13 @@ describe("the live edge", () => {
     expect(edge.at(10_200)).toBe(10_200_000);
   });
 
+  it("does not jump when a new stretch of five seconds begins with a late sample", () => {
+    const edge = new LiveEdge();
+    edge.observe(0, 1000);
+    edge.observe(5_000_000, 6300);
+    expect(edge.at(6300)).toBe(5_300_000);
+  });
+
   it("counts the age of an old sample in", () => {
     const edge = new LiveEdge();
     edge.observe(1e6, 50, 3000);
