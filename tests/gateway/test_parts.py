@@ -62,8 +62,11 @@ async def test_batches_are_numbered_and_made_once_per_flush() -> None:
     kept: list[Record] = []
     batcher = Batcher(asyncio.get_running_loop(), "b", "c", 60.0, kept.append, lambda *_: None)
     batcher.put(columns([1, 2]))
-    batcher.put(columns([3]))
+    batcher.put(columns([3], {0: "three"}))
     batcher.flush()
+    frame = LINK_FROM_GATEWAY.decode(kept[0].body)
+    assert isinstance(frame, Samples)
+    assert frame.texts == {2: "three"}
     batcher.put(columns([4]))
     batcher.flush()
     batcher.flush()
@@ -172,9 +175,9 @@ def test_picture_problem_is_told_once_and_rate_is_kept() -> None:
 def test_epochs_rise_over_restarts(tmp_path: Path) -> None:
     path = tmp_path / "e.json"
     seen = []
-    for _ in range(3):
+    for count in (1, 1500, 1003, 2002, 1):
         epochs = Epochs(path)
-        seen += [epochs.next() for _ in range(1500)]
+        seen += [epochs.next() for _ in range(count)]
     assert seen == sorted(set(seen))
 
 

@@ -15,13 +15,28 @@ from gateway_bench import SITE, Peer, addresses_of
 from talaia.wire.frames import CommandAsk, CommandState, Drive, LeaseAsk, LeaseOp, LeaseState
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
     from pathlib import Path
+
+
+_STARTED: list[asyncio.subprocess.Process] = []
+
+
+@pytest.fixture(autouse=True)
+async def none_left_behind() -> AsyncIterator[None]:
+    """End what a failed test left running."""
+    yield
+    while _STARTED:
+        process = _STARTED.pop()
+        if process.returncode is None:
+            process.kill()
+            await process.communicate()
 
 
 async def started(tmp_path: Path, url: str, text: str) -> asyncio.subprocess.Process:
     (tmp_path / "site.yaml").write_text(text)
     (tmp_path / "key").write_text(KEY)
-    return await asyncio.create_subprocess_exec(
+    process = await asyncio.create_subprocess_exec(
         sys.executable,
         "-m",
         "talaia.gateway",
@@ -35,6 +50,8 @@ async def started(tmp_path: Path, url: str, text: str) -> asyncio.subprocess.Pro
         str(tmp_path / "data"),
         stderr=asyncio.subprocess.PIPE,
     )
+    _STARTED.append(process)
+    return process
 
 
 async def finished(process: asyncio.subprocess.Process) -> tuple[int, str]:

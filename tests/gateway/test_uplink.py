@@ -130,6 +130,8 @@ def test_process_that_stood_still_knows_it() -> None:
     beats.next(10 * SECOND)
     assert beats.stood_still_s(11 * SECOND) == 0
     assert beats.stood_still_s(17 * SECOND) == 5
+    beats.pulse(17 * SECOND)
+    assert beats.stood_still_s(17 * SECOND) == 5
 
 
 def test_old_batch_stands_alone_when_the_channel_list_changed() -> None:

@@ -38,6 +38,11 @@ class Beats:
             self._answered = reply.n
             self.round_trip_ms = (now_ns // 1000 - reply.mono_us) / 1000
 
+    def pulse(self, now_ns: int) -> None:
+        """Note that this process runs; once it has stood still, that is not forgotten."""
+        if self.stood_still_s(now_ns) == 0:
+            self._turn_ns = now_ns
+
     def stood_still_s(self, now_ns: int) -> float:
         """Tell how long this process has not run (s), beyond what is usual.
 

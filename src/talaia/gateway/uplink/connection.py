@@ -172,15 +172,14 @@ class LinkRun:
         """
         try:
             async with dial(self._settings, self._trust, "/gateway/link") as socket:
+                beats = Beats(self._clock.monotonic_ns())
                 await socket.send(LINK_FROM_GATEWAY.encode(hello))
-                async with asyncio.timeout(HANDSHAKE_S):
-                    welcome = LINK_FROM_HUB.decode(await socket.recv())
+                welcome = await self._answer(socket, beats)
                 self._check(welcome)
                 assert isinstance(welcome, Welcome)  # noqa: S101 - told to mypy; _check raised
                 self._lanes.link_up()
                 self._desk.link_up(welcome)
                 log.info("linked to %s", self._settings.hub.url)
-                beats = Beats(self._clock.monotonic_ns())
                 tasks = [
                     asyncio.ensure_future(self._read(socket, beats)),
                     asyncio.ensure_future(self._write(socket)),
@@ -191,6 +190,23 @@ class LinkRun:
         finally:
             self._lanes.link_lost()
             self._desk.link_lost()
+
+    async def _answer(self, socket: ClientConnection, beats: Beats) -> FromHub:
+        """Wait for the first frame. A slow hub is waited for; a freeze of ours ends the link."""
+
+        async def pulse() -> None:
+            while True:
+                await asyncio.sleep(beats.PERIOD_S)
+                beats.pulse(self._clock.monotonic_ns())
+
+        pulsing = asyncio.ensure_future(pulse())
+        try:
+            async with asyncio.timeout(HANDSHAKE_S):
+                data = await socket.recv()
+        finally:
+            pulsing.cancel()
+        _check_awake(beats, self._clock)
+        return LINK_FROM_HUB.decode(data)
 
     def _check(self, welcome: FromHub) -> None:
         if isinstance(welcome, Bye):
