@@ -168,12 +168,12 @@ async def test_a_few_lone_samples_show_beside_rollups(url) -> None:
     """Too few for rollup rows of their own: they come out of their block."""
     async with opened(url, SMALL._replace(block=512, recent=512)) as store:
         await feed(store, 10_000)
-        lone = [(0, START + (3 + i) * 3600 * SECOND, 70.0 + i) for i in range(4)]
+        lone = [(0, START + (3 + 2 * i) * 3600 * SECOND, 70.0 + i) for i in range(4)]
         await store.append("agv", "b1", 10_000, ["base/speed"], batch(lone))
-        await feed(store, 1_000, first=2_000_000)
-        (series,) = await store.read("agv", ["base/speed"], START, START + 8 * 3600 * SECOND, 50)
+        await feed(store, 4_000, first=2_000_000)
+        (series,) = await store.read("agv", ["base/speed"], START, START + 10 * 3600 * SECOND, 50)
         assert not series.exact
-        assert [70.0, 71.0, 72.0, 73.0] == series.value[series.value >= 70.0].tolist()
+        assert series.value[series.value >= 70.0].tolist() == [70.0, 71.0, 72.0, 73.0]
 
 
 async def test_nan_infinities_and_texts_come_back(url) -> None:
