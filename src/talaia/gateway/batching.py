@@ -1,11 +1,15 @@
-"""Samples from adapter threads become numbered batches, at most one every 20 ms.
+"""Samples from adapter threads become numbered batches, about one every 20 ms.
 
 Threads hand over columns, not samples: the event loop sees a few arrays for each flush, however
 fast the robot speaks, and nothing at all while it is silent.
+
+A batch is made when a hand-over comes and the last batch is long enough ago, not by a timer of
+its own: two beats side by side, the adapter's and the timer's, would let samples wait for both.
 """
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from typing import TYPE_CHECKING
 
@@ -22,6 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["Batcher", "joined", "records_of"]
 
 MAX_WAITING = 1_000_000
+# Of the flush interval: a hand-over this early still makes the batch, one this late is not awaited.
+EARLY, LATE = 0.75, 1.25
 OVERRUN = "the gateway could not keep up"
 
 
@@ -103,7 +109,7 @@ class Batcher:
             loop: where batches are made.
             boot: this run's name.
             catalogue: the channel list's name.
-            flush: samples wait at most so long (s).
+            flush: a batch is made about so often (s).
             keep: takes each batch, in order.
             lose: takes the range (a record without body) of samples that had to be dropped.
 
@@ -117,6 +123,9 @@ class Batcher:
         self._chunks: deque[Columns] = deque()
         self._waiting = 0
         self._armed = False
+        self._called = False
+        self._timer: asyncio.TimerHandle | None = None
+        self._ripe = 0.0
         self._dropped = 0
         self._dropped_us = 0
         self.next = 0
@@ -129,18 +138,31 @@ class Batcher:
             return
         self._chunks.append(columns)
         self._waiting += len(columns)
+        # Only the first hand-over of a batch wakes the loop, and the one that makes it ripe.
         if not self._armed:
-            # Only the first of a batch wakes the loop.
             self._armed = True
             self._loop.call_soon_threadsafe(self._arm)
+        elif not self._called and time.monotonic() >= self._ripe:
+            self._called = True
+            self._loop.call_soon_threadsafe(self.flush)
 
     def _arm(self) -> None:
-        self._loop.call_later(self._flush_s, self.flush)
+        left = self._ripe - time.monotonic()
+        if left <= 0:
+            self.flush()
+        else:
+            self._timer = self._loop.call_later(
+                left + (LATE - EARLY) * self._flush_s, self.flush
+            )
 
     def flush(self) -> None:
         """Make batches of what waits; event loop only."""
         # Before the chunks are taken: what is put from here on arms anew.
-        self._armed = False
+        self._armed = self._called = False
+        self._ripe = time.monotonic() + EARLY * self._flush_s
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
         chunks = []
         while self._chunks:
             chunks.append(self._chunks.popleft())

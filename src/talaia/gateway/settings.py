@@ -70,7 +70,7 @@ class Settings:
         key: proves the gateway to the hub; never logged.
         data: folder of spool, journal, epochs and STOP latches.
         spool_bytes: most that may wait on disk; the oldest gives way.
-        flush: samples wait at most so long to be batched (s).
+        flush: samples are batched about so often (s).
         sync: the spool is forced to disk so often (s); a power cut loses no more than this.
         backfill_bytes: old samples go out at this rate beside the live ones (bytes/s).
 
