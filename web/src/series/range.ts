@@ -14,6 +14,9 @@ export interface Limits {
 export const NO_LIMITS: Limits = { minimum: null, maximum: null };
 
 const PADDING = 0.06;
+/** What the axis covers when all data are one value (a share of it), and when all are zero. */
+const FLAT = 0.02;
+const FLAT_ZERO = 0.5;
 const MOST_DECIMALS = 9;
 /** While the data fill at least this much of the axis, the axis stays as it is. */
 const WORTH = 0.4;
@@ -28,7 +31,8 @@ export function niceRange(min: number, max: number, limits: Limits = NO_LIMITS, 
   const low = Math.min(min, limits.minimum ?? Infinity);
   const high = Math.max(max, limits.maximum ?? -Infinity);
   if (!(low <= high)) return fallback(limits);
-  const size = Math.max(high - low, least, Math.abs(high) * 1e-9, Number.MIN_VALUE * 1e6);
+  const flat = high === low ? Math.abs(high) * FLAT || FLAT_ZERO : 0;
+  const size = Math.max(high - low, least, flat, Math.abs(high) * 1e-9);
   const middle = (low + high) / 2;
   const air = size * PADDING;
   const from = size > high - low ? middle - size / 2 - air : low - air;

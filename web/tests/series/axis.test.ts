@@ -21,6 +21,15 @@ describe("a value axis", () => {
     });
   });
 
+  it("gives a line that never moves a middle place on an axis one can read", () => {
+    for (const value of [0, 12.36, -273.15, 1e-6, 4e9]) {
+      const { low, high } = niceRange(value, value);
+      expect((high - low) / (Math.abs(value) || 1)).toBeGreaterThan(0.01);
+      expect((value - low) / (high - low)).toBeGreaterThan(0.2);
+      expect((value - low) / (high - low)).toBeLessThan(0.8);
+    }
+  });
+
   it("ends at the signal's limits, but shows data beyond them", () => {
     const limits = { minimum: 0, maximum: 4 };
     expect(niceRange(1, 2, limits)).toEqual({ low: 0, high: 4 });

@@ -2,7 +2,7 @@
  * A chart of one or more channels over time. Longer than most files: it is where drawing, size,
  * theme, pointer and keys of one chart come together.
  *
- * After each paint of a moving chart `window.__talaiaPainted(address, newestUs)` is called where a
+ * After each paint of a moving chart `window.__talaiaPainted(address, newestUs, newest)` is called where a
  * page has set it; the latency benchmark does.
  */
 
@@ -26,7 +26,7 @@ import { ChartView } from "./view.js";
 
 declare global {
   interface Window {
-    __talaiaPainted?: (address: string, newestUs: number) => void;
+    __talaiaPainted?: (address: string, newestUs: number, newest: number) => void;
   }
 }
 
@@ -181,7 +181,7 @@ export class Chart extends LitElement implements Paintable {
     });
     this.placeCursor();
     const tell = window.__talaiaPainted;
-    if (tell !== undefined && this.follow !== null) for (const { address, samples } of this.series) tell(address, samples.newestUs);
+    if (tell !== undefined && this.follow !== null) for (const { address, samples } of this.series) tell(address, samples.newestUs, samples.newest);
   }
 
   /** Time of one pixel column (µs). Rounded: a window that moves must not change it by a hair. */

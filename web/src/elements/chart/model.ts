@@ -14,6 +14,7 @@ export interface Samples {
   /** The longest pause that is no gap (µs). */
   readonly allowedUs: number;
   readonly newestUs: number;
+  readonly newest: number;
   columnsAt(widthUs: number): Columns;
 }
 
