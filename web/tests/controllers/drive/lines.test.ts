@@ -89,6 +89,13 @@ describe("the seat", () => {
     expect(line.sent).toEqual([]);
   });
 
+  test("out of sight no press counts, lease or not", () => {
+    seat.hide();
+    sit();
+    seat.press("key:KeyW", PUSH.forward);
+    expect(line.take("drive")).toEqual([]);
+  });
+
   test("a press that the system takes away ends everything that is held", () => {
     sit();
     seat.press("pad", PUSH.forward, "analog");
