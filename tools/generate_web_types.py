@@ -1,4 +1,4 @@
-"""Write the browser's types from the Python wire: one interface for each message.
+"""Write the browser's types from Python: each message of the wire, each body of the HTTP API.
 
 Run from the repository's root with ``PYTHONPATH=src``. ``--check`` writes nothing and fails when
 the files on disk are not what would be written, so that CI sees a forgotten run.
@@ -9,12 +9,17 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import types
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Union, get_args, get_origin
 
 import msgspec
 from msgspec import inspect
+from pydantic import BaseModel
 
+from talaia.hub.api import shapes
+from talaia.hub.auth.permissions import Right
+from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
 from talaia.model.unit import UNITS
 from talaia.wire import browser, shape
 
@@ -29,21 +34,29 @@ UNIONS = (
     ("MediaToBrowser", browser.MediaToBrowser),
     ("MediaFromBrowser", browser.MediaFromBrowser),
 )
+# Texts of the API that come from a closed list.
+CLOSED = {
+    ("SignalShape", "type"): [kind.value for kind in SignalType],
+    ("SignalShape", "frame"): [frame.value for frame in PositionFrame],
+    ("ArgumentShape", "type"): [kind.value for kind in ArgumentType],
+    ("DeviceShape", "kind"): [kind.value for kind in DeviceKind],
+    ("DeviceShape", "rights"): [right.value for right in Right],
+    ("SeriesShape", "kind"): ["exact", "minmax"],
+}
+SIMPLE = {int: "number", float: "number", str: "string", bool: "boolean", types.NoneType: "null"}
 
 
 class NoTypeScript(Exception):
     """The wire has a type that this generator cannot say in TypeScript yet."""
 
-    def __init__(self, found: inspect.Type) -> None:
+    def __init__(self, found: object) -> None:
         """Keep what was found."""
         self.found = found
         super().__init__(found)
 
     def __str__(self) -> str:
         """Say what to do."""
-        return (
-            f"{type(self.found).__name__} has no TypeScript form; add it to `ts_type` in {__file__}"
-        )
+        return f"{self.found!r} has no TypeScript form; add one to {Path(__file__).name}"
 
 
 def ts_type(kind: inspect.Type, enums: dict[str, type[enum.Enum]]) -> str:
@@ -166,6 +179,41 @@ def wire_text() -> str:
     return FIRST_LINE.format(source="wire.browser") + "\n" + "\n\n".join(parts) + "\n"
 
 
+def api_type(hint: object, words: list[str] | None) -> str:
+    """Say a pydantic field's type in TypeScript; ``words`` stand for its texts when given.
+
+    Raises:
+        NoTypeScript: a type that no body had when this was written.
+
+    """
+    if hint is str and words:
+        return " | ".join(json.dumps(word) for word in words)
+    if isinstance(hint, type) and hint in SIMPLE:
+        return SIMPLE[hint]
+    if isinstance(hint, type) and issubclass(hint, BaseModel):
+        return hint.__name__
+    inner = [api_type(one, words) for one in get_args(hint)]
+    if get_origin(hint) is list:
+        return f"readonly ({inner[0]})[]" if "|" in inner[0] else f"readonly {inner[0]}[]"
+    if get_origin(hint) in (types.UnionType, Union):
+        return " | ".join(dict.fromkeys(inner))
+    raise NoTypeScript(hint)
+
+
+def api_text() -> str:
+    """Write api.ts."""
+    parts = []
+    for name in shapes.__all__:
+        shape_class: type[BaseModel] = getattr(shapes, name)
+        lines = [f"/** {first_sentence(shape_class)} */", f"export interface {name} {{"]
+        for key, info in shape_class.model_fields.items():
+            mark = "" if info.is_required() else "?"
+            kind = api_type(info.annotation, CLOSED.get((name, key)))
+            lines.append(f"  readonly {key}{mark}: {kind};")
+        parts.append("\n".join([*lines, "}"]))
+    return FIRST_LINE.format(source="hub.api.shapes") + "\n" + "\n\n".join(parts) + "\n"
+
+
 def units_text() -> str:
     """Write units.ts."""
     rows = [
@@ -193,7 +241,8 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="compare and fail on a difference")
     check: bool = parser.parse_args().check
     stale = False
-    for name, text in {"wire.ts": wire_text(), "units.ts": units_text()}.items():
+    files = {"wire.ts": wire_text(), "units.ts": units_text(), "api.ts": api_text()}
+    for name, text in files.items():
         path = FOLDER / name
         if path.exists() and path.read_text(encoding="utf-8") == text:
             continue

@@ -17,16 +17,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import uvicorn
+from described import device_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
 from socket_side import Browser, media
 from world import World, history
 
 from talaia.model.load import read_site
-from talaia.model.site import Device, Signal, Site, parts_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
+
+    from talaia.model.site import Site
 
 ROOT = Path(__file__).resolve().parents[2]
 STATIC = ROOT / "src" / "talaia" / "web" / "static"
@@ -37,84 +39,14 @@ POLICY = (
 COOKIE = "mock"
 
 
-def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any]:
-    """Say a signal as the hub does."""
-    address = f"{device_id}/{signal_id}"
-    return {
-        "id": signal_id,
-        "address": address,
-        "name": signal.name,
-        "type": signal.type,
-        "unit": signal.unit,
-        "decimals": signal.decimals,
-        "minimum": signal.minimum,
-        "maximum": signal.maximum,
-        "states": signal.states,
-        "frame": signal.frame,
-        "max_age": signal.max_age,
-        "primary": signal.primary,
-        "channels": [address + (f".{part}" if part else "") for part in parts_of(signal)],
-    }
-
-
-def drive_json(device: Device) -> dict[str, Any] | None:
-    """Say how a device is driven."""
-    drive = device.drive
-    if drive is None:
-        return None
-    return {
-        "max_speed": drive.max_speed,
-        "max_reverse": drive.max_speed if drive.max_reverse is None else drive.max_reverse,
-        "max_turn": drive.max_turn,
-        "ttl": drive.ttl,
-        "rate": drive.rate,
-        "lease": drive.lease,
-        "picture": drive.picture,
-        "position": drive.position,
-        "stop": True,
-    }
-
-
-def device_json(device_id: str, device: Device, role: str) -> dict[str, Any]:
-    """Say a device as the hub does."""
-    return {
-        "id": device_id,
-        "name": device.name,
-        "kind": device.kind,
-        "signals": [signal_json(device_id, key, one) for key, one in device.signals.items()],
-        "streams": [
-            {"id": key, "address": f"{device_id}/{key}", "name": one.name}
-            for key, one in device.streams.items()
-        ],
-        "commands": [
-            {
-                "id": key,
-                "name": one.name,
-                "description": one.description,
-                "confirm": one.confirm,
-                "arguments": [
-                    {
-                        "id": name,
-                        "name": argument.name or name,
-                        "type": argument.type,
-                        "unit": argument.unit,
-                        "minimum": argument.minimum,
-                        "maximum": argument.maximum,
-                        "default": argument.default,
-                    }
-                    for name, argument in one.arguments.items()
-                ],
-            }
-            for key, one in device.commands.items()
-        ],
-        "drive": drive_json(device),
-        "rights": ["view"] if role == "guest" else ["view", "use"],
-    }
-
-
 def role_of(name: str) -> str:
     """Let the name decide."""
     return next((role for role in ("guest", "admin") if name.startswith(role)), "operator")
+
+
+def me_json(name: str) -> dict[str, Any]:
+    """Say who is signed in."""
+    return {"name": name, "role": role_of(name), "admin": role_of(name) == "admin"}
 
 
 def problem(status: int, code: str, message: str, **headers: str) -> JSONResponse:
@@ -167,6 +99,10 @@ def build(site: Site) -> FastAPI:
             "since_us": int(world.since * 1e6),
             "last_seen_us": int((time.time() if world.online else world.since) * 1e6),
             "devices": len(site.devices),
+            "why": "" if world.online else "the gateway closed the link",
+            "loop_ms": 4.2,
+            "skew_ms": 0.0,
+            "stale": 0,
             "signals": sum(len(device.signals) for device in site.devices.values()),
         }
 
@@ -180,7 +116,7 @@ def build(site: Site) -> FastAPI:
             return problem(401, "wrong", "Name or password is wrong.")
         token = secrets.token_hex(16)
         people[token] = name
-        response = JSONResponse({"name": name, "role": role_of(name)})
+        response = JSONResponse(me_json(name))
         response.set_cookie(COOKIE, token, httponly=True, samesite="strict")
         return response
 
@@ -197,9 +133,8 @@ def build(site: Site) -> FastAPI:
         return Response(status_code=204)
 
     @app.get("/api/me")
-    async def me(request: Request) -> dict[str, str]:
-        name = who(request.cookies) or ""
-        return {"name": name, "role": role_of(name)}
+    async def me(request: Request) -> dict[str, Any]:
+        return me_json(who(request.cookies) or "")
 
     @app.get("/api/sites")
     async def sites(request: Request) -> list[dict[str, Any]]:
@@ -224,6 +159,8 @@ def build(site: Site) -> FastAPI:
             "name": site.name if name == site.site else "Observatory dome",
             "zone": site.zone,
             "online": world.online and name == site.site,
+            "since_us": int(world.since * 1e6),
+            "last_seen_us": int(time.time() * 1e6),
             "catalogue": "1",
             "devices": devices if name == site.site else [],
         }

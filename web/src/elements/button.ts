@@ -62,6 +62,12 @@ export class Button extends LitElement {
       :host([kind="quiet"]) button:hover:not(:disabled) {
         background: var(--t-raised);
       }
+      button[aria-pressed="true"] {
+        border-color: var(--t-accent);
+        background: var(--t-raised);
+        box-shadow: inset 0 0 0 1px var(--t-accent);
+        color: var(--t-accent);
+      }
       button:disabled {
         border-style: dashed;
         border-color: var(--t-edge);

@@ -48,6 +48,7 @@ export class Session extends Store {
     try {
       await this.api.logout();
     } finally {
+      this.notice = "";
       this.become(null);
     }
   }

@@ -88,6 +88,9 @@ export class Sites extends Store {
             ...row,
             online: news.online,
             since_us: news.since_us,
+            why: news.why,
+            loop_ms: news.loop_ms,
+            skew_ms: news.skew_ms,
             last_seen_us: news.online ? row.last_seen_us : Math.max(row.last_seen_us, news.since_us),
           }
         : other,

@@ -124,7 +124,7 @@ export class SiteCard extends LitElement {
           <t-status kind=${row.online ? "online" : "offline"}></t-status>
         </div>
         <p class="facts">
-          ${count(row.devices, "device")}, ${count(row.signals, "signal")} ·
+          ${count(row.devices, "device")}, ${count(row.signals, "signal")}${staleness(row)} ·
           ${row.online
             ? html`online for ${since}`
             : html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`}
@@ -161,6 +161,10 @@ export class SiteCard extends LitElement {
       (device) => device.rights.includes("use") && (device.drive !== null || device.commands.length > 0),
     );
   }
+}
+
+function staleness(row: SiteRow): string {
+  return row.online && row.stale > 0 ? `, ${String(row.stale)} of them stale` : "";
 }
 
 function count(number: number, noun: string): string {

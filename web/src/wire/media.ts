@@ -1,15 +1,15 @@
 /** One camera's pictures over a socket of their own, so that they never stand before a command. */
 
-import type { Shot } from "../generated/wire.js";
+import type { MediaToBrowser, Shot } from "../generated/wire.js";
 import { backoffMs } from "./backoff.js";
-import { decodeMedia, encode } from "./codec.js";
+import { decodeMedia, encode, FrameError } from "./codec.js";
 
 export type MediaState = "connecting" | "open" | "lost" | "refused";
 
 export interface MediaListener {
   /** Draw it, then call `shown` (also when it could not be drawn): the next one waits for that. */
   readonly onShot: (shot: Shot, shown: () => void) => void;
-  /** `why` is the hub's sentence when it refused. */
+  /** `why` is the hub's sentence when it said one. */
   readonly onState: (state: MediaState, why: string) => void;
 }
 
@@ -24,7 +24,6 @@ export class MediaSocket {
   private socket: WebSocket | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private attempt = 0;
-  private closed = false;
 
   constructor(
     private readonly options: MediaOptions,
@@ -34,7 +33,6 @@ export class MediaSocket {
   }
 
   close(): void {
-    this.closed = true;
     clearTimeout(this.timer);
     this.drop();
   }
@@ -52,12 +50,19 @@ export class MediaSocket {
       if (event.data instanceof ArrayBuffer) this.receive(event.data, socket);
     };
     socket.onclose = () => {
-      if (this.socket === socket) this.retry();
+      if (this.socket === socket) this.retry("");
     };
   }
 
   private receive(bytes: ArrayBuffer, socket: WebSocket): void {
-    const message = decodeMedia(bytes);
+    let message: MediaToBrowser | null;
+    try {
+      message = decodeMedia(bytes);
+    } catch (error) {
+      if (!(error instanceof FrameError)) throw error;
+      this.retry("");
+      return;
+    }
     if (message === null) return;
     switch (message.t) {
       case "shot": {
@@ -68,7 +73,9 @@ export class MediaSocket {
         return;
       }
       case "problem":
-        this.refuse(message.message);
+        // A camera that is away may come back; one that is not ours, or not there, will not.
+        if (message.code === "offline" || message.code === "busy") this.retry(message.message);
+        else this.refuse(message.message);
         return;
       case "ended":
         this.refuse(message.reason);
@@ -81,10 +88,9 @@ export class MediaSocket {
     this.listener.onState("refused", why);
   }
 
-  private retry(): void {
+  private retry(why: string): void {
     this.drop();
-    if (this.closed) return;
-    this.listener.onState("lost", "");
+    this.listener.onState("lost", why);
     const delay = backoffMs(this.attempt, (this.options.random ?? Math.random)());
     this.attempt += 1;
     this.timer = setTimeout(() => {

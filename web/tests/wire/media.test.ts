@@ -68,6 +68,16 @@ test("a refusal is told in the hub's words and not tried again", () => {
   expect(sockets).toHaveLength(1);
 });
 
+test("a camera that is away is tried again, and nonsense is answered with a fresh socket", () => {
+  open();
+  sockets[0]?.say({ t: "problem", code: "offline", message: "The site is not connected." });
+  expect(states.at(-1)).toEqual(["lost", "The site is not connected."]);
+  vi.advanceTimersByTime(125);
+  sockets[1]?.onmessage?.({ data: new Uint8Array([0xc1]).buffer });
+  vi.advanceTimersByTime(250);
+  expect(sockets).toHaveLength(3);
+});
+
 test("nothing is opened after it was closed", () => {
   const media = open();
   media.close();

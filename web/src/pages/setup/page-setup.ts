@@ -6,8 +6,9 @@ import { customElement, query, state } from "lit/decorators.js";
 import { base } from "../../elements/base.js";
 import { doorway } from "../../elements/doorway.js";
 import { adviceFor, type Advice } from "../../format/problem.js";
-import { apiContext, routerContext } from "../../state/contexts.js";
+import { apiContext, routerContext, sessionContext } from "../../state/contexts.js";
 import type { Router } from "../../state/router.js";
+import type { Session } from "../../state/session.js";
 import { Refused, type HubApi } from "../../wire/http.js";
 import "../../elements/button.js";
 import "../../elements/field.js";
@@ -30,6 +31,7 @@ export class PageSetup extends LitElement {
   @query("#again") private readonly again!: HTMLInputElement;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
+  @consume({ context: sessionContext }) private readonly session!: Session;
   @consume({ context: routerContext }) private readonly router!: Router;
 
   override render(): TemplateResult {
@@ -102,7 +104,10 @@ export class PageSetup extends LitElement {
     this.advice = null;
     try {
       await this.api.setup(this.token(), name, password);
-      this.done = true;
+      await this.session.refresh();
+      // The hub signs in whom it has just made; if it did not, the person does so by hand.
+      if (this.session.state === "known") this.router.replace("/home");
+      else this.done = true;
     } catch (error) {
       this.advice =
         error instanceof Refused

@@ -108,11 +108,22 @@ export class App extends LitElement {
     this.router.replace(`/login?${query.toString()}`);
   };
 
+  /** Another tab signed in anew: our socket was ended with the old session, and the new one is ours too. */
+  private resume(): void {
+    if (this.session.state !== "known" || this.connection.state !== "ended") return;
+    this.session.notice = "";
+    // Not at once: a hub that ends each session would be asked without a pause.
+    this.retryTimer = setTimeout(() => {
+      if (this.session.state === "known") this.connection.start();
+    }, 1000);
+  }
+
   private async findOut(): Promise<void> {
     clearTimeout(this.retryTimer);
     try {
       await this.session.refresh();
       this.unreachable = false;
+      this.resume();
     } catch (error) {
       this.unreachable = error instanceof Unreachable;
       if (this.session.state === "unknown") {

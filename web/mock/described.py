@@ -1,0 +1,87 @@
+"""The site description as the HTTP API says it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from talaia.model.site import parts_of
+
+if TYPE_CHECKING:
+    from talaia.model.site import Device, Signal
+
+
+def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any]:
+    """Say a signal as the hub does."""
+    address = f"{device_id}/{signal_id}"
+    return {
+        "id": signal_id,
+        "address": address,
+        "name": signal.name,
+        "type": signal.type,
+        "unit": signal.unit,
+        "decimals": signal.decimals,
+        "minimum": signal.minimum,
+        "maximum": signal.maximum,
+        "states": signal.states,
+        "frame": signal.frame,
+        "max_age": signal.max_age,
+        "primary": signal.primary,
+        "channels": [address + (f".{part}" if part else "") for part in parts_of(signal)],
+    }
+
+
+def drive_json(device: Device) -> dict[str, Any] | None:
+    """Say how a device is driven."""
+    drive = device.drive
+    if drive is None:
+        return None
+    return {
+        "max_speed": drive.max_speed,
+        "max_reverse": drive.max_speed if drive.max_reverse is None else drive.max_reverse,
+        "max_turn": drive.max_turn,
+        "ttl": drive.ttl,
+        "rate": drive.rate,
+        "lease": drive.lease,
+        "picture": drive.picture,
+        "position": drive.position,
+        "stop": True,
+    }
+
+
+def device_json(device_id: str, device: Device, role: str) -> dict[str, Any]:
+    """Say a device as the hub does."""
+    return {
+        "id": device_id,
+        "name": device.name,
+        "kind": device.kind,
+        "signals": [signal_json(device_id, key, one) for key, one in device.signals.items()],
+        "streams": [
+            {"id": key, "address": f"{device_id}/{key}", "name": one.name, "max_rate": one.max_rate}
+            for key, one in device.streams.items()
+        ],
+        "commands": [
+            {
+                "id": key,
+                "name": one.name,
+                "description": one.description,
+                "confirm": one.confirm,
+                "timeout": one.timeout,
+                "arguments": [
+                    {
+                        "id": name,
+                        "name": argument.name or name,
+                        "type": argument.type,
+                        "unit": argument.unit,
+                        "minimum": argument.minimum,
+                        "maximum": argument.maximum,
+                        "max_length": argument.max_length,
+                        "default": argument.default,
+                    }
+                    for name, argument in one.arguments.items()
+                ],
+            }
+            for key, one in device.commands.items()
+        ],
+        "drive": drive_json(device),
+        "rights": ["view"] if role == "guest" else ["view", "use"],
+    }
