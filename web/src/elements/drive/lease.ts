@@ -1,6 +1,6 @@
 /** Who has control of a device, and the button to take it or give it back. */
 
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "../base.js";
 import "../button.js";
@@ -20,6 +20,9 @@ export class LeaseLine extends LitElement {
       :host {
         display: grid;
         gap: var(--t-space-2);
+        align-content: center;
+        /* As tall with control as without: what stands below must not move under the thumb. */
+        min-block-size: calc(var(--t-touch) + 2rem);
       }
       .row {
         display: flex;
@@ -30,10 +33,6 @@ export class LeaseLine extends LitElement {
       }
       .take {
         inline-size: 100%;
-      }
-      .trouble {
-        color: var(--t-warn);
-        font-weight: var(--t-weight-strong);
       }
       .remains {
         color: var(--t-muted);
@@ -56,14 +55,12 @@ export class LeaseLine extends LitElement {
   @property() holder = "";
   /** How long it still holds without renewal (ms). */
   @property({ type: Number }) remains = 0;
-  @property() trouble = "";
   @property({ type: Boolean }) online = true;
   /** STOP is latched: control may be taken (the release needs it), but nothing moves. */
   @property({ type: Boolean }) stopped = false;
 
   override render(): TemplateResult {
     return html`
-      ${this.trouble === "" ? nothing : html`<p class="trouble" role="alert">${this.trouble}</p>`}
       ${this.kind === "mine" ? this.mine() : this.notMine()}
     `;
   }

@@ -74,6 +74,8 @@ export class Pad extends LitElement {
   @query(".pad") private readonly pad!: HTMLElement;
   @query(".knob") private readonly knob!: HTMLElement;
   private pointer: number | null = null;
+  /** Where the pad lay when it was pressed: should the page shift, the push does not. */
+  private box = new DOMRect();
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
@@ -115,6 +117,7 @@ export class Pad extends LitElement {
   private readonly down = (event: PointerEvent): void => {
     if (this.disabled || this.pointer !== null || event.button !== 0) return;
     this.pointer = event.pointerId;
+    this.box = this.pad.getBoundingClientRect();
     this.say("press", this.stick(event));
     this.pad.setPointerCapture(event.pointerId);
     this.pad.classList.add("held");
@@ -147,7 +150,7 @@ export class Pad extends LitElement {
   }
 
   private stick(event: PointerEvent): HoldStick {
-    const box = this.pad.getBoundingClientRect();
+    const { box } = this;
     const radius = box.width / 2;
     const right = event.clientX - box.left - radius;
     const down = event.clientY - box.top - radius;

@@ -154,8 +154,7 @@ export const entries: readonly GalleryEntry[] = [
       { name: "mine", show: () => html`<t-lease kind="mine" .remains=${2400}></t-lease>` },
       { name: "mine, STOP on", show: () => html`<t-lease kind="mine" .remains=${2400} stopped></t-lease>` },
       { name: "somebody else's", show: () => html`<t-lease kind="other" holder="Grace"></t-lease>` },
-      { name: "lost", show: () => html`<t-lease kind="other" holder="Grace" trouble="Grace has control now."></t-lease>` },
-      { name: "off line", show: () => html`<t-lease kind="unknown" .online=${false} trouble="Connection lost. Take control again once it is back."></t-lease>` },
+      { name: "off line", show: () => html`<t-lease kind="unknown" .online=${false}></t-lease>` },
     ],
   },
   {

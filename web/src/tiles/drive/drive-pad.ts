@@ -33,6 +33,14 @@ export class DrivePad extends LitElement {
         align-items: center;
         gap: var(--t-space-4);
       }
+      /* Below the pad: a word that comes or goes must not move what the thumb lies on. */
+      .trouble {
+        color: var(--t-warn);
+        font-weight: var(--t-weight-strong);
+      }
+      .trouble:empty {
+        display: none;
+      }
       .hint {
         color: var(--t-muted);
         font-size: var(--t-size-s);
@@ -96,7 +104,6 @@ export class DrivePad extends LitElement {
         .kind=${state.kind}
         .holder=${state.kind === "other" ? state.holder : ""}
         .remains=${seat.remains}
-        .trouble=${seat.trouble}
         .online=${seat.online}
         .stopped=${this.stopped}
         @t-take=${this.take}
@@ -106,6 +113,7 @@ export class DrivePad extends LitElement {
         <t-pad ?disabled=${idle} .stickOf=${padStick}></t-pad>
         <t-arrows ?disabled=${idle}></t-arrows>
       </div>
+      <p class="trouble" role="alert">${seat.trouble}</p>
       <t-speed-limit
         .level=${machine.level}
         .speed=${limits.max_speed}
