@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 NOT_HERE = re.compile(
     "|".join(
         (
-            r"/(wo" r"rk|ro" r"ot|ho" r"me)/[a-z]",
+            r"(?<![\w.])/(wo" r"rk|ro" r"ot|ho" r"me)/[a-z]",
             r"\bTO" r"DO\b", r"\bFIX" r"ME\b", r"\bX" r"XX\b",
             r"NotImplemented" r"Error", r"registry\.np" r"mjs", r"py" r"pi\.org",
             r"files\.python" r"hosted", r"deb\.deb" r"ian\.org",

@@ -9,11 +9,11 @@ from hypothesis import given, strategies as st
 from talaia.clock import SECOND, HandClock
 from talaia.hub.auth.passwords import Passwords, check_name, check_password, name_key
 from talaia.hub.auth.permissions import Grants, Permission, Right
-from talaia.hub.auth.sessions import Sessions
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.errors import NameTaken, UnknownRole, WeakPassword
 from talaia.hub.store.database import Database
 from talaia.hub.store.people import People
+from talaia.hub.store.sessions import Sessions
 
 MINUTE = 60 * SECOND
 

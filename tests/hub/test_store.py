@@ -10,10 +10,12 @@ from sqlalchemy import inspect, text
 
 from talaia.clock import SystemClock
 from talaia.hub import accounts
-from talaia.hub.errors import NameTaken, StoreError
+from talaia.hub.errors import NameTaken, StoreError, UnknownPerson
 from talaia.hub.settings import Settings
 from talaia.hub.store.audit import Audit
 from talaia.hub.store.database import Database
+from talaia.hub.store.people import People
+from talaia.hub.store.sessions import Sessions
 from talaia.hub.store.sites import SiteRegistry
 from talaia.hub.store.tables import metadata
 
@@ -138,3 +140,26 @@ async def test_no_secret_stands_in_the_database(settings) -> None:
     stored = b"".join(path.read_bytes() for path in settings.data.glob("talaia.db*"))
     assert b"my own secret" not in stored
     assert key.encode() not in stored
+
+
+async def test_new_password_ends_the_persons_sessions_and_the_old_password(settings) -> None:
+    clock = SystemClock()
+    await accounts.create_user(settings, "Ada", "the first password", "operator")
+    database = Database(settings.url)
+    try:
+        person = await People(database, clock).find("ada")
+        assert person is not None
+        sessions = Sessions(database, clock, settings)
+        token, _ = await sessions.begin(person.id, "127.0.0.1")
+        await accounts.set_password(settings, "ADA", "quite another password")
+        assert await sessions.who(token) is None
+        changed = await People(database, clock).find("ada")
+        assert changed is not None
+        assert changed.password_hash != person.password_hash
+    finally:
+        await database.close()
+
+
+async def test_new_password_for_nobody_is_refused(settings) -> None:
+    with pytest.raises(UnknownPerson, match="no person named"):
+        await accounts.set_password(settings, "nobody", "quite another password")

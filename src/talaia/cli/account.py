@@ -1,4 +1,4 @@
-"""``talaia account``: make a person's account on a hub's data folder."""
+"""``talaia account``: make a person's account on a hub's data folder, or set its password."""
 
 from __future__ import annotations
 
@@ -20,10 +20,16 @@ __all__ = ["main"]
 
 def main(argv: Sequence[str]) -> int:
     """Ask for the password (or read it from standard input) and make the account."""
-    parser = argparse.ArgumentParser("talaia account", description="Make a person's account.")
+    parser = argparse.ArgumentParser(
+        "talaia account",
+        description="Make a person's account, or set its password (asked for, or read from stdin).",
+    )
     parser.add_argument("name", help="what the person signs in with")
     parser.add_argument(
         "--role", choices=("guest", "operator", "admin"), default="operator", help="(operator)"
+    )
+    parser.add_argument(
+        "--new-password", action="store_true", help="the person is there; only set the password"
     )
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
@@ -32,6 +38,10 @@ def main(argv: Sequence[str]) -> int:
     else:
         password = sys.stdin.readline().rstrip("\n")
     settings = Settings(data=options.data)
+    if options.new_password:
+        asyncio.run(accounts.set_password(settings, options.name, password))
+        print(f"{options.name} has a new password; sessions that were open are ended")
+        return 0
     asyncio.run(accounts.create_user(settings, options.name, password, options.role))
     print(f"made: {options.name} ({options.role})")
     return 0

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.cli.errors import CliError
 from talaia.cli.parts import Part, end_all, start
 from talaia.hub import accounts
+from talaia.hub.errors import NameTaken
 from talaia.hub.settings import Settings
 from talaia.sim import domain
 
@@ -111,7 +112,10 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     settings = Settings(data=data, host="127.0.0.1", port=port, plain=True)
     logins = [Login(role, secrets.token_urlsafe(6), role) for role in ROLES]
     for login in logins:
-        await accounts.create_user(settings, *login)
+        try:
+            await accounts.create_user(settings, *login)
+        except NameTaken:  # a kept folder: the same people, new passwords
+            await accounts.set_password(settings, login.name, login.password)
     site = _example()
     key = data / "gateway.key"
     key.write_text(await accounts.create_gateway(settings, EXAMPLE))

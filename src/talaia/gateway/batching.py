@@ -151,9 +151,7 @@ class Batcher:
         if left <= 0:
             self.flush()
         else:
-            self._timer = self._loop.call_later(
-                left + (LATE - EARLY) * self._flush_s, self.flush
-            )
+            self._timer = self._loop.call_later(left + (LATE - EARLY) * self._flush_s, self.flush)
 
     def flush(self) -> None:
         """Make batches of what waits; event loop only."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.settings import Settings
 
-__all__ = ["create_gateway", "create_user", "make_data_folder"]
+__all__ = ["create_gateway", "create_user", "make_data_folder", "set_password"]
 
 
 async def create_user(settings: Settings, name: str, password: str, role: str) -> None:
@@ -33,6 +33,20 @@ async def create_user(settings: Settings, name: str, password: str, role: str) -
     hashed = await Passwords(settings.password_cost).hash(password)
     async with _opened(settings) as database:
         await People(database, SystemClock()).add(name, hashed, role)
+
+
+async def set_password(settings: Settings, name: str, password: str) -> None:
+    """Give a person another password; every session of theirs ends.
+
+    Raises:
+        HubError: there is nobody of that name, the password is weak, or the database cannot be
+            opened.
+
+    """
+    check_password(password)
+    hashed = await Passwords(settings.password_cost).hash(password)
+    async with _opened(settings) as database:
+        await People(database, SystemClock()).set_password(name, hashed)
 
 
 async def create_gateway(settings: Settings, site: str) -> str:

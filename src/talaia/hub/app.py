@@ -17,7 +17,6 @@ from talaia.hub.api.shield import Shield
 from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sockets import Sockets
 from talaia.hub.auth.passwords import Passwords
-from talaia.hub.auth.sessions import Sessions
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.live.browsers import Browsers
@@ -32,6 +31,7 @@ from talaia.hub.live.sites import Sites
 from talaia.hub.store.audit import Audit
 from talaia.hub.store.database import Database
 from talaia.hub.store.people import People
+from talaia.hub.store.sessions import Sessions
 from talaia.hub.store.sites import SiteRegistry
 from talaia.model.errors import DescriptionError
 from talaia.model.load import load_site

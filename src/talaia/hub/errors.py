@@ -4,7 +4,9 @@ HubError
 ├── CannotStart       a setting, a file or the port keeps the hub from starting
 ├── StoreError        the database cannot be opened or refuses
 ├── NameTaken         there is a person of that name already
+├── UnknownPerson     there is nobody of that name
 ├── UnknownRole       there is no role of that name
+├── HistoryError      history.errors: samples cannot be kept or read
 └── WeakPassword      the password is too short or too long
 """
 
@@ -12,7 +14,15 @@ from __future__ import annotations
 
 from talaia.errors import TalaiaError
 
-__all__ = ["CannotStart", "HubError", "NameTaken", "StoreError", "UnknownRole", "WeakPassword"]
+__all__ = [
+    "CannotStart",
+    "HubError",
+    "NameTaken",
+    "StoreError",
+    "UnknownPerson",
+    "UnknownRole",
+    "WeakPassword",
+]
 
 
 class HubError(TalaiaError):
@@ -38,6 +48,10 @@ class StoreError(HubError):
 
 class NameTaken(HubError):
     """There is a person of that name already."""
+
+
+class UnknownPerson(HubError):
+    """There is nobody of that name."""
 
 
 class UnknownRole(HubError):

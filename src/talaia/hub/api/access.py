@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.auth.sessions import Sessions
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.settings import Settings
+    from talaia.hub.store.sessions import Sessions
     from talaia.hub.store.sites import SiteRegistry
 
 __all__ = ["Access", "deny", "live_of", "who_of"]

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from talaia.hub.api.access import Access
     from talaia.hub.auth.passwords import Passwords
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.auth.sessions import Sessions
     from talaia.hub.auth.throttle import Throttle
     from talaia.hub.live.seats import Seats
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.people import People
+    from talaia.hub.store.sessions import Sessions
 
 __all__ = ["Accounts"]
 

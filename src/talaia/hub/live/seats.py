@@ -10,7 +10,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.auth.sessions import Sessions
+    from talaia.hub.store.sessions import Sessions
 
 __all__ = ["Seat", "Seats"]
 

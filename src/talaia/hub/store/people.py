@@ -9,8 +9,8 @@ from sqlalchemy.exc import IntegrityError
 
 from talaia.hub.auth.passwords import name_key
 from talaia.hub.auth.tokens import hash_token, new_token
-from talaia.hub.errors import NameTaken, UnknownRole
-from talaia.hub.store.tables import roles, setup_tokens, users
+from talaia.hub.errors import NameTaken, UnknownPerson, UnknownRole
+from talaia.hub.store.tables import roles, sessions, setup_tokens, users
 
 if TYPE_CHECKING:
     from sqlalchemy.ext.asyncio import AsyncConnection
@@ -66,6 +66,23 @@ class People:
         """
         async with self._database.write() as connection:
             return await self._insert(connection, name, password_hash, role)
+
+    async def set_password(self, name: str, password_hash: str) -> None:
+        """Give a person another password; every session of theirs ends.
+
+        Raises:
+            UnknownPerson: there is nobody of that name.
+
+        """
+        async with self._database.write() as connection:
+            found = select(users.c.id).where(users.c.name_key == name_key(name))
+            user = (await connection.execute(found)).scalar()
+            if user is None:
+                raise UnknownPerson(f"there is no person named {name!r}")
+            await connection.execute(delete(sessions).where(sessions.c.user_id == user))
+            await connection.execute(
+                update(users).where(users.c.id == user).values(password_hash=password_hash)
+            )
 
     async def set_role(self, name: str, role: str) -> None:
         """Give a person another role. Open sockets follow within a second.

@@ -42,6 +42,8 @@ metadata = MetaData(
 
 # SQLite numbers rows by itself only in a column of the type INTEGER.
 _Id = BigInteger().with_variant(Integer, "sqlite")
+# MariaDB's TEXT ends at 64 KiB unless it is told a length; PostgreSQL's takes none.
+_Long = Text(4 * 1024 * 1024).with_variant(Text(), "postgresql")
 _NAME = 200
 _HASH = 64
 
@@ -118,7 +120,7 @@ sites = Table(
     "sites",
     metadata,
     Column("site", String(_NAME), primary_key=True),
-    Column("description", Text(4 * 1024 * 1024), nullable=False),
+    Column("description", _Long, nullable=False),
     Column("catalogue", String(_NAME), nullable=False),
     Column("version", String(_NAME), nullable=False),
     Column("first_seen_us", BigInteger, nullable=False),

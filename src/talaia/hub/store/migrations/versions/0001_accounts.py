@@ -11,6 +11,7 @@ branch_labels = None
 depends_on = None
 
 _ID = sa.BigInteger().with_variant(sa.Integer, "sqlite")
+_LONG = sa.Text(4 * 1024 * 1024).with_variant(sa.Text(), "postgresql")
 _NAME = sa.String(200)
 _HASH = sa.String(64)
 
@@ -108,7 +109,7 @@ def _sites() -> None:
     op.create_table(
         "sites",
         sa.Column("site", _NAME, nullable=False),
-        sa.Column("description", sa.Text(4 * 1024 * 1024), nullable=False),
+        sa.Column("description", _LONG, nullable=False),
         sa.Column("catalogue", _NAME, nullable=False),
         sa.Column("version", _NAME, nullable=False),
         sa.Column("first_seen_us", sa.BigInteger, nullable=False),
