@@ -10,7 +10,7 @@
  * - what was held when it ended drives again only after it was let go and pressed anew.
  */
 
-import { CENTRE, curved, joined, limited, type Stick } from "./stick.js";
+import { CENTRE, curved, joined, type Stick } from "./stick.js";
 
 /** One frame each 50 ms: 20 Hz. */
 export const FRAME_MS = 50;
@@ -72,7 +72,7 @@ interface Hold {
 }
 
 export class DriveMachine {
-  private limits: Limits;
+  private readonly limits: Limits;
   private epoch = 0;
   private seq = 0;
   private tickNumber = 0;
@@ -127,10 +127,6 @@ export class DriveMachine {
 
   barred(bar: Bar): boolean {
     return this.bars.has(bar);
-  }
-
-  allow(limits: Limits): void {
-    this.limits = limits;
   }
 
   /** The lease is mine. Another epoch than before is another lease: nothing carries over. */
@@ -295,9 +291,4 @@ export class DriveMachine {
       picture_ms: this.pictureAt === null ? -1 : Math.max(0, now - this.pictureAt),
     };
   }
-}
-
-/** Whether a push is a push at all; a pad held in its middle holds nothing. */
-export function isRest(stick: Stick): boolean {
-  return limited(stick.forward) === 0 && limited(stick.turn) === 0;
 }

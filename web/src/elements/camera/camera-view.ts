@@ -56,6 +56,14 @@ export class CameraView extends LitElement {
         background: #000;
         filter: var(--t-picture-filter, none);
       }
+      /* Multiplied with the picture: a red tint leaves nothing but red. */
+      .tint {
+        position: absolute;
+        inset: 0;
+        background: var(--t-picture-tint, transparent);
+        mix-blend-mode: multiply;
+        pointer-events: none;
+      }
       .aged canvas {
         filter: grayscale(1) brightness(0.55) contrast(0.8);
       }
@@ -183,7 +191,7 @@ export class CameraView extends LitElement {
     const live = this.drawn && this.link === "open" && this.age <= LIVE_MS;
     return html`<div class=${this.drawn && !live ? "aged" : ""}>
       <canvas ?hidden=${!this.drawn} role="img" aria-label=${this.spoken(live)}></canvas>
-      ${live ? nothing : this.veil()}
+      ${this.drawn ? html`<div class="tint"></div>` : nothing} ${live ? nothing : this.veil()}
       <div class="foot">${this.drawn ? this.badge(live) : html`<span></span>`} ${this.fullButton()}</div>
     </div>`;
   }

@@ -9,16 +9,14 @@ export type Checked =
   | { readonly ok: true; readonly value: ArgumentValue }
   | { readonly ok: false; readonly why: string };
 
-const LONGEST_TEXT = 200;
-
 /** @param text - as typed; of a boolean: "true" or "false" */
 export function checkArgument(argument: ArgumentInfo, text: string): Checked {
   switch (argument.type) {
     case "boolean":
       return { ok: true, value: text === "true" };
     case "text":
-      if (text.length <= LONGEST_TEXT) return { ok: true, value: text };
-      return { ok: false, why: `At most ${String(LONGEST_TEXT)} characters; these are ${String(text.length)}.` };
+      if (text.length <= argument.max_length) return { ok: true, value: text };
+      return { ok: false, why: `At most ${String(argument.max_length)} characters; these are ${String(text.length)}.` };
     case "number":
     case "integer":
       return checkNumber(argument, text.trim().replace(",", "."));

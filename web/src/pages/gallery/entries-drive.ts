@@ -63,7 +63,7 @@ const TRAIL: readonly TrackPoint[] = Array.from({ length: 240 }, (_, i) => ({
 const HERE = { x: TRAIL[239]?.x ?? 0, y: TRAIL[239]?.y ?? 0, yaw: 0.9 };
 
 function argument(more: Partial<ArgumentInfo> & Pick<ArgumentInfo, "id" | "name" | "type">): ArgumentInfo {
-  return { unit: "", minimum: null, maximum: null, default: null, ...more };
+  return { unit: "", minimum: null, maximum: null, max_length: 200, default: null, ...more };
 }
 
 const WANDER: CommandInfo = {
@@ -71,6 +71,7 @@ const WANDER: CommandInfo = {
   name: "Wander about",
   description: "The vehicle drives about by itself and avoids what its lidar sees.",
   confirm: false,
+  timeout: 10,
   arguments: [argument({ id: "active", name: "Active", type: "boolean", default: true })],
 };
 const SLEW: CommandInfo = {
@@ -78,6 +79,7 @@ const SLEW: CommandInfo = {
   name: "Slew the telescope",
   description: "It moves at once and fast. Nobody may stand beside it.",
   confirm: true,
+  timeout: 60,
   arguments: [
     argument({ id: "az", name: "Azimuth", type: "number", unit: "°", minimum: 0, maximum: 360, default: 180 }),
     argument({ id: "alt", name: "Altitude", type: "number", unit: "°", minimum: 10, maximum: 90 }),

@@ -3,7 +3,7 @@ import { checkArgument, limitWords, startOf } from "../../../src/elements/comman
 import type { ArgumentInfo } from "../../../src/wire/api.js";
 
 function argument(more: Partial<ArgumentInfo> = {}): ArgumentInfo {
-  return { id: "a", name: "A", type: "number", unit: "°", minimum: 0, maximum: 360, default: null, ...more };
+  return { id: "a", name: "A", type: "number", unit: "°", minimum: 0, maximum: 360, max_length: 200, default: null, ...more };
 }
 
 test("a number is read with point or comma", () => {
