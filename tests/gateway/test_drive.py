@@ -148,6 +148,21 @@ def test_key_pressed_between_two_frames_is_not_held_back() -> None:
         one.step(at * MS)
 
 
+def test_quick_taps_are_not_held_back_by_the_zeros_of_each_release() -> None:
+    one, seq = driving(), 0
+    for tap in range(20):
+        at = tap * 60
+        one.offer(frame(seq), 1, 0, at * MS)
+        assert one.prompt(at * MS)
+        one.step(at * MS)
+        for zero in (1, 2, 3):
+            one.offer(frame(seq + zero, linear=0.0), 1, 0, (at + 30) * MS)
+            if one.prompt((at + 30) * MS):
+                assert one.step((at + 30) * MS) == STILL
+        assert one.output == STILL
+        seq += 4
+
+
 def test_turn_fills_in_only_for_a_missing_frame() -> None:
     one = driving()
     one.offer(frame(1), 1, 0, 0)

@@ -184,12 +184,13 @@ class Driving:
     def prompt(self, now_ns: int) -> bool:
         """Tell whether a fresh wish may be published at once instead of at the next turn.
 
-        A demand for zero always may. Others have a small credit that refills at twice the
-        control rate: a key pressed between two frames is not held back, and a flood of frames
-        cannot raise the rate to the robot.
+        A demand for zero always may, and its repetitions need not. Others have a small credit
+        that refills at twice the control rate: a key pressed between two frames, or again right
+        after its release, is not held back, and a flood of frames cannot raise the rate to the
+        robot.
         """
-        if self._wish == STILL and self._output != STILL:
-            return True
+        if self._wish == STILL:
+            return self._output != STILL
         earned = max(0, now_ns - self._credit_ns) / (self._period_ns / 2)
         self._credit = min(CREDIT, self._credit + earned)
         self._credit_ns = now_ns
