@@ -156,9 +156,9 @@ def test_quick_taps_are_not_held_back_by_the_zeros_of_each_release() -> None:
         assert one.prompt(at * MS)
         one.step(at * MS)
         for zero in (1, 2, 3):
-            one.offer(frame(seq + zero, linear=0.0), 1, 0, (at + 30) * MS)
-            if one.prompt((at + 30) * MS):
-                assert one.step((at + 30) * MS) == STILL
+            one.offer(frame(seq + zero, linear=0.0), 1, 0, (at + 55) * MS)
+            if one.prompt((at + 55) * MS):
+                assert one.step((at + 55) * MS) == STILL
         assert one.output == STILL
         seq += 4
 
