@@ -12,7 +12,7 @@ from talaia.wire.columns import MAX_SAMPLES, Columns, pack, unpack
 from talaia.wire.errors import PeerError
 
 NOON_US = 1_700_000_000_000_000
-sample = st.tuples(st.integers(0, 65_535), st.integers(-(2**30), 2**30), st.floats(width=64))
+sample = st.tuples(st.integers(0, 65_535), st.integers(-(2**29), 2**29), st.floats(width=64))
 
 
 def columns_of(rows: list[tuple[int, int, float]], texts: dict[int, str] | None = None) -> Columns:

@@ -17,7 +17,7 @@ __all__ = ["Settings", "is_loopback"]
 # The history works in threads of its own, with a driver that waits.
 _BLOCKING = {
     "sqlite": "sqlite",
-    "postgresql": "postgresql+psycopg",
+    "postgresql": "postgresql+pg8000",
     "mysql": "mysql+pymysql",
     "mariadb": "mariadb+pymysql",
 }

@@ -1,10 +1,11 @@
 """A history to test with, on each database that is there.
 
-SQLite always; a server's if TALAIA_TEST_POSTGRESQL or TALAIA_TEST_MARIADB holds its URL, for
-example ``postgresql+psycopg://user@127.0.0.1/test`` and ``mysql+pymysql://user@127.0.0.1/test``.
-Each test gets a database of its own there, and drops it.
+SQLite always; a server's where one answers on this machine, or at the URL that
+TALAIA_TEST_POSTGRESQL or TALAIA_TEST_MARIADB holds. Each test gets a database of its own there,
+and drops it.
 """
 
+import functools
 import os
 from contextlib import asynccontextmanager
 
@@ -30,14 +31,34 @@ async def opened(url, limits=SMALL):
         await store.close()
 
 
+SERVERS = {
+    "postgresql": "postgresql+pg8000://postgres@127.0.0.1/postgres",
+    "mariadb": "mysql+pymysql://root@127.0.0.1/mysql",
+}
+
+
+@functools.cache
+def server_of(kind):
+    """Give the URL of a server that answers, or why there is none."""
+    url = os.environ.get(f"TALAIA_TEST_{kind.upper()}") or SERVERS[kind]
+    engine = sa.create_engine(url)
+    try:
+        engine.connect().close()
+    except (sa.exc.SQLAlchemyError, OSError) as error:
+        return "", f"no {kind} answers at {url}: {str(error).splitlines()[0]}"
+    finally:
+        engine.dispose()
+    return url, ""
+
+
 @pytest.fixture(params=["sqlite", "postgresql", "mariadb"])
 def url(request, tmp_path):
     if request.param == "sqlite":
         yield f"sqlite:///{tmp_path}/history.db"
         return
-    server = os.environ.get(f"TALAIA_TEST_{request.param.upper()}")
-    if not server:
-        pytest.skip(f"TALAIA_TEST_{request.param.upper()} names no server")
+    server, why = server_of(request.param)
+    if why:
+        (pytest.fail if os.environ.get("TALAIA_REQUIRE_ALL") else pytest.skip)(why)
     name = f"talaia_test_{os.getpid()}"
     engine = sa.create_engine(server, isolation_level="AUTOCOMMIT")
     with engine.connect() as connection:
