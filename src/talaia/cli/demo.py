@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import importlib.util
 import os
 import secrets
 import shutil
@@ -16,7 +17,7 @@ import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.cli.errors import CliError
+from talaia.cli.errors import CliError, PartMissing
 from talaia.cli.parts import Part, end_all, start
 from talaia.hub import accounts
 from talaia.hub.errors import NameTaken
@@ -44,6 +45,9 @@ class Login(NamedTuple):
 def main(argv: Sequence[str]) -> int:
     """Run until Ctrl-C; everything it started is ended and removed again."""
     options = _options(argv)
+    for module in ("rclpy", "mujoco"):
+        if importlib.util.find_spec(module) is None:
+            raise PartMissing("talaia demo", module, "hub,sim")
     began = time.monotonic()
     kept = options.data is not None
     data = options.data or Path(tempfile.mkdtemp(prefix="talaia-demo-"))
