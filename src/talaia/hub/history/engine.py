@@ -9,13 +9,12 @@ from sqlalchemy import create_engine, event, make_url
 from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 
 from talaia.hub.history.errors import HistoryError
+from talaia.hub.store.sqlite import open_sqlite
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from sqlalchemy import Connection, Engine
-    from sqlalchemy.engine.interfaces import DBAPIConnection
-    from sqlalchemy.pool import ConnectionPoolEntry
 
 __all__ = ["READERS", "Checkpoints", "address_of", "open_engine"]
 
@@ -44,7 +43,8 @@ def open_engine(url: str, *, writes: bool) -> Engine:
             "write it like sqlite:////path/talaia.db",
         ) from error
     if engine.dialect.name == "sqlite":
-        event.listen(engine, "connect", _open_sqlite)
+        opened = open_sqlite("wal_autocheckpoint=0", "cache_size=-16384")
+        event.listen(engine, "connect", opened)
         event.listen(engine, "begin", _begin_writing if writes else _begin_reading)
     return engine
 
@@ -100,22 +100,6 @@ def _checkpoint(engine: Engine) -> None:
         connection.invalidate()
     finally:
         connection.close()
-
-
-def _open_sqlite(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:
-    # The driver would begin transactions late; the begin events below do it instead.
-    connection.isolation_level = None
-    cursor = connection.cursor()
-    for pragma in (
-        "busy_timeout=10000",
-        "journal_mode=WAL",
-        "synchronous=FULL",
-        "wal_autocheckpoint=0",
-        "journal_size_limit=16777216",
-        "cache_size=-16384",
-    ):
-        cursor.execute(f"PRAGMA {pragma}")
-    cursor.close()
 
 
 def _begin_writing(connection: Connection) -> None:

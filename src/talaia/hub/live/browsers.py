@@ -9,6 +9,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.live.outbox import Outbox
+from talaia.hub.live.race import until_first
 from talaia.wire.browser import (
     FROM_BROWSER,
     TO_BROWSER,
@@ -101,17 +102,7 @@ class Browser:
 
     async def serve(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
         """Read and write until either side ends it."""
-        tasks = [
-            asyncio.create_task(self._read(handle)),
-            asyncio.create_task(self._write()),
-            asyncio.create_task(self._over.wait()),
-        ]
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for task in tasks:
-                task.cancel()
-            results = await asyncio.gather(*tasks, return_exceptions=True)
+        results = await until_first(self._read(handle), self._write(), self._over.wait())
         if self._over.is_set():
             await self._farewell(SESSION_OVER, Ended(reason=self._reason))
         for result in results:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocketDisconnect
 
+from talaia.hub.live.race import until_first
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import MEDIA_FROM_GATEWAY, MEDIA_FROM_HUB, Beat, BeatReply, Bye, Picture
 
@@ -36,16 +37,7 @@ class GatewayCamera:
 
     async def serve(self, take: Callable[[Picture], None], now_us: Callable[[], int]) -> None:
         """Hand each picture to ``take`` until either side ends it; answer beats."""
-        tasks = [
-            asyncio.create_task(self._read(take, now_us)),
-            asyncio.create_task(self.over.wait()),
-        ]
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for task in tasks:
-                task.cancel()
-            results = await asyncio.gather(*tasks, return_exceptions=True)
+        results = await until_first(self._read(take, now_us), self.over.wait())
         reason, code = "", 1000
         for result in results:
             if isinstance(result, PeerError):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.live.browsers import SESSION_OVER
+from talaia.hub.live.race import until_first
 from talaia.wire.browser import MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, Ended, Shot
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import Watch
@@ -61,17 +62,7 @@ class Viewer:
 
     async def serve(self) -> None:
         """Send pictures until either side ends it."""
-        tasks = [
-            asyncio.create_task(self._read()),
-            asyncio.create_task(self._write()),
-            asyncio.create_task(self._over.wait()),
-        ]
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for task in tasks:
-                task.cancel()
-            results = await asyncio.gather(*tasks, return_exceptions=True)
+        results = await until_first(self._read(), self._write(), self._over.wait())
         code = SESSION_OVER if self._over.is_set() else 1000
         for result in results:
             if isinstance(result, PeerError):
