@@ -43,9 +43,8 @@ def debian_packages(wanted: str) -> int:
     missing = []
     if not (VENV / "bin" / "python").exists() and not importlib.util.find_spec("ensurepip"):
         missing.append("python3-venv")
-    # The ROS wheels need these two of glibc's neighbours, MuJoCo one of the renderers.
     if not (ctypes.util.find_library("OSMesa") or has_egl()):
-        missing.append("libosmesa6")
+        missing += ["libegl1", "libegl-mesa0", "libgl1-mesa-dri"]
     if wanted == "dev" and not browser():
         missing.append("chromium")
     if not missing:
@@ -68,8 +67,10 @@ def debian_packages(wanted: str) -> int:
 
 
 def has_egl() -> bool:
-    """Tell whether EGL can render without a screen: the library and a Mesa driver behind it."""
-    return bool(ctypes.util.find_library("EGL") and ctypes.util.find_library("EGL_mesa"))
+    """Tell whether EGL can render without a screen: the library, Mesa's, and a driver behind it."""
+    drivers = [*Path("/usr").glob("lib*/*/dri/*_dri.so"), *Path("/usr").glob("lib*/dri/*_dri.so")]
+    libraries = (ctypes.util.find_library("EGL"), ctypes.util.find_library("EGL_mesa"))
+    return all(libraries) and bool(drivers)
 
 
 def browser() -> str | None:

@@ -15,6 +15,7 @@ from talaia.errors import TalaiaError
 from talaia.hub.live.cameras import GatewayCamera
 from talaia.hub.live.ingest import Batch, Ingest
 from talaia.hub.live.link import GONE, GatewayLink
+from talaia.hub.live.race import until_first
 from talaia.hub.live.reporting import site_news
 from talaia.model.check import raise_first
 from talaia.model.errors import DescriptionError
@@ -193,18 +194,13 @@ class Gateways:
         _LOG.warning("the gateway of %s is gone", live.name)
 
     async def _run(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
-        reading = asyncio.create_task(self._read_all(link, live, ingest))
-        beating = asyncio.create_task(self._beat(link, live))
-        writing = asyncio.create_task(link.write())
-        leaving = asyncio.create_task(link.dismissed())
-        tasks = {reading, beating, writing, leaving}
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            said = leaving.result() if leaving.done() else ""
-            for task in tasks:
-                task.cancel()
-            results = await asyncio.gather(*tasks, return_exceptions=True)
+        results = await until_first(
+            self._read_all(link, live, ingest),
+            self._beat(link, live),
+            link.write(),
+            link.dismissed(),
+        )
+        said = results[-1] if isinstance(results[-1], str) else ""
         code = REPLACED if said else 1000
         for result in results:
             if isinstance(result, PeerError):
