@@ -99,8 +99,15 @@ export class SiteCard extends LitElement {
       }
       .device {
         display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(8.5rem, 1fr));
+        grid-template-columns: repeat(auto-fill, minmax(11.5rem, 1fr));
         gap: var(--t-space-4) var(--t-space-3);
+        --t-size-xxl: 2.375rem;
+      }
+      @media (max-width: 60rem) {
+        .device {
+          grid-template-columns: repeat(auto-fill, minmax(8.5rem, 1fr));
+          --t-size-xxl: var(--t-size-xl);
+        }
       }
       nav {
         display: flex;
@@ -203,7 +210,7 @@ export class SiteCard extends LitElement {
           ${repeat(
             signals,
             (signal) => signal.address,
-            (signal) => html`<t-signal-value size="l" .site=${row.site} .signal=${signal}></t-signal-value>`,
+            (signal) => html`<t-signal-value size="xl" .site=${row.site} .signal=${signal}></t-signal-value>`,
           )}
         </div>
       </section>`,

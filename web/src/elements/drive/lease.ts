@@ -38,6 +38,12 @@ export class LeaseLine extends LitElement {
         font-size: var(--t-size-s);
         font-variant-numeric: tabular-nums;
       }
+      /* A phone on its side. */
+      @media (max-height: 30rem) {
+        t-status {
+          font-size: var(--t-size-s);
+        }
+      }
       .who {
         display: grid;
         line-height: 1.25;
@@ -64,7 +70,7 @@ export class LeaseLine extends LitElement {
     return html`<div class="row">
       <span class="who">
         <t-status kind=${this.stopped ? "warn" : "ok"} .word=${word}></t-status>
-        <span class="remains">lease ${(this.remains / 1000).toFixed(1)}&#8239;s, renewed</span>
+        <span class="remains" title="Renewed every second while this page is seen">lease ${(this.remains / 1000).toFixed(1)}&#8239;s</span>
       </span>
       <t-button @click=${this.free}>Release control</t-button>
     </div>`;

@@ -42,6 +42,12 @@ export class StopButton extends LitElement {
         -webkit-user-select: none;
         box-shadow: var(--t-shadow);
       }
+      @media (max-height: 30rem) {
+        button {
+          min-block-size: 3.25rem;
+          padding-block: 0;
+        }
+      }
       button:active {
         transform: translateY(1px);
       }

@@ -56,6 +56,9 @@ export const layout = css`
     --t-pad-size: 10.75rem;
     --t-arrows-size: 9.75rem;
   }
+  .left:only-of-type:last-child {
+    grid-column: 1 / -1;
+  }
   .plain {
     position: absolute;
     clip-path: inset(50%);

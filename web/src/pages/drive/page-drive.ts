@@ -106,7 +106,9 @@ export class PageDrive extends LitElement {
   private nothingToDrive(detail: SiteDetail, online: boolean): TemplateResult {
     return html`<div class="left">
       <t-empty heading="Nothing to drive here" icon="drive">
-        <p>No device of this site that you may see has a drive in the site description.</p>
+        <p>
+          None of the devices that you may see can be driven. An admin can give you the right to see more of this site.
+        </p>
       </t-empty>
       <t-commands class="commands" .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
     </div>`;

@@ -78,16 +78,38 @@ export class HistoryTools extends LitElement {
         font-size: var(--t-size-s);
         font-weight: var(--t-weight-strong);
       }
-      .moves t-button {
+      .moves {
+        gap: var(--t-space-1);
         font-variant-numeric: tabular-nums;
       }
       @media (min-width: 45.01rem) {
         summary {
           display: none;
         }
+        /* The two fields and the dash between them say it; the words are for who listens. */
+        .dates label span {
+          position: absolute;
+          clip-path: inset(50%);
+        }
+        .dates label + label::before {
+          content: "–";
+        }
+        .dates input {
+          inline-size: 14.25rem;
+        }
+      }
+      @media (min-width: 45.01rem) and (pointer: coarse) {
+        .dates input {
+          inline-size: 16.75rem;
+        }
       }
       @media (max-width: 45rem) {
-        .when {
+        /* Eight ranges: two even rows. */
+        t-choice {
+          --t-choice-basis: 22%;
+        }
+        .when,
+        t-choice {
           inline-size: 100%;
         }
         .moves t-button {

@@ -18,6 +18,7 @@ export const historyStyle = css`
     font-variant-numeric: tabular-nums;
   }
   .share {
+    align-self: center;
     margin-inline-start: auto;
   }
   .body {
