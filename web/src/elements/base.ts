@@ -3,13 +3,12 @@
 import { css } from "lit";
 
 export const base = css`
-  :host {
-    box-sizing: border-box;
-  }
+  /* Said to each, not inherited: what a details element holds inherits from the browser's own tree. */
+  :host,
   *,
   *::before,
   *::after {
-    box-sizing: inherit;
+    box-sizing: border-box;
   }
   :host([hidden]),
   [hidden] {

@@ -34,7 +34,7 @@ export class Choice extends LitElement {
       }
       label {
         position: relative;
-        flex: 1 1 auto;
+        flex: 1 1 var(--t-choice-basis, auto);
         display: grid;
         place-items: center;
         min-block-size: calc(var(--t-touch) - 6px);

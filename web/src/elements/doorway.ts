@@ -19,6 +19,16 @@ export const doorway = css`
     background: var(--t-surface);
     box-shadow: var(--t-shadow);
   }
+  @media (max-height: 30rem) {
+    :host {
+      padding-block: 0;
+    }
+    form,
+    .sheet {
+      gap: var(--t-space-2);
+      padding: var(--t-space-3) var(--t-space-4) var(--t-space-4);
+    }
+  }
   t-button {
     margin-block-start: var(--t-space-2);
   }

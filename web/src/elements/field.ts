@@ -22,7 +22,6 @@ export class Field extends LitElement {
         font-size: var(--t-size-s);
       }
       ::slotted(:is(input, select, textarea)) {
-        box-sizing: border-box;
         inline-size: 100%;
         min-block-size: var(--t-touch);
         padding: var(--t-space-2) var(--t-space-3);

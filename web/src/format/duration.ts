@@ -32,6 +32,11 @@ export function formatMs(ms: number): string {
   return `${(ms / 1000).toFixed(1)}\u202fs`;
 }
 
+/** Whole milliseconds, for a number that only shall not worry anybody: `1 ms`, `120 ms`, `1.2 s`. */
+export function formatWholeMs(ms: number): string {
+  return ms < 10 ? `${Math.max(1, Math.round(ms)).toFixed(0)}\u202fms` : formatMs(ms);
+}
+
 function pair(seconds: number, large: number, largeName: string, small: number, smallName: string): string {
   const rest = Math.floor((seconds % large) / small);
   const head = `${String(Math.floor(seconds / large))} ${largeName}`;

@@ -65,3 +65,10 @@ export function timeText(us: number, zone: string, nowUs: number): TimeText {
     machine: new Date(us / 1000).toISOString(),
   };
 }
+
+/** A stretch of time in UTC, to stand beside the site's own; empty where the site's is UTC. */
+export function utcSpan(span: { readonly fromUs: number; readonly toUs: number }, zone: string, nowUs: number): string {
+  if (zoneName(span.toUs, zone) === "UTC") return "";
+  const from = timeText(span.fromUs, "UTC", nowUs);
+  return `${from.local} – ${timeText(span.toUs, "UTC", nowUs).utc}`;
+}

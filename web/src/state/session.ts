@@ -11,12 +11,26 @@ import { Store } from "./store.js";
  */
 export type SessionState = "unknown" | "nobody" | "known";
 
+const NOTE = "talaia.signed-in";
+
 export class Session extends Store {
   private someone: Person | null = null;
   private asked = false;
 
-  constructor(private readonly api: HubApi) {
+  /** @param notes - where this browser remembers that somebody signed in; null when it may not */
+  constructor(
+    private readonly api: HubApi,
+    private readonly notes: Pick<Storage, "getItem" | "setItem" | "removeItem"> | null = null,
+  ) {
     super();
+  }
+
+  /**
+   * Whether somebody may be signed in. The cookie itself cannot be seen from here: who opens the
+   * sign-in page without ever having signed in need not be asked about.
+   */
+  get mayExist(): boolean {
+    return this.notes === null || this.notes.getItem(NOTE) !== null;
   }
 
   get state(): SessionState {
@@ -30,6 +44,11 @@ export class Session extends Store {
 
   /** Why the last session ended, for the sign-in page; empty when nobody needs to be told. */
   notice = "";
+
+  /** Nobody can be signed in here: known without asking the hub. */
+  assumeNobody(): void {
+    this.become(null);
+  }
 
   /** Asks the hub who we are. @throws Unreachable */
   async refresh(): Promise<void> {
@@ -57,6 +76,8 @@ export class Session extends Store {
     const same = this.asked && person?.name === this.someone?.name && person?.role === this.someone?.role;
     this.asked = true;
     this.someone = person;
+    if (person === null) this.notes?.removeItem(NOTE);
+    else this.notes?.setItem(NOTE, "1");
     if (!same) this.changed();
   }
 }

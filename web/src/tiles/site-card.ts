@@ -7,7 +7,7 @@ import { TickController } from "../controllers/tick.js";
 import { base } from "../elements/base.js";
 import { formatDuration } from "../format/duration.js";
 import { sitesContext } from "../state/contexts.js";
-import { keySignals } from "../state/key-signals.js";
+import { keySignals, primaryByDevice } from "../state/key-signals.js";
 import { sitePath } from "../state/router.js";
 import type { SiteDetail, SiteRow } from "../wire/api.js";
 import "../elements/card.js";
@@ -17,6 +17,7 @@ import "../elements/time.js";
 import "./signal-value.js";
 
 const SHOWN = 4;
+const SHOWN_EACH = 6;
 
 /** One site: whether it is there, what it says, and the ways into it. */
 @customElement("t-site-card")
@@ -65,8 +66,48 @@ export class SiteCard extends LitElement {
         padding-inline: var(--t-space-4);
         min-block-size: 4.25rem;
       }
-      .wide {
+      .note {
         grid-column: 1 / -1;
+      }
+      /* Alone on the page, with room for every device. */
+      :host([wide]) {
+        header {
+          padding: var(--t-space-5) var(--t-space-5) 0;
+        }
+        h2 {
+          font-size: var(--t-size-xl);
+        }
+        .values {
+          grid-template-columns: repeat(auto-fit, minmax(min(18rem, 100%), 1fr));
+          gap: var(--t-space-5);
+          padding: var(--t-space-2) var(--t-space-5);
+        }
+        nav a {
+          min-block-size: 3.5rem;
+          font-size: var(--t-size-m);
+        }
+      }
+      section {
+        display: grid;
+        align-content: start;
+        gap: var(--t-space-3);
+        padding-block-start: var(--t-space-3);
+        border-block-start: 2px solid var(--t-line);
+      }
+      h3 {
+        color: var(--t-muted);
+      }
+      .device {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(11.5rem, 1fr));
+        gap: var(--t-space-4) var(--t-space-3);
+        --t-size-xxl: 2.375rem;
+      }
+      @media (max-width: 60rem) {
+        .device {
+          grid-template-columns: repeat(auto-fill, minmax(8.5rem, 1fr));
+          --t-size-xxl: var(--t-size-xl);
+        }
       }
       nav {
         display: flex;
@@ -97,6 +138,8 @@ export class SiteCard extends LitElement {
   ];
 
   @property({ attribute: false }) row: SiteRow | null = null;
+  /** It is the only one and has the page to itself: values by device. */
+  @property({ type: Boolean, reflect: true }) wide = false;
 
   private readonly sites = new StoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteDetail>(this);
@@ -143,17 +186,39 @@ export class SiteCard extends LitElement {
 
   private values(row: SiteRow): unknown {
     if (this.detail.result.state === "failed") {
-      return html`<p class="facts wide">Its description could not be loaded. It is asked for again when the site changes.</p>`;
+      return html`<p class="facts note">Its description could not be loaded. It is asked for again when the site changes.</p>`;
     }
+    if (this.wide) return this.byDevice(row);
     const signals = keySignals(this.detail.value?.devices ?? [], SHOWN);
     if (this.detail.value !== undefined && signals.length === 0) {
-      return html`<p class="facts wide">No values to show here: none is marked as primary, or none is yours to see.</p>`;
+      return this.noValues();
     }
     return repeat(
       signals,
       (signal) => signal.address,
       (signal) => html`<t-signal-value size="l" .site=${row.site} .signal=${signal}></t-signal-value>`,
     );
+  }
+
+  private byDevice(row: SiteRow): unknown {
+    const groups = primaryByDevice(this.detail.value?.devices ?? [], SHOWN_EACH);
+    if (this.detail.value !== undefined && groups.length === 0) return this.noValues();
+    return groups.map(
+      ({ device, signals }) => html`<section>
+        <h3>${device.name}</h3>
+        <div class="device">
+          ${repeat(
+            signals,
+            (signal) => signal.address,
+            (signal) => html`<t-signal-value size="xl" .site=${row.site} .signal=${signal}></t-signal-value>`,
+          )}
+        </div>
+      </section>`,
+    );
+  }
+
+  private noValues(): TemplateResult {
+    return html`<p class="facts note">No values to show here: none is marked as primary, or none is yours to see.</p>`;
   }
 
   private usable(): boolean {

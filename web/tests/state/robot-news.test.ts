@@ -26,7 +26,7 @@ test("nothing is remembered over a lost connection", () => {
   expect(news.lease("agv", "base")).toBeUndefined();
 });
 
-test("nothing is remembered of a site that went off line", () => {
+test("nothing is remembered of a site that went offline", () => {
   const { line, news } = told();
   line.say({ t: "site", site: "agv", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "" });
   expect(news.stop("agv", "base")).toBeUndefined();

@@ -43,6 +43,28 @@ describe("the session", () => {
     expect(session.state).toBe("nobody");
   });
 
+  test("may exist where somebody signed in before, and no more once the hub says 401", async () => {
+    const notes = new Map<string, string>();
+    const storage = {
+      getItem: (key: string) => notes.get(key) ?? null,
+      setItem: (key: string, value: string) => void notes.set(key, value),
+      removeItem: (key: string) => void notes.delete(key),
+    };
+    let status = 200;
+    const { api } = hub(() => json({ name: "ana", role: "admin" }, status));
+    expect(new Session(api, storage).mayExist).toBe(false);
+    const session = new Session(api, storage);
+    await session.refresh();
+    expect(new Session(api, storage).mayExist).toBe(true);
+    status = 401;
+    await session.refresh();
+    expect(session.mayExist).toBe(false);
+  });
+
+  test("may always exist in a browser that forbids storage", () => {
+    expect(new Session(hub(() => json(null)).api, null).mayExist).toBe(true);
+  });
+
   test("ends here also when the hub can not be told", async () => {
     const session = new Session(hub((path) => (path === "/api/logout" ? json({}, 503) : json({ name: "ana", role: "guest" }))).api);
     await session.refresh();

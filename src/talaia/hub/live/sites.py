@@ -43,7 +43,7 @@ class LiveSite:
     """One site, now.
 
     Attributes:
-        since_us: when it went on or off line (UTC).
+        since_us: when it went online or offline (UTC).
         loop_ms: hub to gateway and back, by the last beat.
         skew_ms: how far the gateway's wall clock is ahead of ours.
         link: the way down; None while the gateway is away.

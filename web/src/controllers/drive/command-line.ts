@@ -55,7 +55,7 @@ export class CommandLine extends Store {
     clearInterval(this.timer);
   }
 
-  /** Asks once. Without a connection it is not kept for later: it is off line, at once. */
+  /** Asks once. Without a connection it is not kept for later: it is offline, at once. */
   ask(device: string, command: string, args: Arguments): void {
     const id = freshId();
     this.desk.ask(id, device, command, TTL_MS, this.now());

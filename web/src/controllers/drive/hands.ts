@@ -29,6 +29,7 @@ export class Hands {
     window.addEventListener("keydown", this.keyDown, { signal });
     window.addEventListener("keyup", this.keyUp, { signal });
     window.addEventListener("blur", this.blur, { signal });
+    window.addEventListener("focus", this.focus, { signal });
     window.addEventListener("focusin", this.focusIn, { signal });
     window.addEventListener("pagehide", this.sight, { signal });
     document.addEventListener("visibilitychange", this.sight, { signal });
@@ -83,6 +84,10 @@ export class Hands {
 
   private readonly blur = (): void => {
     this.seat?.halt("blur");
+  };
+
+  private readonly focus = (): void => {
+    this.seat?.refocus();
   };
 
   private readonly sight = (event: Event): void => {

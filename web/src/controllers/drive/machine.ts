@@ -218,6 +218,13 @@ export class DriveMachine {
   /** The reason is gone. Nothing starts by itself: see `press`. */
   lift(bar: Bar): void {
     this.bars.delete(bar);
+    // A page that was hidden gave control back: that is to be read by whoever returns to it.
+    if (bar !== "hidden") this.forget(bar);
+  }
+
+  /** This reason of the last halt is no longer so, and need not be told. */
+  forget(why: Halt): void {
+    if (this.stopped === why) this.stopped = null;
   }
 
   setLevel(level: number): void {

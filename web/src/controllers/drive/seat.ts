@@ -26,7 +26,7 @@ const LEASE_BEAT_MS = 100;
 /** More than this waiting in the socket, and a moving frame would be too old on arrival. */
 const BACKLOG_BYTES = 16_384;
 const LINK_GONE = "The connection to the hub is lost. The gateway brings the vehicle to rest by itself.";
-const SITE_GONE = "The site went off line. Its gateway brings the vehicle to rest by itself.";
+const SITE_GONE = "The site went offline. Its gateway brings the vehicle to rest by itself.";
 
 export class DriveSeat extends Store {
   readonly machine: DriveMachine;
@@ -114,6 +114,9 @@ export class DriveSeat extends Store {
 
   take(): void {
     if (!this.online) return;
+    // Why the last lease ended is answered by asking for the next.
+    this.machine.forget("lease lost");
+    this.machine.forget("hidden");
     this.ask(this.lease.take(this.now()));
     this.settle();
   }
@@ -153,6 +156,12 @@ export class DriveSeat extends Store {
 
   lift(bar: Bar): void {
     this.machine.lift(bar);
+    this.changed();
+  }
+
+  /** The window has the focus again. */
+  refocus(): void {
+    this.machine.forget("blur");
     this.changed();
   }
 

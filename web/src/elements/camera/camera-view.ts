@@ -22,7 +22,7 @@ const WORDS: Readonly<Record<CameraLink, { icon: IconName; heading: string; more
     heading: "No camera",
     more: "The site description names no picture for this device. Drive only what you can see.",
   },
-  offline: { icon: "unlinked", heading: "The site is off line", more: "The picture returns with it." },
+  offline: { icon: "unlinked", heading: "The site is offline", more: "The picture returns with it." },
   refused: { icon: "lock", heading: "This picture is not yours to see", more: "" },
   unsupported: { icon: "warn", heading: "This browser cannot show the picture", more: "" },
 };

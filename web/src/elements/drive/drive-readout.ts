@@ -2,7 +2,6 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { formatMs } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
 import { base } from "../base.js";
 import "../icon.js";
@@ -36,7 +35,7 @@ export class DriveReadout extends LitElement {
         font-weight: var(--t-weight);
         text-align: end;
       }
-      th:first-child {
+      tbody th {
         text-align: start;
       }
       td {
@@ -46,7 +45,7 @@ export class DriveReadout extends LitElement {
       tbody tr {
         border-block-start: 1px solid var(--t-line);
       }
-      tr.measured td {
+      td.measured {
         font-weight: var(--t-weight-strong);
       }
       .cap {
@@ -55,14 +54,6 @@ export class DriveReadout extends LitElement {
         gap: var(--t-space-2);
         color: var(--t-warn);
         font-weight: var(--t-weight-strong);
-      }
-      .foot {
-        display: flex;
-        flex-wrap: wrap;
-        gap: 0 var(--t-space-4);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
-        font-variant-numeric: tabular-nums;
       }
     `,
   ];
@@ -75,38 +66,37 @@ export class DriveReadout extends LitElement {
   @property() cap = "";
   /** Why the gateway refuses frames; empty when it does not. */
   @property() refusal = "";
-  /** Page to gateway and back (ms); NaN when it is not measured. */
-  @property({ type: Number }) loop = Number.NaN;
 
   override render(): TemplateResult {
     return html`
       <table>
         <thead>
           <tr>
-            <th scope="col"><span class="visually-hidden">What</span></th>
-            <th scope="col">speed, m/s</th>
-            <th scope="col">turn, rad/s</th>
+            <td></td>
+            <th scope="col">You ask</th>
+            <th scope="col">Robot is told</th>
+            <th scope="col">Measured</th>
           </tr>
         </thead>
         <tbody>
-          ${row("You ask", this.asked)} ${row("Robot is told", this.told)}
-          ${row("Measured", this.measured, "measured")}
+          ${row("Speed, m/s", this.asked.linear, this.told.linear, this.measured.linear)}
+          ${row("Turn, rad/s", this.asked.angular, this.told.angular, this.measured.angular)}
         </tbody>
       </table>
       ${this.cap === "" ? nothing : html`<p class="cap" role="status"><t-icon name="warn"></t-icon>${this.cap}</p>`}
       ${this.refusal === ""
         ? nothing
         : html`<p class="cap" role="status"><t-icon name="warn"></t-icon>Gateway: ${this.refusal}</p>`}
-      <p class="foot"><span>Link there and back: ${formatMs(this.loop)}</span></p>
     `;
   }
 }
 
-function row(name: string, motion: Motion, kind = ""): TemplateResult {
-  return html`<tr class=${kind}>
+function row(name: string, asked: number, told: number, measured: number): TemplateResult {
+  return html`<tr>
     <th scope="row">${name}</th>
-    <td>${formatNumber(motion.linear, 2)}</td>
-    <td>${formatNumber(motion.angular, 2)}</td>
+    <td>${formatNumber(asked, 2)}</td>
+    <td>${formatNumber(told, 2)}</td>
+    <td class="measured">${formatNumber(measured, 2)}</td>
   </tr>`;
 }
 

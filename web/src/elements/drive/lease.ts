@@ -22,31 +22,31 @@ export class LeaseLine extends LitElement {
         gap: var(--t-space-2);
         align-content: center;
         /* As tall with control as without: what stands below must not move under the thumb. */
-        min-block-size: calc(var(--t-touch) + 2rem);
+        min-block-size: calc(var(--t-touch) + 0.25rem);
       }
       .row {
-        display: flex;
-        flex-wrap: wrap;
+        display: grid;
+        grid-template-columns: minmax(0, 1fr) auto;
         align-items: center;
-        justify-content: space-between;
-        gap: var(--t-space-2);
+        gap: var(--t-space-3);
       }
-      .take {
-        inline-size: 100%;
+      t-button {
+        min-inline-size: 9.5rem;
       }
       .remains {
         color: var(--t-muted);
         font-size: var(--t-size-s);
         font-variant-numeric: tabular-nums;
       }
-      .mine {
-        flex-wrap: nowrap;
-      }
-      .mine t-button {
-        flex: none;
+      /* A phone on its side. */
+      @media (max-height: 30rem) {
+        t-status {
+          font-size: var(--t-size-s);
+        }
       }
       .who {
         display: grid;
+        line-height: 1.25;
       }
     `,
   ];
@@ -67,28 +67,27 @@ export class LeaseLine extends LitElement {
 
   private mine(): TemplateResult {
     const word = this.stopped ? "In control, but STOP is on" : "You have control";
-    return html`<div class="row mine">
+    return html`<div class="row">
       <span class="who">
         <t-status kind=${this.stopped ? "warn" : "ok"} .word=${word}></t-status>
-        <span class="remains">lease ${(this.remains / 1000).toFixed(1)}&#8239;s, renewed</span>
+        <span class="remains" title="Renewed every second while this page is seen">lease ${(this.remains / 1000).toFixed(1)}&#8239;s</span>
       </span>
-      <t-button @click=${this.free}>Give back</t-button>
+      <t-button @click=${this.free}>Release control</t-button>
     </div>`;
   }
 
   private notMine(): TemplateResult {
     const asking = this.kind === "asking";
-    return html`
-      <div class="row">${this.standing()}</div>
+    return html`<div class="row">
+      ${this.standing()}
       <t-button
-        class="take"
         kind="primary"
         ?disabled=${!this.online || this.kind === "other"}
         ?busy=${asking}
         @click=${this.take}
-        >${asking ? "Asking for control…" : "Take control"}</t-button
+        >${asking ? "Asking…" : "Take control"}</t-button
       >
-    `;
+    </div>`;
   }
 
   private standing(): TemplateResult {

@@ -16,13 +16,13 @@ export class TrackMap extends LitElement {
     css`
       :host {
         display: grid;
-        gap: var(--t-space-2);
+        /* At least so high; higher where whoever places it gives more. */
+        grid-template-rows: minmax(var(--t-map-height, 20rem), 1fr);
       }
       .frame {
         position: relative;
         isolation: isolate;
         overflow: hidden;
-        block-size: var(--t-map-height, 20rem);
         border: 1px solid var(--t-line);
         border-radius: var(--t-radius);
         background: var(--t-surface);
@@ -95,24 +95,28 @@ export class TrackMap extends LitElement {
         text-align: center;
         pointer-events: none;
       }
-      .foot {
-        display: flex;
-        flex-wrap: wrap;
-        align-items: center;
-        justify-content: space-between;
-        gap: var(--t-space-2);
-        font-variant-numeric: tabular-nums;
-      }
       .where {
+        position: absolute;
+        z-index: 2;
+        inset: auto var(--t-space-2) var(--t-space-2) auto;
+        max-inline-size: calc(100% - 8rem);
+        padding: 0.1rem var(--t-space-2);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
         font-size: var(--t-size-s);
+        font-variant-numeric: tabular-nums;
+        text-align: end;
+        pointer-events: none;
       }
+
       .stale {
         color: var(--t-stale);
         font-weight: var(--t-weight-strong);
       }
-      .buttons {
-        display: flex;
-        gap: var(--t-space-2);
+      .follow {
+        position: absolute;
+        z-index: 2;
+        inset: var(--t-space-2) var(--t-space-2) auto auto;
       }
     `,
   ];
@@ -147,16 +151,14 @@ export class TrackMap extends LitElement {
         <div class="scale" aria-hidden="true" ?hidden=${!this.ready}>${this.bar.text}<i></i></div>
         ${this.ready ? nothing : html`<div class="note"><t-loading what="Loading the map"></t-loading></div>`}
         ${this.ready && this.pose === null ? html`<div class="note" role="status">${this.note}</div>` : nothing}
-      </div>
-      <div class="foot">
-        <span class="where">
-          ${this.where} ${this.stale === "" ? nothing : html`<span class="stale" role="status">${this.stale}</span>`}
-        </span>
-        <span class="buttons">
-          <t-button .pressed=${this.follow ? "true" : "false"} @click=${this.toggle}>
-            ${this.follow ? "Following" : "Follow"}
-          </t-button>
-        </span>
+        <t-button class="follow" .pressed=${this.follow ? "true" : "false"} @click=${this.toggle}>
+          ${this.follow ? "Following" : "Follow"}
+        </t-button>
+        ${this.where === "" && this.stale === ""
+          ? nothing
+          : html`<div class="where">
+              ${this.where} ${this.stale === "" ? nothing : html`<span class="stale" role="status">${this.stale}</span>`}
+            </div>`}
       </div>
     `;
   }

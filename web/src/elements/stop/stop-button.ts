@@ -28,7 +28,7 @@ export class StopButton extends LitElement {
         align-items: center;
         gap: 0 var(--t-space-3);
         inline-size: 100%;
-        min-block-size: 4.5rem;
+        min-block-size: 4rem;
         padding: var(--t-space-2) var(--t-space-4);
         border: 3px solid var(--t-bad);
         border-radius: var(--t-radius);
@@ -41,6 +41,12 @@ export class StopButton extends LitElement {
         user-select: none;
         -webkit-user-select: none;
         box-shadow: var(--t-shadow);
+      }
+      @media (max-height: 30rem) {
+        button {
+          min-block-size: 3.25rem;
+          padding-block: 0;
+        }
       }
       button:active {
         transform: translateY(1px);

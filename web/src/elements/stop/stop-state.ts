@@ -119,13 +119,13 @@ export class StopState extends LitElement {
       ${this.online
         ? nothing
         : html`<p class="trouble">
-            The site is off line. STOP is sent as long as this page is open, but nothing can confirm it: use the stop on
+            The site is offline. STOP is sent as long as this page is open, but nothing can confirm it: use the stop on
             the robot.
           </p>`}
       ${this.phase === "latched" || this.phase === "confirmed" ? this.release() : nothing}
       <p class="note">
         <t-icon name="info"></t-icon>
-        <span>This is no emergency stop. A hardware stop on the robot is required.</span>
+        <span>No emergency stop: the robot needs a hardware stop.</span>
       </p>
     `;
   }

@@ -14,6 +14,8 @@ export const layout = css`
     grid-template-columns: minmax(0, 1fr) minmax(22rem, 27rem);
     gap: var(--t-space-4);
     align-items: start;
+    /* The window's height is scarce here. */
+    margin-block-start: calc(-1 * var(--t-space-2));
   }
   .top {
     grid-column: 1 / -1;
@@ -30,8 +32,36 @@ export const layout = css`
     align-content: start;
     min-inline-size: 0;
   }
+  /* As high as the window: the map takes what the hands leave. Stays while the commands scroll by. */
   .right {
-    align-self: stretch;
+    display: flex;
+    flex-direction: column;
+    position: sticky;
+    inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-4));
+    min-block-size: calc(100dvh - var(--t-header, 3.75rem) - 2 * var(--t-space-4));
+  }
+  .right > * {
+    flex: none;
+  }
+  .right .map {
+    flex: 1 0 auto;
+    max-block-size: 32rem;
+    --t-map-height: 13.5rem;
+  }
+  /* The note that this is no emergency stop: read once, so it makes way for the hands. */
+  .right .calm {
+    order: 1;
+  }
+  .hands {
+    --t-pad-size: 10.75rem;
+    --t-arrows-size: 9.75rem;
+  }
+  .left:only-of-type:last-child {
+    grid-column: 1 / -1;
+  }
+  .plain {
+    position: absolute;
+    clip-path: inset(50%);
   }
   .stop {
     position: sticky;
@@ -43,7 +73,7 @@ export const layout = css`
   }
   .camera {
     inline-size: 100%;
-    max-inline-size: calc((100dvh - 11rem) * 4 / 3);
+    max-inline-size: calc((100dvh - var(--t-header, 3.75rem) - 2rem) * 4 / 3);
     margin-inline: auto;
   }
   .page:fullscreen {
@@ -64,12 +94,13 @@ export const layout = css`
   /* A phone on its side: the camera stays left while the hands scroll, commands come below. */
   @media (max-width: 60rem) and (orientation: landscape) {
     .page {
-      grid-template-columns: minmax(0, 1fr) 22rem;
-      gap: var(--t-space-3);
+      grid-template-columns: minmax(0, 1fr) 21rem;
+      gap: var(--t-space-2) var(--t-space-3);
     }
-    .plain {
-      position: absolute;
-      clip-path: inset(50%);
+    .hands {
+      padding: var(--t-space-2) var(--t-space-3);
+      --t-pad-size: 9rem;
+      --t-arrows-size: 9rem;
     }
     .left {
       display: contents;
@@ -78,14 +109,20 @@ export const layout = css`
       position: sticky;
       inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-2));
       grid-column: 1;
-      max-inline-size: calc((100dvh - 5rem) * 4 / 3);
+      max-inline-size: calc((100dvh - 4.5rem) * 4 / 3);
     }
     .right {
       grid-column: 2;
+      position: static;
+      min-block-size: 0;
+      gap: var(--t-space-2);
     }
     .camera,
     .right {
       grid-row: 2;
+    }
+    .page.full :is(.camera, .stop) {
+      inset-block-start: 0;
     }
     .commands {
       grid-area: 3 / 1 / 4 / -1;
@@ -106,10 +143,6 @@ export const layout = css`
     .top {
       order: 0;
     }
-    .plain {
-      position: absolute;
-      clip-path: inset(50%);
-    }
     .camera {
       order: 1;
       max-inline-size: none;
@@ -125,12 +158,18 @@ export const layout = css`
     }
     .hands {
       order: 4;
+      --t-pad-size: 1.25fr;
+      --t-arrows-size: 1fr;
     }
-    .map {
+    .right .calm {
       order: 5;
     }
-    .commands {
+    .right .map {
       order: 6;
+      --t-map-height: 20rem;
+    }
+    .commands {
+      order: 7;
     }
   }
 `;

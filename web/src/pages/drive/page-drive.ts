@@ -5,6 +5,7 @@ import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { Cockpit } from "../../controllers/drive/cockpit.js";
 import { CommandLine } from "../../controllers/drive/command-line.js";
+import type { StopLine } from "../../controllers/drive/stop-line.js";
 import { LinkController } from "../../controllers/link.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
@@ -105,7 +106,9 @@ export class PageDrive extends LitElement {
   private nothingToDrive(detail: SiteDetail, online: boolean): TemplateResult {
     return html`<div class="left">
       <t-empty heading="Nothing to drive here" icon="drive">
-        <p>No device of this site that you may see has a drive in the site description.</p>
+        <p>
+          None of the devices that you may see can be driven. An admin can give you the right to see more of this site.
+        </p>
       </t-empty>
       <t-commands class="commands" .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
     </div>`;
@@ -131,7 +134,7 @@ export class PageDrive extends LitElement {
       </div>
       <div class="right">
         <t-stop-bar class="stop" .line=${stop}></t-stop-bar>
-        <div class="stopped">
+        <div class="stopped ${stop === null || calm(stop) ? "calm" : ""}">
           <t-stop
             .line=${stop}
             .zone=${detail.zone}
@@ -258,6 +261,12 @@ export class PageDrive extends LitElement {
     if (was && !this.full && !this.leavingFull) this.cockpit?.stop.press();
     this.leavingFull = false;
   };
+}
+
+/** Nothing is to be said of STOP but that it is there. */
+function calm(stop: StopLine): boolean {
+  const { phase, trouble } = stop.desk;
+  return stop.online && trouble === "" && (phase === "clear" || phase === "unknown");
 }
 
 function streamOf(detail: SiteDetail, address: string): StreamInfo | undefined {

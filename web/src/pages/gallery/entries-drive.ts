@@ -112,7 +112,7 @@ export const entries: readonly GalleryEntry[] = [
       { name: "connecting", show: () => html`<t-camera-view></t-camera-view>` },
       { name: "no picture yet", show: () => html`<t-camera-view link="open"></t-camera-view>` },
       { name: "no camera", show: () => html`<t-camera-view link="none"></t-camera-view>` },
-      { name: "off line", show: () => html`<t-camera-view link="offline"></t-camera-view>` },
+      { name: "offline", show: () => html`<t-camera-view link="offline"></t-camera-view>` },
       { name: "forbidden", show: () => html`<t-camera-view link="refused" why="You need the right to view this device."></t-camera-view>` },
       { name: "unsupported", show: () => html`<t-camera-view link="unsupported" why="It comes as hevc; this page can show jpeg, png, webp."></t-camera-view>` },
     ],
@@ -127,7 +127,7 @@ export const entries: readonly GalleryEntry[] = [
       { name: "no answer", show: () => html`<t-stop-button .stop=${{ phase: "sent", waiting: 2400 }}></t-stop-button>` },
       { name: "latched", show: () => html`<t-stop-button .stop=${{ phase: "latched" }}></t-stop-button>` },
       { name: "confirmed", show: () => html`<t-stop-button .stop=${{ phase: "confirmed" }}></t-stop-button>` },
-      { name: "off line", show: () => html`<t-stop-button .stop=${{ phase: "unknown" }} .online=${false}></t-stop-button>` },
+      { name: "offline", show: () => html`<t-stop-button .stop=${{ phase: "unknown" }} .online=${false}></t-stop-button>` },
     ],
   },
   {
@@ -144,7 +144,7 @@ export const entries: readonly GalleryEntry[] = [
       },
       { name: "second step", show: () => html`<t-stop-state phase="confirmed" who="Ada" .time=${NOON_US} step="armed" .armed=${6400}></t-stop-state>` },
       { name: "refused", show: () => html`<t-stop-state phase="latched" who="Ada" .time=${NOON_US} trouble="That key is not the newest."></t-stop-state>` },
-      { name: "off line", show: () => html`<t-stop-state phase="sent" .online=${false}></t-stop-state>` },
+      { name: "offline", show: () => html`<t-stop-state phase="sent" .online=${false}></t-stop-state>` },
     ],
   },
   {
@@ -156,7 +156,7 @@ export const entries: readonly GalleryEntry[] = [
       { name: "mine", show: () => html`<t-lease kind="mine" .remains=${2400}></t-lease>` },
       { name: "mine, STOP on", show: () => html`<t-lease kind="mine" .remains=${2400} stopped></t-lease>` },
       { name: "somebody else's", show: () => html`<t-lease kind="other" holder="Grace"></t-lease>` },
-      { name: "off line", show: () => html`<t-lease kind="unknown" .online=${false}></t-lease>` },
+      { name: "offline", show: () => html`<t-lease kind="unknown" .online=${false}></t-lease>` },
     ],
   },
   {
@@ -191,7 +191,6 @@ export const entries: readonly GalleryEntry[] = [
           .asked=${{ linear: 0.11, angular: -0.57 }}
           .told=${{ linear: 0.11, angular: -0.57 }}
           .measured=${{ linear: 0.106, angular: -0.552 }}
-          .loop=${8.4}
         ></t-drive-readout>`,
       },
       {
@@ -200,7 +199,6 @@ export const entries: readonly GalleryEntry[] = [
           .asked=${{ linear: 0.22, angular: 0 }}
           .told=${{ linear: 0.11, angular: 0 }}
           .measured=${{ linear: 0.109, angular: 0.01 }}
-          .loop=${212}
           cap="Speed capped to 50 %: the link is slow."
         ></t-drive-readout>`,
       },

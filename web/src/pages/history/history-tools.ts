@@ -1,4 +1,4 @@
-/** Which stretch of time the history page shows: quick ranges, from and to, zoom, follow, share. */
+/** Which stretch of time the history page shows: quick ranges, from and to, zoom, follow. */
 
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
@@ -12,7 +12,6 @@ import "../../elements/choice.js";
 
 type Shown = HistoryView["shown"];
 
-const COPIED_MS = 2000;
 
 /** @fires t-shown detail is what is asked to be shown */
 @customElement("t-history-tools")
@@ -50,7 +49,6 @@ export class HistoryTools extends LitElement {
         font-weight: var(--t-weight-strong);
       }
       input {
-        box-sizing: border-box;
         min-block-size: var(--t-touch);
         padding: var(--t-space-1) var(--t-space-2);
         border: 1px solid var(--t-edge);
@@ -58,7 +56,14 @@ export class HistoryTools extends LitElement {
         background: var(--t-surface);
         color: var(--t-text);
         font: inherit;
+        font-size: var(--t-size-s);
         font-variant-numeric: tabular-nums;
+      }
+      @media (pointer: coarse) {
+        /* Smaller, and a phone zooms in on it. */
+        input {
+          font-size: var(--t-size-m);
+        }
       }
       input[aria-invalid="true"] {
         border: 2px solid var(--t-bad);
@@ -73,16 +78,38 @@ export class HistoryTools extends LitElement {
         font-size: var(--t-size-s);
         font-weight: var(--t-weight-strong);
       }
-      .moves t-button {
+      .moves {
+        gap: var(--t-space-1);
         font-variant-numeric: tabular-nums;
       }
       @media (min-width: 45.01rem) {
         summary {
           display: none;
         }
+        /* The two fields and the dash between them say it; the words are for who listens. */
+        .dates label span {
+          position: absolute;
+          clip-path: inset(50%);
+        }
+        .dates label + label::before {
+          content: "–";
+        }
+        .dates input {
+          inline-size: 14.25rem;
+        }
+      }
+      @media (min-width: 45.01rem) and (pointer: coarse) {
+        .dates input {
+          inline-size: 16.75rem;
+        }
       }
       @media (max-width: 45rem) {
-        .when {
+        /* Eight ranges: two even rows. */
+        t-choice {
+          --t-choice-basis: 22%;
+        }
+        .when,
+        t-choice {
           inline-size: 100%;
         }
         .moves t-button {
@@ -115,7 +142,6 @@ export class HistoryTools extends LitElement {
   private readonly wide = matchMedia("(min-width: 45.01rem)");
 
   @state() private wrong = "";
-  @state() private copied = false;
 
   override render(): TemplateResult {
     const clock = this.clock();
@@ -142,7 +168,6 @@ export class HistoryTools extends LitElement {
         <t-button pressed=${follows ? "true" : "false"} kind=${follows ? "primary" : "plain"} @click=${this.follow}
           >${follows ? "Following live" : "Follow live"}</t-button
         >
-        <t-button @click=${this.share}>${this.copied ? "Link copied" : "Copy link"}</t-button>
       </div>
       <span class="wrong" role="alert" ?hidden=${this.wrong === ""}>${this.wrong}</span>
     `;
@@ -200,15 +225,6 @@ export class HistoryTools extends LitElement {
   private readonly follow = (): void => {
     if ("last" in this.shown) this.tell(spanOf(this.shown, this.span.toUs));
     else this.tell({ last: Math.max(1, Math.round(lengthOf(this.span) / 1e6)) });
-  };
-
-  private readonly share = (): void => {
-    void navigator.clipboard.writeText(location.href).then(() => {
-      this.copied = true;
-      setTimeout(() => {
-        this.copied = false;
-      }, COPIED_MS);
-    });
   };
 
   private tell(detail: Shown): void {

@@ -11,6 +11,7 @@ import { base } from "../../elements/base.js";
 import type { SpanChange } from "../../elements/chart/model.js";
 import { Painter } from "../../elements/chart/painter.js";
 import { adviceFor } from "../../format/problem.js";
+import { utcSpan } from "../../format/time.js";
 import { lengthOf, notAfter, type Span } from "../../series/window.js";
 import { HOUR_US, SECOND_US } from "../../series/zone.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
@@ -21,6 +22,7 @@ import { HistoryLoader } from "./loader.js";
 import { readView, spanOf, writeView, type HistoryView } from "./query.js";
 import { firstChoice, rowsOf, together, type Row, type Together } from "./rows.js";
 import { historyStyle } from "./style.js";
+import "../../elements/button.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
@@ -35,6 +37,7 @@ const FOLLOW_LEAST_MS = 1000;
 const FOLLOW_PIXELS = 2;
 /** Windows may end a little in the future, so that "now" is not stuck to the edge. */
 const AHEAD = 0.05;
+const COPIED_MS = 2000;
 
 @customElement("t-page-history")
 export class PageHistory extends LitElement {
@@ -47,6 +50,7 @@ export class PageHistory extends LitElement {
   @state() private cursorUs: number | null = null;
   @state() private nowUs = Date.now() * 1000;
   @state() private width = 0;
+  @state() private copied = false;
   /** The window while fingers or the wheel are at it; the address bar follows when they rest. */
   @state() private moving: Span | null = null;
 
@@ -112,6 +116,8 @@ export class PageHistory extends LitElement {
       <div class="title">
         <h1>History</h1>
         <p class="muted">${detail?.name ?? this.site}</p>
+        ${detail === undefined ? nothing : html`<p class="utc">${utcSpan(this.span(), detail.zone, this.nowUs)}</p>`}
+        <t-button class="share" @click=${this.share}>${this.copied ? "Link copied" : "Copy link"}</t-button>
       </div>
       ${this.trouble()} ${detail === undefined ? this.waiting() : this.content(detail)}
     `;
@@ -252,6 +258,15 @@ export class PageHistory extends LitElement {
 
   private readonly showAnother = (event: CustomEvent<HistoryView["shown"]>): void => {
     this.show({ shown: event.detail });
+  };
+
+  private readonly share = (): void => {
+    void navigator.clipboard.writeText(location.href).then(() => {
+      this.copied = true;
+      setTimeout(() => {
+        this.copied = false;
+      }, COPIED_MS);
+    });
   };
 
   private readonly pick = (event: CustomEvent<readonly string[]>): void => {

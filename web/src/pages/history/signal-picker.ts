@@ -25,7 +25,6 @@ export class SignalPicker extends LitElement {
         gap: var(--t-space-2);
       }
       input[type="search"] {
-        box-sizing: border-box;
         flex: 1;
         min-inline-size: 0;
         min-block-size: var(--t-touch);

@@ -12,6 +12,15 @@ export const historyStyle = css`
     align-items: baseline;
     gap: 0 var(--t-space-3);
   }
+  .utc {
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+    font-variant-numeric: tabular-nums;
+  }
+  .share {
+    align-self: center;
+    margin-inline-start: auto;
+  }
   .body {
     display: grid;
     grid-template-columns: minmax(14rem, 17rem) minmax(0, 1fr);

@@ -36,6 +36,9 @@ export class PageHome extends LitElement {
         padding: 0;
         list-style: none;
       }
+      .alone {
+        grid-template-columns: minmax(0, 1fr);
+      }
       t-site-card {
         block-size: 100%;
       }
@@ -64,11 +67,12 @@ export class PageHome extends LitElement {
 
   private content(sites: Sites): unknown {
     if (sites.list.length > 0) {
-      return html`<ul class="sites">
+      const alone = sites.list.length === 1;
+      return html`<ul class=${alone ? "sites alone" : "sites"}>
         ${repeat(
           sites.list,
           (row) => row.site,
-          (row) => html`<li><t-site-card .row=${row}></t-site-card></li>`,
+          (row) => html`<li><t-site-card .row=${row} ?wide=${alone}></t-site-card></li>`,
         )}
       </ul>`;
     }

@@ -20,6 +20,7 @@ import { liveStyle } from "./style.js";
 import "../../elements/banner.js";
 import "../../elements/button.js";
 import "../../elements/choice.js";
+import "../../elements/clock.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
@@ -97,6 +98,7 @@ export class PageLive extends LitElement {
         <div class="title">
           <h1>Real-time</h1>
           <p class="muted">${detail?.name ?? this.site}</p>
+          ${detail === undefined ? nothing : html`<t-clock zone=${detail.zone}></t-clock>`}
         </div>
         ${detail === undefined ? nothing : this.tools(detail)}
       </div>

@@ -34,7 +34,7 @@ export class App extends LitElement {
   private readonly live = new LiveValues(this.connection);
   private readonly robotNews = new RobotNews(this.connection);
   private readonly router = new Router(window);
-  private readonly session = new Session(this.api);
+  private readonly session = new Session(this.api, storage());
   private readonly sites = new Sites(this.api);
   private readonly theme = new ThemeChoice(document.documentElement, storage());
   private stops: (() => void)[] = [];
@@ -120,6 +120,10 @@ export class App extends LitElement {
 
   private async findOut(): Promise<void> {
     clearTimeout(this.retryTimer);
+    if (this.session.state === "unknown" && this.router.route.page === "login" && !this.session.mayExist) {
+      this.session.assumeNobody();
+      return;
+    }
     try {
       await this.session.refresh();
       this.unreachable = false;

@@ -8,7 +8,7 @@ import { LinkController } from "../../controllers/link.js";
 import { StoreController } from "../../controllers/store.js";
 import { TickController } from "../../controllers/tick.js";
 import { base } from "../../elements/base.js";
-import { formatMs } from "../../format/duration.js";
+import { formatWholeMs } from "../../format/duration.js";
 import { routerContext, sessionContext, sitesContext, themeContext } from "../../state/contexts.js";
 import { sitePath, type Router } from "../../state/router.js";
 import { THEMES } from "../../state/theme.js";
@@ -21,11 +21,19 @@ import "../../elements/menu.js";
 import "../../elements/status.js";
 
 const LINKS: Readonly<Record<LinkState, readonly [StatusKind, string]>> = {
-  idle: ["unknown", "not linked"],
-  connecting: ["busy", "linking"],
-  open: ["online", "linked"],
-  lost: ["offline", "link lost"],
+  idle: ["unknown", "not connected"],
+  connecting: ["busy", "connecting"],
+  open: ["online", "connected"],
+  lost: ["offline", "connection lost"],
   ended: ["offline", "signed out"],
+};
+
+const LINK_TITLES: Readonly<Record<LinkState, string>> = {
+  idle: "This page is not connected to the hub.",
+  connecting: "This page is connecting to the hub.",
+  open: "This page is connected to the hub. The time is how long a message takes there and back.",
+  lost: "This page lost the hub. It is tried again by itself.",
+  ended: "The hub ended this session.",
 };
 
 const THEME_WORDS = { auto: "Auto", light: "Light", dark: "Dark", night: "Night" } as const;
@@ -96,6 +104,23 @@ export class Header extends LitElement {
       .role {
         color: var(--t-muted);
         font-size: var(--t-size-s);
+      }
+      @media (max-width: 60rem) {
+        :host {
+          gap: var(--t-space-2);
+        }
+        .brand.small .word,
+        .name {
+          display: none;
+        }
+        select {
+          max-inline-size: 11rem;
+        }
+      }
+      @media (max-width: 60rem) and (max-height: 30rem) {
+        :host {
+          min-block-size: 3rem;
+        }
       }
       @media (max-width: 45rem) {
         :host {
@@ -170,8 +195,8 @@ export class Header extends LitElement {
   private linkStatus(): TemplateResult {
     const [kind, word] = LINKS[this.link.state];
     const trip = this.link.connection?.roundTripMs ?? Number.NaN;
-    const told = this.link.state === "open" && !Number.isNaN(trip) ? `${word}, ${formatMs(trip)}` : word;
-    return html`<t-status kind=${kind} word=${told} title="Round trip between this page and the hub"></t-status>`;
+    const told = this.link.state === "open" && !Number.isNaN(trip) ? `${word} · ${formatWholeMs(trip)}` : word;
+    return html`<t-status kind=${kind} word=${told} title=${LINK_TITLES[this.link.state]}></t-status>`;
   }
 
   private panel(): TemplateResult {

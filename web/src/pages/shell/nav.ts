@@ -52,8 +52,21 @@ export class Nav extends LitElement {
         outline-offset: -4px;
       }
       @media (max-width: 60rem) and (min-width: 45.01rem) {
+        nav {
+          gap: 0;
+        }
+        a {
+          padding-inline: var(--t-space-2);
+          font-size: var(--t-size-s);
+          white-space: nowrap;
+        }
         t-icon {
           display: none;
+        }
+      }
+      @media (max-width: 60rem) and (min-width: 45.01rem) and (max-height: 30rem) {
+        a {
+          min-block-size: 3rem;
         }
       }
       @media (max-width: 45rem) {

@@ -38,6 +38,12 @@ export class Shell extends LitElement {
         outline: none;
         min-inline-size: 0;
       }
+      /* A phone on its side: height is what there is least of. */
+      @media (max-height: 30rem) {
+        main {
+          padding-block: var(--t-space-3);
+        }
+      }
       .skip {
         position: absolute;
         inset-block-start: -10rem;

@@ -13,6 +13,7 @@ import "../../elements/drive/lease.js";
 import "../../elements/drive/pad.js";
 import "../../elements/drive/speed-limit.js";
 import { base } from "../../elements/base.js";
+import { formatMs } from "../../format/duration.js";
 import type { Hold } from "../../elements/drive/hold.js";
 import type { DeviceInfo, SignalInfo } from "../../wire/api.js";
 
@@ -25,12 +26,13 @@ export class DrivePad extends LitElement {
     css`
       :host {
         display: grid;
-        gap: var(--t-space-3);
+        gap: var(--t-space-2);
       }
       .hands {
         display: grid;
-        grid-template-columns: minmax(9rem, 1.25fr) minmax(8.5rem, 1fr);
+        grid-template-columns: minmax(8.75rem, var(--t-pad-size, 1.25fr)) minmax(8.75rem, var(--t-arrows-size, 1fr));
         align-items: center;
+        justify-content: space-evenly;
         gap: var(--t-space-4);
       }
       /* Below the pad: a word that comes or goes must not move what the thumb lies on. */
@@ -40,6 +42,15 @@ export class DrivePad extends LitElement {
       }
       .trouble:empty {
         display: none;
+      }
+      .foot {
+        display: flex;
+        flex-wrap: wrap;
+        justify-content: space-between;
+        gap: 0 var(--t-space-4);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        font-variant-numeric: tabular-nums;
       }
       .hint {
         color: var(--t-muted);
@@ -120,6 +131,14 @@ export class DrivePad extends LitElement {
         .turn=${limits.max_turn}
         @t-level=${this.level}
       ></t-speed-limit>
+      <t-drive-readout
+        .asked=${machine.asked}
+        .told=${told ?? NO_MOTION}
+        .measured=${this.measured()}
+        .cap=${this.cap()}
+        .refusal=${state.kind === "mine" && !this.stopped ? (told?.why ?? "") : ""}
+      ></t-drive-readout>
+      <div class="foot">
       <details class="hint">
         <summary>Keys and gamepad</summary>
         <p>
@@ -127,14 +146,10 @@ export class DrivePad extends LitElement {
           and − change the speed, Escape is STOP. Gamepad: hold a shoulder button and push the left stick.
         </p>
       </details>
-      <t-drive-readout
-        .asked=${machine.asked}
-        .told=${told ?? NO_MOTION}
-        .measured=${this.measured()}
-        .cap=${this.cap()}
-        .refusal=${state.kind === "mine" && !this.stopped ? (told?.why ?? "") : ""}
-        .loop=${told && told.loop_ms > 0 ? told.loop_ms : Number.NaN}
-      ></t-drive-readout>
+      <span class="loop" title="From this page to the gateway and back, measured while you have control"
+        >Round trip ${formatMs(told && told.loop_ms > 0 ? told.loop_ms : Number.NaN)}</span
+      >
+      </div>
     `;
   }
 

@@ -30,7 +30,7 @@ interface Sample {
 export class PositionMap extends LitElement {
   static override styles = css`
     :host {
-      display: block;
+      display: grid;
     }
   `;
 
@@ -90,7 +90,7 @@ export class PositionMap extends LitElement {
     const note = this.signal
       ? this.online
         ? "Waiting for the first position"
-        : "The site is off line: no position"
+        : "The site is offline: no position"
       : "The description names no position for this device";
     return html`<t-track-map
       .pose=${this.pose}

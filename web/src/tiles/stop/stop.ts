@@ -82,7 +82,7 @@ export class StopPanel extends OnStopLine {
 
   private hindrance(): string {
     if (!this.mayUse) return "Only people who may use this device can release STOP.";
-    if (this.line?.online !== true) return "The site is off line: STOP stays latched.";
+    if (this.line?.online !== true) return "The site is offline: STOP stays latched.";
     return this.epoch === 0 ? "Take control first: whoever releases STOP answers for what moves next." : "";
   }
 

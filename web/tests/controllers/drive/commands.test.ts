@@ -44,7 +44,7 @@ test("a lost link makes what is under way unknown and leaves what has ended", ()
   expect(desk.latest("base", "other")?.phase).toBe("unknown");
 });
 
-test("not sent is off line, not unknown", () => {
+test("not sent is offline, not unknown", () => {
   desk.unsent("c1");
   expect(phase()).toBe("offline");
 });

@@ -119,14 +119,14 @@ describe("the seat", () => {
     expect(seat.lease.epoch).toBe(0);
   });
 
-  test("a site that goes off line ends it too, in words of its own", () => {
+  test("a site that goes offline ends it too, in words of its own", () => {
     sit();
     seat.press("key:KeyW", PUSH.forward);
     line.say(siteNews(false));
     line.sent.length = 0;
     vi.advanceTimersByTime(500);
     expect(line.sent).toEqual([]);
-    expect(seat.trouble).toContain("off line");
+    expect(seat.trouble).toContain("offline");
     seat.take();
     expect(line.sent).toEqual([]);
   });
@@ -276,7 +276,7 @@ describe("a command", () => {
     expect(new Set(ids).size).toBe(2);
   });
 
-  test("without a connection is off line at once, and not kept for later", () => {
+  test("without a connection is offline at once, and not kept for later", () => {
     line.become("lost");
     commands.ask("base", "wander", {});
     expect(commands.desk.latest("base", "wander")?.phase).toBe("offline");

@@ -226,12 +226,37 @@ describe("while it is barred", () => {
     expect(machine.press("key:KeyW", PUSH.forward, now)).toHaveLength(1);
   });
 
-  test("off line nothing is sent, not even zeros: they would arrive much later", () => {
+  test("offline nothing is sent, not even zeros: they would arrive much later", () => {
     ready();
     machine.press("key:KeyW", PUSH.forward, now);
     expect(machine.bar("offline", now)).toEqual([]);
     expect(pass(500)).toEqual([]);
     expect(machine.why).toBe("offline");
+  });
+
+  test.each(["stop", "dialog", "offline"] as const)("%s: once lifted, it is no longer told as the reason", (bar) => {
+    ready();
+    machine.press("key:KeyW", PUSH.forward, now);
+    machine.bar(bar, now);
+    expect(machine.why).toBe(bar);
+    machine.lift(bar);
+    expect(machine.why).toBeNull();
+  });
+
+  test("that the page was hidden stays told when it is seen again", () => {
+    ready();
+    machine.press("key:KeyW", PUSH.forward, now);
+    machine.bar("hidden", now);
+    machine.lift("hidden");
+    expect(machine.why).toBe("hidden");
+  });
+
+  test("a lifted bar does not hide another reason", () => {
+    ready();
+    machine.bar("stop", now);
+    machine.revoke("lease lost");
+    machine.lift("stop");
+    expect(machine.why).toBe("lease lost");
   });
 
   test("one bar lifted leaves the other", () => {
