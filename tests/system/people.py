@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import threading
 import time
 from collections.abc import AsyncIterator, Callable
 from typing import TypeVar
@@ -34,10 +35,24 @@ async def sign_in(stack: Stack, name: str) -> str:
         return "; ".join(f"{key}={value}" for key, value in client.cookies.items())
 
 
+def connection(stack: Stack, cookie: str) -> connect:
+    """Open the socket that a page opens."""
+    return connect(
+        f"ws://localhost:{stack.port}/ws",
+        compression=None,
+        ping_interval=None,
+        close_timeout=1,
+        additional_headers={"Cookie": cookie},
+        origin=stack.address,  # type: ignore[arg-type]
+        proxy=None,
+    )
+
+
 class Page:
     """An open page: everything it was sent, and what a person may do there."""
 
     def __init__(self, socket: ClientConnection, device: str = "base") -> None:
+        """Read what comes from now on."""
         self._socket = socket
         self.device = device
         self.got: list[browser.ToBrowser] = []
@@ -139,6 +154,11 @@ class Page:
         await self.say(browser.Lease(site=SITE, device=self.device, op=LeaseOp.FREE))
         await self.sees(browser.LeaseNews, lambda x: not x.holder, since=since)
 
+    async def subscribe(self, *channels: str) -> browser.Subscribed:
+        since = len(self.got)
+        await self.say(browser.Subscribe(sub=1, site=SITE, channels=list(channels), every_ms=0))
+        return await self.sees(browser.Subscribed, since=since)
+
     def values(self) -> list[float]:
         """Every number that came, of all subscriptions."""
         return [
@@ -161,18 +181,69 @@ async def page(
 ) -> AsyncIterator[Page]:
     """Open a page for somebody; the site is online when this gives it."""
     cookie = cookie or await sign_in(stack, name)
-    async with connect(
-        f"ws://localhost:{stack.port}/ws",
-        compression=None,
-        ping_interval=None,
-        close_timeout=1,
-        additional_headers={"Cookie": cookie},
-        origin=stack.address,  # type: ignore[arg-type]
-        proxy=None,
-    ) as socket:
+    async with connection(stack, cookie) as socket:
         opened = Page(socket, device)
         try:
             await opened.online()
             yield opened
         finally:
             await opened.close()
+
+
+class Guest:
+    """A guest's page that is always open, in a thread of its own, and keeps all it is sent."""
+
+    def __init__(self, stack: Stack) -> None:
+        """Begin to visit."""
+        self._stack = stack
+        self.got: list[browser.ToBrowser] = []
+        self.pages = 0
+        self._loop = asyncio.new_event_loop()
+        self._task: asyncio.Task[None] | None = None
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        with (
+            asyncio.Runner(loop_factory=lambda: self._loop) as runner,
+            contextlib.suppress(asyncio.CancelledError),
+        ):
+            runner.run(self._stay())
+
+    async def _stay(self) -> None:
+        self._task = asyncio.current_task()
+        while True:
+            with contextlib.suppress(OSError, httpx.HTTPError, websockets.WebSocketException):
+                await self._visit(await sign_in(self._stack, "guest"))
+            await asyncio.sleep(PERIOD_S)
+
+    async def _visit(self, cookie: str) -> None:
+        async with connection(self._stack, cookie) as socket:
+            self.pages += 1
+            asked = False
+            async for data in socket:
+                message = browser.TO_BROWSER.decode(data)
+                self.got.append(message)
+                if isinstance(message, browser.SiteNews) and message.online and not asked:
+                    asked = True
+                    for each in self._asks():
+                        await socket.send(browser.FROM_BROWSER.encode(each))
+
+    def _asks(self) -> list[browser.FromBrowser]:
+        """Ask for one channel that is public, one that is not, and for all that moves a robot."""
+        name = f"guest-{self.pages}"
+        return [
+            browser.Subscribe(sub=1, site=SITE, channels=["base/open", "base/count"]),
+            browser.Lease(site=SITE, device="base", op=LeaseOp.TAKE),
+            browser.Drive(
+                site=SITE, device="base", epoch=1, seq=1, tick=1, linear=1.0, angular=0.0
+            ),
+            browser.Stop(site=SITE, device="base", id=name),
+            browser.Reset(site=SITE, device="base", epoch=1),
+            browser.Command(site=SITE, device="base", command="none", id=name),
+        ]
+
+    def close(self) -> None:
+        if self._task is not None:
+            self._loop.call_soon_threadsafe(self._task.cancel)
+        self._thread.join(10)

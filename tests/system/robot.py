@@ -11,6 +11,7 @@ how many subscriptions were matched just before. Words on stdin: ``count RATE``,
 from __future__ import annotations
 
 import json
+import os
 import sys
 import threading
 import time
@@ -56,6 +57,7 @@ class Counter:
     """Publishes 0, 1, 2, … and writes down each."""
 
     def __init__(self, node: rclpy.node.Node, ledger: TextIO) -> None:
+        """Begin quietly."""
         self._publisher = node.create_publisher(Float64, "/count", QoSProfile(depth=2000))
         self._open = node.create_publisher(Float64, "/open", QoSProfile(depth=10))
         self._still = node.create_publisher(Float64, "/still", QoSProfile(depth=10))
@@ -85,10 +87,19 @@ class Counter:
                 self._still.publish(Float64(data=0.0))
 
 
-def main() -> int:
+def main() -> None:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("robot")
-    heard, ledger = (Path(each).open("w", buffering=1) for each in sys.argv[1:3])
+    with (
+        Path(sys.argv[1]).open("w", buffering=1) as heard,
+        Path(sys.argv[2]).open("w", buffering=1) as ledger,
+    ):
+        run(node, heard, ledger)
+    # The threads of ROS have nothing left to say, and no need to be waited for.
+    os._exit(0)
+
+
+def run(node: rclpy.node.Node, heard: TextIO, ledger: TextIO) -> None:
     listen(node, heard)
     counter = Counter(node, ledger)
     metric = node.create_publisher(String, "/metric", QoSProfile(depth=100))
@@ -114,8 +125,7 @@ def main() -> int:
             sys.stdout.flush()
         elif word == "metric":
             metric.publish(String(data=rest))
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

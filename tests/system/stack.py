@@ -80,6 +80,7 @@ class Process:
     """One process, its output in a file."""
 
     def __init__(self, words: list[str], log: Path, environment: dict[str, str]) -> None:
+        """Start ``python WORDS``; more output follows what ``log`` holds already."""
         self.log = log
         self._begin = log.stat().st_size if log.exists() else 0
         with log.open("ab") as output:
@@ -143,6 +144,7 @@ class Stack:
     """A hub, a gateway and a robot in one folder."""
 
     def __init__(self, folder: Path) -> None:
+        """Make accounts and a key, and start all three; see `ready`."""
         self.folder = folder
         self._world = domain.reserve()
         self._ros = domain.environment(self._world.domain)
@@ -157,6 +159,8 @@ class Stack:
             folder / "robot.log",
             self._ros,
         )
+        self._read = 0
+        self._heard: dict[str, list[Heard]] = {}
         self.hub = self.start_hub()
         self.gateway = self.start_gateway()
 
@@ -192,6 +196,19 @@ class Stack:
         words += ["--domain", str(self._world.domain)]
         return Process(words, self.folder / "vehicle.log", self._ros)
 
+    async def fresh(self) -> None:
+        """Start what a test before has killed, and wait until all run and are linked.
+
+        After a loss the gateway is started anew: it waits longer before it dials each time, and
+        only a link of ten seconds would make it forget that.
+        """
+        if self.hub.popen.poll() is not None:
+            self.gateway.end()
+            self.start_hub()
+        if self.gateway.popen.poll() is not None:
+            self.start_gateway()
+        await self.ready()
+
     async def ready(self) -> None:
         """Wait until all run and are linked."""
         await self.robot.says("ready")
@@ -200,9 +217,15 @@ class Stack:
 
     def heard(self, topic: str, since: int = 0) -> list[Heard]:
         """What the robot heard on a topic after a moment."""
-        lines = self.heard_file.read_text().splitlines(keepends=True)
-        found = [json.loads(line) for line in lines if line.endswith("\n")]
-        return [Heard(x["t"], x["v"]) for x in found if x["topic"] == topic and x["t"] > since]
+        with self.heard_file.open("rb") as file:
+            file.seek(self._read)
+            lines = file.read().splitlines(keepends=True)
+        for line in lines:
+            if line.endswith(b"\n"):
+                self._read += len(line)
+                found = json.loads(line)
+                self._heard.setdefault(found["topic"], []).append(Heard(found["t"], found["v"]))
+        return [each for each in self._heard.get(topic, []) if each.t > since]
 
     def ledger(self) -> list[tuple[int, int, int]]:
         """Value, moment and subscriptions of everything the robot counted."""
