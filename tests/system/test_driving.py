@@ -153,6 +153,28 @@ async def test_frames_that_waited_in_a_frozen_hub_never_move_the_robot(
 
 
 @timed
+async def test_frames_that_waited_in_a_frozen_gateway_never_move_the_robot(
+    stack: Stack, turn: int
+) -> None:
+    await stack.fresh()
+    async with page(stack, "driver") as driver:
+        await drive(stack, driver)
+        at = now()
+        stack.gateway.popen.send_signal(signal.SIGSTOP)
+        try:
+            # It cannot speak; what the robot hears of it now was on its way.
+            await until(lambda: now() - at > 1_000_000_000, 5)
+            await driver.vanish()
+        finally:
+            stack.gateway.popen.send_signal(signal.SIGCONT)
+        since = len(driver.got)
+        await driver.sees(browser.DriveNews, lambda x: "too old" in x.why, since=since)
+        await standstill(stack, at)
+        assert moving(stack.heard("/cmd_vel", at + SILENCE_NS)) == []
+        await driver.free()
+
+
+@timed
 async def test_when_the_gateway_is_killed_the_robots_own_time_out_stops_it(
     stack: Stack, times: Times, turn: int, tmp_path: Path
 ) -> None:
