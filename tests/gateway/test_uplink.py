@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import datetime
 import hashlib
 import ssl
@@ -16,13 +18,15 @@ from gateway_bench import addresses_of, running
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.errors import SettingsError
+from talaia.gateway.errors import LinkLost, SettingsError
 from talaia.gateway.settings import HubAddress
 from talaia.gateway.spool.journal import Head, Stored
 from talaia.gateway.spool.segment import Record
+from talaia.gateway.uplink import dialling
 from talaia.gateway.uplink.backoff import Backoff
 from talaia.gateway.uplink.beats import Beats, reply_to
 from talaia.gateway.uplink.catchup import as_old
+from talaia.gateway.uplink.dialling import Outage
 from talaia.gateway.uplink.lanes import Lanes
 from talaia.wire.frames import LINK_FROM_GATEWAY, Event, Samples, StopState, Tick
 
@@ -104,6 +108,44 @@ def test_waits_grow_to_a_bound_and_a_mere_handshake_does_not_reset_them(
 
 def test_refused_key_waits_long() -> None:
     assert Backoff(lambda: 0.0).after(0, refused=True) == Backoff.REFUSED_S
+
+
+def test_loss_is_said_once_until_it_is_back() -> None:
+    outage = Outage()
+    assert not outage.back()
+    assert outage.lost(refused=False)
+    assert not outage.lost(refused=False)
+    assert outage.back()
+    assert not outage.back()
+    assert outage.lost(refused=False)
+
+
+def test_key_that_is_turned_down_in_an_outage_is_said_besides() -> None:
+    outage = Outage()
+    assert outage.lost(refused=False)
+    assert outage.lost(refused=True)
+    assert not outage.lost(refused=False)
+    assert not outage.lost(refused=True)
+
+
+@pytest.mark.parametrize("link", ["stays", "falls", "is another"])
+async def test_what_falls_with_the_link_has_no_loss_of_its_own(
+    link: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dialling, "GRACE_S", 0.0)
+    linked, links = asyncio.Event(), [1]
+    linked.set()
+
+    async def fall() -> None:
+        if link == "falls":
+            linked.clear()
+        if link == "is another":
+            links.append(2)
+        raise LinkLost("the same blow")
+
+    expected = pytest.raises(LinkLost) if link == "stays" else contextlib.nullcontext()
+    with expected:
+        await dialling.beside_link(linked, lambda: links[-1], fall)
 
 
 def test_three_beats_without_answer_and_the_peer_is_gone() -> None:

@@ -1,5 +1,6 @@
 """The small pure parts: what is stored, what goes down first, whose clock says what."""
 
+import msgspec
 import numpy as np
 from hypothesis import given, strategies as st
 
@@ -53,6 +54,15 @@ def test_newer_driving_frame_takes_the_place_of_an_older_one_of_its_driver() -> 
     for message in (drive("a", 1), drive("b", 1), drive("a", 2)):
         lanes.put(message)
     assert [lanes.take(), lanes.take()] == [drive("b", 1), drive("a", 2)]
+    assert not lanes
+
+
+def test_letting_go_is_not_passed_over_for_the_press_that_follows() -> None:
+    lanes = Lanes()
+    for seq, linear in ((1, 0.3), (2, 0.0), (3, 0.0), (4, 0.3), (5, 0.3)):
+        lanes.put(msgspec.structs.replace(drive("a", seq), linear=linear, angular=0.0))
+    waiting = [lanes.take(), lanes.take()]
+    assert [(each.seq, each.linear) for each in waiting] == [(3, 0.0), (5, 0.3)]
     assert not lanes
 
 

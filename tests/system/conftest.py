@@ -15,6 +15,8 @@ from typing import NamedTuple
 
 import pytest
 
+from .stack import Stack
+
 REQUIRE_ALL = bool(os.environ.get("TALAIA_REQUIRE_ALL"))
 CHROMIUM_FLAGS = [
     "--no-sandbox",
@@ -106,3 +108,15 @@ def chromium() -> str:
     if found is None:
         missing("Chromium")
     return str(found)
+
+
+@pytest.fixture(scope="module")
+def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
+    for module in ("rclpy", "mujoco"):
+        if not __import__("importlib.util").util.find_spec(module):
+            missing(module)
+    running = Stack(tmp_path_factory.mktemp("stack"))
+    try:
+        yield running
+    finally:
+        running.close()

@@ -138,10 +138,12 @@ class FrontDesk:
         self._adapter = adapter
         self._tasks: set[asyncio.Task[None]] = set()
         self.linked = asyncio.Event()
+        self.links = 0
 
     def link_up(self, welcome: Welcome) -> None:
         """Trim what the hub has, and tell it how things stand."""
         self.linked.set()
+        self.links += 1
         self._keeper.ack(self._boot, welcome.acked)
         self._control.link_up()
         self._commanding.report()

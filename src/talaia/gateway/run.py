@@ -7,7 +7,6 @@ import contextlib
 import hashlib
 import logging
 import os
-import random
 import secrets
 import signal
 import sys
@@ -26,13 +25,13 @@ from talaia.gateway.batching import Batcher
 from talaia.gateway.commanding import Commanding, Journal
 from talaia.gateway.control import Control
 from talaia.gateway.desk import FrontDesk, Pacer, Voice
-from talaia.gateway.errors import AdapterLost, KeyRefused, LinkLost, SettingsError
+from talaia.gateway.errors import AdapterLost, SettingsError
 from talaia.gateway.keep import Epochs, KeptStops, locked
 from talaia.gateway.spool.journal import Head, Spool
 from talaia.gateway.spool.keeper import Keeper
-from talaia.gateway.uplink.backoff import Backoff
 from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.connection import LinkRun, run_media
+from talaia.gateway.uplink.dialling import Outage, beside_link, keep_dialling
 from talaia.gateway.uplink.lanes import Lanes
 from talaia.gateway.uplink.pictures import Pictures
 from talaia.gateway.uplink.tls import Trust
@@ -221,7 +220,10 @@ class Gateway:
             self._settings, self._trust, self._clock, self._lanes, self._wake, self._desk
         )
 
+        outage = Outage()
+
         def beside(welcome: Welcome) -> asyncio.Task[None]:
+            outage.back()
             log.debug("the hub has %d samples of this run", welcome.acked)
             catchup = CatchUp(
                 self._keeper,
@@ -232,36 +234,27 @@ class Gateway:
             )
             return asyncio.ensure_future(catchup.run(self._batcher.next))
 
-        await self._keep_dialling("the hub", lambda: link.once(self._hello(), beside))
+        await keep_dialling(
+            "the hub", lambda: link.once(self._hello(), beside), outage, self._clock
+        )
 
     async def _run_media(self) -> None:
+        outage = Outage()
+
+        def up() -> None:
+            if outage.back():
+                log.info("the hub's media side is back")
+
         async def once() -> None:
-            # After the link, so that what hinders both is said once and tried once.
-            await self._desk.linked.wait()
-            await run_media(self._settings, self._trust, self._clock, self._pictures)
+            await run_media(self._settings, self._trust, self._clock, self._pictures, up)
 
-        await self._keep_dialling("the hub's media side", once)
-
-    async def _keep_dialling(self, what: str, once: Callable[[], Awaitable[None]]) -> None:
-        backoff = Backoff(random.SystemRandom().random)
-        said = ""
-        while True:
-            began = self._clock.monotonic_ns()
-            refused = False
-            try:
-                await once()
-            except KeyRefused as error:
-                refused, problem = True, str(error)
-            except LinkLost as error:
-                problem = str(error)
-            else:
-                problem = "the link ended"
-            lasted = (self._clock.monotonic_ns() - began) / 1e9
-            # Said once for each reason, and anew after a link that stood.
-            if problem != said or lasted >= Backoff.STABLE_S:
-                said = problem
-                log.warning("%s: %s; trying again", what, problem)
-            await asyncio.sleep(backoff.after(lasted, refused=refused))
+        desk = self._desk
+        await keep_dialling(
+            "the hub's media side",
+            lambda: beside_link(desk.linked, lambda: desk.links, once),
+            outage,
+            self._clock,
+        )
 
     async def _run_sync(self) -> None:
         while True:

@@ -259,8 +259,10 @@ async def first_to_end(tasks: list[asyncio.Task[None]]) -> None:
         task.result()
 
 
-async def run_media(settings: Settings, trust: Trust, clock: Clock, pictures: Pictures) -> None:
-    """Send pictures until the connection is lost.
+async def run_media(
+    settings: Settings, trust: Trust, clock: Clock, pictures: Pictures, up: Callable[[], None]
+) -> None:
+    """Send pictures until the connection is lost; ``up`` is called once it stands.
 
     Raises:
         LinkLost: always, with the reason.
@@ -269,6 +271,7 @@ async def run_media(settings: Settings, trust: Trust, clock: Clock, pictures: Pi
     async with dial(settings, trust, "/gateway/media") as socket:
         beats = Beats(clock.monotonic_ns())
         pictures.link_up()
+        up()
 
         async def read() -> None:
             while True:

@@ -36,6 +36,9 @@ class Lanes:
     def put(self, message: FromHub) -> bool:
         """Take a message; a driving frame, or an ack, takes the place of an older one.
 
+        That the driver has let go is not passed over for a press that follows: the gateway may
+        be waiting for just that.
+
         Returns:
             False when so much waits that the gateway cannot be listening.
 
@@ -47,6 +50,7 @@ class Lanes:
                 for each in lane
                 if isinstance(each, Drive)
                 and (each.device, each.session) == (message.device, message.session)
+                and (_lets_go(message) or not _lets_go(each))
             ]
             for each in older:
                 lane.remove(each)
@@ -68,6 +72,10 @@ class Lanes:
             if lane:
                 return lane.popleft()
         raise IndexError("nothing waits")
+
+
+def _lets_go(frame: Drive) -> bool:
+    return frame.linear == 0.0 and frame.angular == 0.0
 
 
 def _lane_of(message: FromHub) -> int:

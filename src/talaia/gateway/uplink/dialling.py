@@ -1,0 +1,87 @@
+"""Dialling the hub for as long as the gateway runs, and saying each loss once."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import random
+from typing import TYPE_CHECKING
+
+from talaia.gateway.errors import KeyRefused, LinkLost
+from talaia.gateway.uplink.backoff import Backoff
+from talaia.gateway.uplink.beats import Beats
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from talaia.clock import Clock
+
+__all__ = ["Outage", "beside_link", "keep_dialling"]
+
+log = logging.getLogger(__name__)
+# The link and what runs beside it are struck by one blow, but find out up to a beat apart.
+GRACE_S = 1.25 * Beats.PERIOD_S
+
+
+class Outage:
+    """What is said of a connection: its loss once, and that it is back once. Pure.
+
+    A hub that dies is seen in several ways, one after another (closed, refused, no route): that
+    is one loss. That it is there and turns our key down is another matter, and said besides.
+    """
+
+    def __init__(self) -> None:
+        """Begin with nothing said."""
+        self._said: bool | None = None
+
+    def lost(self, *, refused: bool) -> bool:
+        """Tell whether this loss is to be said."""
+        fresh = self._said is None or (refused and not self._said)
+        self._said = refused if fresh else self._said
+        return fresh
+
+    def back(self) -> bool:
+        """Tell whether that it is back is to be said: a loss was."""
+        was, self._said = self._said, None
+        return was is not None
+
+
+async def keep_dialling(
+    what: str, once: Callable[[], Awaitable[None]], outage: Outage, clock: Clock
+) -> None:
+    """Dial for ever, waiting in between. An ``once`` that returns has nothing to be said of it."""
+    backoff = Backoff(random.SystemRandom().random)
+    while True:
+        began = clock.monotonic_ns()
+        refused = False
+        try:
+            await once()
+        except (KeyRefused, LinkLost) as error:
+            refused = isinstance(error, KeyRefused)
+            say = log.warning if outage.lost(refused=refused) else log.debug
+            say("%s: %s; trying again", what, error)
+        lasted = (clock.monotonic_ns() - began) / 1e9
+        await asyncio.sleep(backoff.after(lasted, refused=refused))
+
+
+async def beside_link(
+    linked: asyncio.Event, number: Callable[[], int], once: Callable[[], Awaitable[None]]
+) -> None:
+    """Run ``once`` while there is a link; a loss is raised only if that link outlives it.
+
+    What hinders both is tried once and said once, by the link.
+
+    Args:
+        linked: set while there is a link.
+        number: counts the links.
+        once: what runs beside it.
+
+    """
+    await linked.wait()
+    ours = number()
+    try:
+        await once()
+    except LinkLost:
+        await asyncio.sleep(GRACE_S)
+        if linked.is_set() and number() == ours:
+            raise

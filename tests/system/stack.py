@@ -1,0 +1,238 @@
+"""The real processes of one site, each of which a test may kill, freeze and start again."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import talaia
+from talaia.hub import accounts
+from talaia.hub.settings import Settings
+from talaia.sim import domain
+
+SITE = "faults"
+PASSWORD = "a password for a minute"  # noqa: S105 - of a hub that lives for a minute on loopback
+PEOPLE = {"driver": "operator", "second": "operator", "guest": "guest"}
+# The processes are those of the package under test, wherever it is installed.
+SOURCE = Path(talaia.__file__).resolve().parent.parent
+STEP_S = 0.005
+
+DESCRIPTION = """\
+talaia: 1
+site: faults
+name: Faults
+ros2: {}
+devices:
+  base:
+    name: Base
+    kind: vehicle
+    visibility: public
+    signals:
+      count: {name: Count, source: {topic: /count, type: std_msgs/msg/Float64, field: data}}
+      open:
+        name: Open to all
+        visibility: public
+        source: {topic: /open, type: std_msgs/msg/Float64, field: data}
+      still: {name: Still, source: {topic: /still, type: std_msgs/msg/Float64, field: data}}
+      speed1: {name: Speed, source: {topic: /metric, type: std_msgs/msg/String, name: speed1}}
+    drive:
+      topic: /cmd_vel
+      max_speed: 0.5
+      max_turn: 1.0
+      max_acceleration: 1000
+      max_turn_acceleration: 1000
+      stop: {topic: /stop, confirmed_by: [base/still]}
+  stamped:
+    name: Stamped
+    drive:
+      {topic: /cmd_stamped, message: geometry_msgs/msg/TwistStamped, max_speed: 0.5, max_turn: 1.0}
+  keys:
+    name: Keys
+    drive: {topic: /control, message: std_msgs/msg/String, max_speed: 0.5, max_turn: 1.0}
+"""
+
+
+class Heard(NamedTuple):
+    """A message that reached the robot: moment (monotonic, ns) and value."""
+
+    t: int
+    v: object
+
+
+async def until(condition: Callable[[], object], within: float, what: str = "") -> None:
+    """Wait until a condition holds; fail with ``what`` when it does not in time (s)."""
+    deadline = time.monotonic() + within
+    while not condition():
+        assert time.monotonic() < deadline, f"not within {within:g} s: {what or condition}"
+        await asyncio.sleep(STEP_S)
+
+
+class Process:
+    """One process, its output in a file."""
+
+    def __init__(self, words: list[str], log: Path, environment: dict[str, str]) -> None:
+        """Start ``python WORDS``; more output follows what ``log`` holds already."""
+        self.log = log
+        self._begin = log.stat().st_size if log.exists() else 0
+        with log.open("ab") as output:
+            self.popen = subprocess.Popen(
+                [sys.executable, *words],
+                stdin=subprocess.PIPE,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env={
+                    **os.environ,
+                    "PYTHONPATH": str(SOURCE),
+                    "PYTHONUNBUFFERED": "1",
+                    **environment,
+                },
+                start_new_session=True,
+                bufsize=0,
+            )
+
+    def said(self) -> str:
+        """What this run of it has said so far."""
+        with self.log.open("rb") as file:
+            file.seek(self._begin)
+            return file.read().decode(errors="replace")
+
+    async def says(self, word: str, within: float = 30, times: int = 1) -> None:
+        def found() -> bool:
+            assert self.popen.poll() is None, f"it ended:\n{self.said()}"
+            return self.said().count(word) >= times
+
+        await until(found, within, f"{word!r} in {self.log.name}")
+
+    def tell(self, line: str) -> None:
+        assert self.popen.stdin is not None
+        self.popen.stdin.write(f"{line}\n".encode())
+
+    def kill(self) -> int:
+        """Kill -9; gives the moment just before (monotonic, ns)."""
+        at = time.monotonic_ns()
+        self.popen.send_signal(signal.SIGKILL)
+        self.popen.wait(10)
+        self._close()
+        return at
+
+    def end(self) -> None:
+        if self.popen.poll() is None:
+            self.popen.send_signal(signal.SIGCONT)
+            self.popen.terminate()
+            try:
+                self.popen.wait(10)
+            except subprocess.TimeoutExpired:
+                self.popen.kill()
+                self.popen.wait(10)
+        self._close()
+
+    def _close(self) -> None:
+        if self.popen.stdin is not None:
+            self.popen.stdin.close()
+
+
+class Stack:
+    """A hub, a gateway and a robot in one folder."""
+
+    def __init__(self, folder: Path) -> None:
+        """Make accounts and a key, and start all three; see `ready`."""
+        self.folder = folder
+        self._world = domain.reserve()
+        self._ros = domain.environment(self._world.domain)
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = int(probe.getsockname()[1])
+        asyncio.run(self._accounts())
+        (folder / "site.yaml").write_text(DESCRIPTION)
+        self.heard_file, self.ledger_file = folder / "heard.jsonl", folder / "ledger.txt"
+        self.robot = Process(
+            [str(Path(__file__).parent / "robot.py"), str(self.heard_file), str(self.ledger_file)],
+            folder / "robot.log",
+            self._ros,
+        )
+        self._read = 0
+        self._heard: dict[str, list[Heard]] = {}
+        self.hub = self.start_hub()
+        self.gateway = self.start_gateway()
+
+    @property
+    def address(self) -> str:
+        return f"http://localhost:{self.port}"
+
+    async def _accounts(self) -> None:
+        settings = Settings(
+            data=self.folder, host="127.0.0.1", port=self.port, plain=True, password_cost=4
+        )
+        for name, role in PEOPLE.items():
+            await accounts.create_user(settings, name, PASSWORD, role)
+        (self.folder / "key").write_text(await accounts.create_gateway(settings, SITE))
+
+    def start_hub(self) -> Process:
+        words = ["-m", "talaia", "hub", "--data", str(self.folder), "--plain"]
+        words += ["--host", "127.0.0.1", "--port", str(self.port)]
+        self.hub = Process(words, self.folder / "hub.log", {})
+        return self.hub
+
+    def start_gateway(self) -> Process:
+        words = [
+            "-m", "talaia", "gateway", str(self.folder / "site.yaml"), "--allow-plain",
+            "--hub", f"ws://127.0.0.1:{self.port}", "--key-file", str(self.folder / "key"),
+            "--data", str(self.folder / "gateway"), "--ros-domain", str(self._world.domain),
+        ]  # fmt: skip
+        self.gateway = Process(words, self.folder / "gateway.log", self._ros)
+        return self.gateway
+
+    def start_vehicle(self, log: Path) -> Process:
+        words = ["-m", "talaia", "sim", "vehicle", "--no-camera", "--log", str(log)]
+        words += ["--domain", str(self._world.domain)]
+        return Process(words, self.folder / "vehicle.log", self._ros)
+
+    async def fresh(self) -> None:
+        """Start what a test before has killed, and wait until all run and are linked.
+
+        After a loss the gateway is started anew: it waits longer before it dials each time, and
+        only a link of ten seconds would make it forget that.
+        """
+        if self.hub.popen.poll() is not None:
+            self.gateway.end()
+            self.start_hub()
+        if self.gateway.popen.poll() is not None:
+            self.start_gateway()
+        await self.ready()
+
+    async def ready(self) -> None:
+        """Wait until all run and are linked."""
+        await self.robot.says("ready")
+        await self.hub.says("ready")
+        await self.gateway.says("linked to")
+
+    def heard(self, topic: str, since: int = 0) -> list[Heard]:
+        """What the robot heard on a topic after a moment."""
+        with self.heard_file.open("rb") as file:
+            file.seek(self._read)
+            lines = file.read().splitlines(keepends=True)
+        for line in lines:
+            if line.endswith(b"\n"):
+                self._read += len(line)
+                found = json.loads(line)
+                self._heard.setdefault(found["topic"], []).append(Heard(found["t"], found["v"]))
+        return [each for each in self._heard.get(topic, []) if each.t > since]
+
+    def ledger(self) -> list[tuple[int, int, int]]:
+        """Value, moment and subscriptions of everything the robot counted."""
+        lines = self.ledger_file.read_text().splitlines()
+        return [(int(a), int(b), int(c)) for a, b, c in (line.split() for line in lines)]
+
+    def close(self) -> None:
+        for process in (self.gateway, self.hub, self.robot):
+            process.end()
+        self._world.release()

@@ -1,0 +1,183 @@
+"""The link between gateway and hub under kill -9, with the robot's ledger as the judge.
+
+``TALAIA_FAULT_TRIES=10`` runs so many seeds.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import sys
+import time
+from typing import NamedTuple
+
+import httpx
+import pytest
+
+from talaia.clock import SystemClock
+from talaia.hub.history.series import Series
+from talaia.hub.history.store import HistoryStore
+from talaia.hub.settings import Settings
+from talaia.wire import browser
+
+from .people import page, sign_in
+from .stack import SITE, Stack, until
+
+pytestmark = [pytest.mark.robot, pytest.mark.timeout(180)]
+
+TRIES = int(os.environ.get("TALAIA_FAULT_TRIES", "1"))
+COUNT = "base/count"
+RATE = 200
+# What a gateway has taken but not yet written when it is killed: one flush, on a busy machine.
+UNWRITTEN_NS = 250_000_000
+BACK_S = 30.0
+
+
+class Counted(NamedTuple):
+    """A line of the ledger: value, moment (monotonic, ns), subscriptions just before."""
+
+    value: int
+    at: int
+    matched: int
+
+
+def ledger(stack: Stack) -> list[Counted]:
+    return [Counted(*line) for line in stack.ledger()]
+
+
+async def counted(stack: Stack, more: int) -> None:
+    """Wait until the robot has published so many more values."""
+    goal = len(stack.ledger()) + more
+    await until(lambda: len(stack.ledger()) >= goal, 30, f"{more} more values")
+
+
+async def quiet(stack: Stack) -> None:
+    said = stack.robot.said().count("quiet")
+    stack.robot.tell("quiet")
+    await stack.robot.says("quiet", times=said + 1)
+
+
+def excused(lines: list[Counted], killed: int) -> range:
+    """Values published while no gateway was subscribed, and what died unwritten just before.
+
+    DDS keeps the dead subscription in its count for a while; that a new one has come shows as a
+    rise. From the value on before which the rise was seen, none is excused.
+    """
+    before = [each for each in lines if each.at < killed - UNWRITTEN_NS]
+    after = [each for each in lines if each.at >= killed]
+    start = before[-1].value + 1
+    rise = next(
+        b.value
+        for a, b in zip([*before[-1:], *after], after, strict=False)
+        if b.matched > a.matched
+    )
+    return range(start, rise)
+
+
+async def stored(stack: Stack, cookie: str, from_us: int) -> set[int]:
+    """Ask the hub for all values since a moment."""
+    query = {"channel": COUNT, "from_us": from_us, "to_us": _now_us(), "width": 10_000}
+    async with httpx.AsyncClient(base_url=stack.address, headers={"Cookie": cookie}) as client:
+        answer = await client.get(f"/api/sites/{SITE}/history", params=query)
+    answer.raise_for_status()
+    (series,) = answer.json()["series"]
+    assert series["kind"] == "exact"
+    return {int(value) for value in series["v"]}
+
+
+async def on_disk(stack: Stack, from_us: int) -> Series:
+    """Read the database itself, once nobody has it open."""
+    settings = Settings(data=stack.folder, host="127.0.0.1", port=stack.port, plain=True)
+    store = HistoryStore(settings.history_url, SystemClock())
+    await store.open()
+    try:
+        (series,) = await store.read(SITE, [COUNT], from_us, _now_us(), 10_000)
+    finally:
+        await store.close()
+    return series
+
+
+def _now_us() -> int:
+    return time.time_ns() // 1000
+
+
+@pytest.mark.parametrize("seed", range(TRIES))
+async def test_whatever_is_killed_every_value_that_a_gateway_took_is_stored_exactly_once(
+    stack: Stack, seed: int
+) -> None:
+    chance = random.Random(seed)  # noqa: S311 - moments of a test
+    await stack.fresh()
+    began_us, begin = _now_us(), len(stack.ledger())
+    stack.robot.tell(f"count {RATE}")
+    await until(lambda: len(stack.ledger()) > begin and stack.ledger()[-1][2] > 0, 10, "a listener")
+
+    await counted(stack, chance.randint(1, 300))
+    stack.hub.kill()
+    await counted(stack, chance.randint(1, 300))
+    stack.start_hub()
+    await stack.gateway.says("linked to", times=stack.gateway.said().count("linked to") + 1)
+
+    # The gateway may still be catching up when the hub dies again.
+    await counted(stack, chance.randint(1, 200))
+    stack.hub.kill()
+    await counted(stack, chance.randint(1, 200))
+    killed = stack.gateway.kill()
+    await counted(stack, chance.randint(1, 100))
+    stack.start_hub()
+    stack.start_gateway()
+    await stack.ready()
+    await counted(stack, 200)
+    await quiet(stack)
+
+    lines = ledger(stack)[begin:]
+    lines = lines[next(at for at, line in enumerate(lines) if line.matched) :]
+    spared = excused(lines, killed)
+    taken = {line.value for line in lines} - {*spared}
+    cookie = await sign_in(stack, "second")
+    deadline = time.monotonic() + BACK_S
+    while missing := taken - await stored(stack, cookie, began_us):
+        assert time.monotonic() < deadline, f"lost: {sorted(missing)[:50]} of {len(taken)}"
+    stack.gateway.end()
+    stack.hub.end()
+
+    series = await on_disk(stack, began_us)
+    values = [int(value) for value in series.value]
+    assert series.exact
+    assert len(values) == len(set(values)), "stored twice"
+    assert taken <= set(values)
+    assert series.gaps == []
+    # In the hole, nothing came after a value that was lost: each run's values have no hole.
+    lost = sorted({line.value for line in lines} - set(values))
+    assert lost == [*range(lost[0], lost[-1] + 1)] if lost else True
+    sys.stdout.write(
+        f"\nseed {seed}: {len(lines)} published, {len(values)} stored, {len(lost)} while no gateway"
+        f" listened ({len(spared)} excused)"
+    )
+
+
+async def test_after_a_restart_of_the_hub_the_gateway_is_back_by_itself_and_says_so_once(
+    stack: Stack,
+) -> None:
+    await stack.fresh()
+    cookie = await sign_in(stack, "second")
+    async with page(stack, "second", cookie=cookie) as before:
+        await before.subscribe("base/open")
+        await before.sees(browser.Values)
+        said = len(stack.gateway.said())
+        at = stack.hub.kill()
+    # Long enough for several attempts, each of which fails in its own way.
+    await until(lambda: time.monotonic_ns() - at > 2_000_000_000, 5)
+    stack.start_hub()
+    await stack.hub.says("ready")
+    up = time.monotonic()
+    await until(lambda: "linked to" in stack.gateway.said()[said:], BACK_S, "the link")
+    sys.stdout.write(f"\nlinked again {time.monotonic() - up:.1f} s after the hub was ready")
+    async with page(stack, "second", cookie=cookie) as after:
+        assert (await after.subscribe("base/open")).refused == []
+        # The values of this topic are the moments of their publication.
+        await until(lambda: any(value > up for value in after.values()), BACK_S, "live values")
+    lines = stack.gateway.said()[said:].splitlines()
+    assert [line for line in lines if "linked to" in line] == lines[-1:]
+    losses = [line for line in lines if "WARNING" in line]
+    assert len(losses) == 1, losses
+    assert "trying again" in losses[0]
