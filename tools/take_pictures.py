@@ -64,24 +64,36 @@ def take(address: str, password: str, wanted: list[str]) -> None:
     clean = {k: v for k, v in os.environ.items() if k != "LD_LIBRARY_PATH"}
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=path, args=FLAGS, env=clean)
-        wander(browser, address, password)
-        for width, size in WIDTHS.items():
-            for theme in THEMES:
-                context = browser.new_context(
-                    viewport={"width": size[0], "height": size[1]},
-                    color_scheme=theme,  # type: ignore[arg-type]
-                    has_touch=width == "phone",
-                )
-                page = context.new_page()
-                for name, go in PAGES.items():
-                    if wanted and name not in wanted and name != "login":
-                        continue
-                    go(page, address, password)
-                    page.screenshot(path=TARGET / f"{name}-{width}-{theme}.png")
-                    if name == "login":
-                        sign_in(page, address, password)
-                context.close()
+        for name in ("drive", "wander", "others"):
+            if name == "wander":
+                wander(browser, address, password)
+                continue
+            shown = [each for each in PAGES if (each == "drive") == (name == "drive")]
+            shown = [each for each in shown if not wanted or each in wanted]
+            walk(browser, address, password, shown)
         browser.close()
+
+
+def walk(browser: Browser, address: str, password: str, shown: list[str]) -> None:
+    """Take some pages' pictures in every width and theme."""
+    for width, size in WIDTHS.items():
+        for theme in THEMES:
+            context = browser.new_context(
+                viewport={"width": size[0], "height": size[1]},
+                color_scheme=theme,  # type: ignore[arg-type]
+                has_touch=width == "phone",
+            )
+            page = context.new_page()
+            if "login" in shown:
+                login(page, address, password)
+                page.screenshot(path=TARGET / f"login-{width}-{theme}.png")
+            sign_in(page, address, password)
+            for name in shown:
+                if name != "login":
+                    PAGES[name](page, address, password)
+                    page.screenshot(path=TARGET / f"{name}-{width}-{theme}.png")
+            page.keyboard.up("w")
+            context.close()
 
 
 def sign_in(page: Page, address: str, password: str) -> None:
@@ -99,7 +111,7 @@ def wander(browser: Browser, address: str, password: str) -> None:
     sign_in(page, address, password)
     page.goto(f"{address}/sites/agv/drive")
     page.get_by_role("button", name="Send").first.click()
-    time.sleep(45)
+    time.sleep(100)
     page.close()
 
 
@@ -124,15 +136,17 @@ def live(page: Page, address: str, _password: str) -> None:
 
 def history(page: Page, address: str, _password: str) -> None:
     """Show the last minutes."""
-    page.goto(f"{address}/sites/agv/history")
+    page.goto(f"{address}/sites/agv/history?last=300")
     time.sleep(4)
 
 
 def drive(page: Page, address: str, _password: str) -> None:
-    """Show camera, pad and map with the lease in hand."""
+    """Show camera, pad and map while driving; the key is let go by the caller."""
     page.goto(f"{address}/sites/agv/drive")
     page.get_by_role("button", name="Take control").click()
-    time.sleep(4)
+    page.wait_for_timeout(2500)
+    page.keyboard.down("w")
+    page.wait_for_timeout(1500)
 
 
 def gallery(page: Page, address: str, _password: str) -> None:
