@@ -44,6 +44,26 @@ async def test_lease_is_shown_as_yours_to_the_holder_only(hub, gateway) -> None:
     assert (theirs.yours, theirs.epoch, theirs.holder) == (False, 0, "operator")
 
 
+async def test_lease_is_told_to_a_page_that_comes_later(hub, gateway) -> None:
+    holder = await hub.page("operator")
+    await take_lease(holder, gateway)
+    await holder.hear(page_wire.LeaseNews)
+    news = await (await hub.page("admin")).hear(page_wire.LeaseNews)
+    assert (news.holder, news.yours, news.epoch) == ("operator", False, 0)
+
+
+async def test_page_hears_how_stop_stands_when_its_gateway_comes_back(hub, gateway) -> None:
+    page = await hub.page("operator")
+    await gateway.close()
+    await page.hear(page_wire.SiteNews, lambda news: not news.online)
+    again = await hub.gateway()
+    await again.hello()
+    await again.say(frames.StopState(device="base", latched=True, confirmed=True))
+    await again.say(frames.LeaseState(device="base"))
+    assert (await page.hear(page_wire.StopNews)).latched
+    assert (await page.hear(page_wire.LeaseNews)).holder == ""
+
+
 async def test_who_is_refused_the_lease_is_told_who_holds_it(hub, gateway) -> None:
     holder, other = await hub.page("operator"), await hub.page("admin")
     ask = await take_lease(holder, gateway)

@@ -37,7 +37,7 @@ export class Button extends LitElement {
         touch-action: manipulation;
         user-select: none;
       }
-      button:hover:not(:disabled) {
+      button:hover:not(:disabled, [aria-disabled="true"]) {
         background: var(--t-raised);
       }
       :host([kind="primary"]) button {
@@ -50,8 +50,8 @@ export class Button extends LitElement {
         background: var(--t-bad);
         color: var(--t-on-bad);
       }
-      :host([kind="primary"]) button:hover:not(:disabled),
-      :host([kind="danger"]) button:hover:not(:disabled) {
+      :host([kind="primary"]) button:hover:not(:disabled, [aria-disabled="true"]),
+      :host([kind="danger"]) button:hover:not(:disabled, [aria-disabled="true"]) {
         box-shadow: inset 0 0 0 2px color-mix(in srgb, currentColor 45%, transparent);
       }
       :host([kind="quiet"]) button {
@@ -59,7 +59,7 @@ export class Button extends LitElement {
         background: transparent;
         padding-inline: var(--t-space-3);
       }
-      :host([kind="quiet"]) button:hover:not(:disabled) {
+      :host([kind="quiet"]) button:hover:not(:disabled, [aria-disabled="true"]) {
         background: var(--t-raised);
       }
       button[aria-pressed="true"] {
@@ -68,6 +68,7 @@ export class Button extends LitElement {
         box-shadow: inset 0 0 0 1px var(--t-accent);
         color: var(--t-accent);
       }
+      button[aria-disabled="true"],
       button:disabled {
         border-style: dashed;
         border-color: var(--t-edge);
@@ -75,8 +76,8 @@ export class Button extends LitElement {
         color: var(--t-muted);
         cursor: not-allowed;
       }
-      :host([kind="primary"]) button:disabled,
-      :host([kind="danger"]) button:disabled {
+      :host([kind="primary"]) button:is(:disabled, [aria-disabled="true"]),
+      :host([kind="danger"]) button:is(:disabled, [aria-disabled="true"]) {
         border-color: var(--t-edge);
         background: transparent;
         color: var(--t-muted);
@@ -97,7 +98,8 @@ export class Button extends LitElement {
   override render(): TemplateResult {
     return html`<button
       type="button"
-      ?disabled=${this.disabled || this.busy}
+      ?disabled=${this.disabled}
+      aria-disabled=${this.busy ? "true" : nothing}
       aria-busy=${this.busy ? "true" : "false"}
       aria-label=${this.label || nothing}
       aria-pressed=${this.pressed || nothing}
@@ -107,7 +109,12 @@ export class Button extends LitElement {
     </button>`;
   }
 
-  private readonly pressedOnce = (): void => {
+  private readonly pressedOnce = (event: Event): void => {
+    // Not disabled while busy: that would take the focus away from whoever came by keyboard.
+    if (this.busy) {
+      event.stopImmediatePropagation();
+      return;
+    }
     if (this.type === "submit") this.closest("form")?.requestSubmit();
   };
 }

@@ -235,7 +235,11 @@ export class DriveSeat extends Store {
   private readonly beat = (): void => {
     const { ask, ended } = this.lease.beat(this.now());
     this.ask(ask);
-    if (ended) this.machine.revoke(ended);
+    if (ended) {
+      this.machine.revoke(ended);
+      // The gateway has been silent for seconds: what it said last is not what the robot is told now.
+      this.told = null;
+    }
     if (ended || this.lease.state.kind !== "mine") this.settle();
   };
 }

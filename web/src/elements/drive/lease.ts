@@ -59,35 +59,27 @@ export class LeaseLine extends LitElement {
   /** STOP is latched: control may be taken (the release needs it), but nothing moves. */
   @property({ type: Boolean }) stopped = false;
 
+  // One button for both ways: who took control by keyboard keeps the focus on it.
   override render(): TemplateResult {
-    return html`
-      ${this.kind === "mine" ? this.mine() : this.notMine()}
-    `;
+    const mine = this.kind === "mine";
+    return html`<div class="row">
+      ${mine ? this.mine() : this.standing()}
+      <t-button
+        kind=${mine ? "plain" : "primary"}
+        ?disabled=${!mine && (!this.online || this.kind === "other")}
+        ?busy=${this.kind === "asking"}
+        @click=${mine ? this.free : this.take}
+        >${mine ? "Release control" : this.kind === "asking" ? "Asking…" : "Take control"}</t-button
+      >
+    </div>`;
   }
 
   private mine(): TemplateResult {
     const word = this.stopped ? "In control, but STOP is on" : "You have control";
-    return html`<div class="row">
-      <span class="who">
+    return html`<span class="who">
         <t-status kind=${this.stopped ? "warn" : "ok"} .word=${word}></t-status>
         <span class="remains" title="Renewed every second while this page is seen">lease ${(this.remains / 1000).toFixed(1)}&#8239;s</span>
-      </span>
-      <t-button @click=${this.free}>Release control</t-button>
-    </div>`;
-  }
-
-  private notMine(): TemplateResult {
-    const asking = this.kind === "asking";
-    return html`<div class="row">
-      ${this.standing()}
-      <t-button
-        kind="primary"
-        ?disabled=${!this.online || this.kind === "other"}
-        ?busy=${asking}
-        @click=${this.take}
-        >${asking ? "Asking…" : "Take control"}</t-button
-      >
-    </div>`;
+      </span>`;
   }
 
   private standing(): TemplateResult {

@@ -1,7 +1,7 @@
 /** How fast a full push is: steps of ten per cent, with what that means for this vehicle. */
 
 import { css, html, LitElement, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { customElement, property, query } from "lit/decorators.js";
 import { formatWithUnit } from "../../format/unit.js";
 import { base } from "../base.js";
 
@@ -64,8 +64,39 @@ export class SpeedLimit extends LitElement {
         min-inline-size: 0;
         block-size: var(--t-touch);
         margin: 0;
-        accent-color: var(--t-accent);
+        appearance: none;
+        background: none;
+        cursor: pointer;
         touch-action: pan-y;
+      }
+      /* Drawn by us: the browser's own track is bright in the night theme. */
+      input::-webkit-slider-runnable-track {
+        block-size: 0.5rem;
+        border-radius: 0.25rem;
+        background: linear-gradient(to right, var(--t-accent) var(--filled), var(--t-line) var(--filled));
+      }
+      input::-moz-range-track {
+        block-size: 0.5rem;
+        border-radius: 0.25rem;
+        background: linear-gradient(to right, var(--t-accent) var(--filled), var(--t-line) var(--filled));
+      }
+      input::-webkit-slider-thumb {
+        appearance: none;
+        inline-size: 1.5rem;
+        block-size: 1.5rem;
+        margin-block-start: -0.5rem;
+        border: 3px solid var(--t-surface);
+        border-radius: 50%;
+        background: var(--t-accent);
+        box-shadow: 0 0 0 1px var(--t-accent);
+      }
+      input::-moz-range-thumb {
+        inline-size: 1.125rem;
+        block-size: 1.125rem;
+        border: 3px solid var(--t-surface);
+        border-radius: 50%;
+        background: var(--t-accent);
+        box-shadow: 0 0 0 1px var(--t-accent);
       }
     `,
   ];
@@ -77,6 +108,8 @@ export class SpeedLimit extends LitElement {
   /** rad/s at full level */
   @property({ type: Number }) turn = 0;
   @property({ type: Boolean }) disabled = false;
+
+  @query("input") private readonly slider!: HTMLInputElement;
 
   override render(): TemplateResult {
     const percent = Math.round(this.level * 100);
@@ -119,6 +152,11 @@ export class SpeedLimit extends LitElement {
         </button>
       </div>
     `;
+  }
+
+  // Not as a style attribute: the content security policy of the hub forbids those.
+  protected override updated(): void {
+    this.slider.style.setProperty("--filled", `${(((this.level - 0.1) / 0.9) * 100).toFixed(1)}%`);
   }
 
   private readonly slid = (event: Event): void => {

@@ -99,7 +99,7 @@ export class TrackMap extends LitElement {
         position: absolute;
         z-index: 2;
         inset: auto var(--t-space-2) var(--t-space-2) auto;
-        max-inline-size: calc(100% - 8rem);
+        max-inline-size: calc(100% - 6.5rem);
         padding: 0.1rem var(--t-space-2);
         border-radius: var(--t-radius-s);
         background: var(--t-surface);

@@ -1,8 +1,9 @@
 /** How far STOP got, who pressed it, and the two steps to its release. */
 
-import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { css, html, LitElement, nothing, svg, type PropertyValues, type SVGTemplateResult, type TemplateResult } from "lit";
+import { customElement, property, query } from "lit/decorators.js";
 import { base } from "../base.js";
+import type { Button } from "../button.js";
 import "../button.js";
 import "../icon.js";
 import "../time.js";
@@ -112,6 +113,18 @@ export class StopState extends LitElement {
   /** Why this person cannot release it now; empty when they can. */
   @property() hindrance = "";
 
+  @query("t-button") private readonly button!: Button | null;
+  private hadFocus = false;
+
+  override willUpdate(): void {
+    this.hadFocus = this.renderRoot instanceof ShadowRoot && this.renderRoot.activeElement !== null;
+  }
+
+  /** The buttons of one step make way for those of the next; whoever came by keyboard goes with them. */
+  protected override updated(changed: PropertyValues<this>): void {
+    if (changed.has("step") && this.hadFocus) void this.keepFocus();
+  }
+
   override render(): TemplateResult {
     return html`
       ${this.phase === "clear" || this.phase === "unknown" ? nothing : this.progress()}
@@ -128,6 +141,11 @@ export class StopState extends LitElement {
         <span>No emergency stop: the robot needs a hardware stop.</span>
       </p>
     `;
+  }
+
+  private async keepFocus(): Promise<void> {
+    await this.button?.updateComplete;
+    this.button?.focus();
   }
 
   private progress(): TemplateResult {

@@ -1,6 +1,6 @@
 /**
  * Layout of the actuate page. Wide: camera and commands left, STOP, pad and map right. Narrow: one
- * column under the thumb, where the two columns dissolve and `order` sorts what is in them.
+ * column under the thumb, where the right column dissolves and `order` sorts what was in it.
  */
 
 import { css } from "lit";
@@ -11,31 +11,37 @@ export const layout = css`
   }
   .page {
     display: grid;
-    grid-template-columns: minmax(0, 1fr) minmax(22rem, 27rem);
-    gap: var(--t-space-4);
-    align-items: start;
+    gap: var(--t-space-3);
     /* The window's height is scarce here. */
     margin-block-start: calc(-1 * var(--t-space-2));
   }
+  .cockpit {
+    display: grid;
+    grid-template: "camera right" auto "commands right" 1fr / minmax(0, 1fr) minmax(22rem, 27rem);
+    gap: var(--t-space-4);
+    align-items: start;
+  }
+  .commands {
+    grid-area: commands;
+  }
   .top {
-    grid-column: 1 / -1;
     display: flex;
     flex-wrap: wrap;
     align-items: center;
     justify-content: space-between;
     gap: var(--t-space-2) var(--t-space-4);
   }
-  .left,
-  .right {
+  .alone {
     display: grid;
     gap: var(--t-space-4);
-    align-content: start;
-    min-inline-size: 0;
   }
   /* As high as the window: the map takes what the hands leave. Stays while the commands scroll by. */
   .right {
+    grid-area: right;
     display: flex;
     flex-direction: column;
+    gap: var(--t-space-4);
+    min-inline-size: 0;
     position: sticky;
     inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-4));
     min-block-size: calc(100dvh - var(--t-header, 3.75rem) - 2 * var(--t-space-4));
@@ -56,9 +62,6 @@ export const layout = css`
     --t-pad-size: 10.75rem;
     --t-arrows-size: 9.75rem;
   }
-  .left:only-of-type:last-child {
-    grid-column: 1 / -1;
-  }
   .plain {
     position: absolute;
     clip-path: inset(50%);
@@ -72,6 +75,7 @@ export const layout = css`
     font-size: var(--t-size-l);
   }
   .camera {
+    grid-area: camera;
     inline-size: 100%;
     max-inline-size: calc((100dvh - var(--t-header, 3.75rem) - 2rem) * 4 / 3);
     margin-inline: auto;
@@ -93,8 +97,8 @@ export const layout = css`
 
   /* A phone on its side: the camera stays left while the hands scroll, commands come below. */
   @media (max-width: 60rem) and (orientation: landscape) {
-    .page {
-      grid-template-columns: minmax(0, 1fr) 21rem;
+    .cockpit {
+      grid-template: "camera right" auto "commands commands" auto / minmax(0, 1fr) 21rem;
       gap: var(--t-space-2) var(--t-space-3);
     }
     .hands {
@@ -102,46 +106,30 @@ export const layout = css`
       --t-pad-size: 9rem;
       --t-arrows-size: 9rem;
     }
-    .left {
-      display: contents;
-    }
     .camera {
       position: sticky;
       inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-2));
-      grid-column: 1;
       max-inline-size: calc((100dvh - 4.5rem) * 4 / 3);
     }
     .right {
-      grid-column: 2;
       position: static;
       min-block-size: 0;
       gap: var(--t-space-2);
     }
-    .camera,
-    .right {
-      grid-row: 2;
-    }
     .page.full :is(.camera, .stop) {
       inset-block-start: 0;
-    }
-    .commands {
-      grid-area: 3 / 1 / 4 / -1;
     }
   }
 
   @media (max-width: 52rem) and (orientation: portrait) {
-    .page {
+    .cockpit {
       display: flex;
       flex-direction: column;
       align-items: stretch;
       gap: var(--t-space-3);
     }
-    .left,
     .right {
       display: contents;
-    }
-    .top {
-      order: 0;
     }
     .camera {
       order: 1;

@@ -104,7 +104,7 @@ export class PageDrive extends LitElement {
   }
 
   private nothingToDrive(detail: SiteDetail, online: boolean): TemplateResult {
-    return html`<div class="left">
+    return html`<div class="alone">
       <t-empty heading="Nothing to drive here" icon="drive">
         <p>
           None of the devices that you may see can be driven. An admin can give you the right to see more of this site.
@@ -118,8 +118,8 @@ export class PageDrive extends LitElement {
     const stream = streamOf(detail, device.drive?.picture ?? "");
     const seat = this.cockpit?.seat ?? null;
     const stop = this.cockpit?.stop ?? null;
-    return html`
-      <div class="left">
+    // In the order of weight: who goes by Tab comes to STOP and the hands before the commands.
+    return html`<div class="cockpit">
         <t-camera
           class="camera"
           .site=${this.site}
@@ -130,8 +130,6 @@ export class PageDrive extends LitElement {
           @t-picture=${this.pictured}
           @t-fullscreen=${this.toggleFull}
         ></t-camera>
-        <t-commands class="commands" .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
-      </div>
       <div class="right">
         <t-stop-bar class="stop" .line=${stop}></t-stop-bar>
         <div class="stopped ${stop === null || calm(stop) ? "calm" : ""}">
@@ -155,7 +153,8 @@ export class PageDrive extends LitElement {
           : this.onlooker(device)}
         <t-map class="map" .site=${this.site} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-map>
       </div>
-    `;
+      <t-commands class="commands" .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
+    </div>`;
   }
 
   private onlooker(device: DeviceInfo): TemplateResult {

@@ -95,12 +95,12 @@ export class HistoryTools extends LitElement {
           content: "–";
         }
         .dates input {
-          inline-size: 14.25rem;
+          inline-size: 15rem;
         }
       }
       @media (min-width: 45.01rem) and (pointer: coarse) {
         .dates input {
-          inline-size: 16.75rem;
+          inline-size: 18.5rem;
         }
       }
       @media (max-width: 45rem) {

@@ -105,12 +105,21 @@ export class Header extends LitElement {
         color: var(--t-muted);
         font-size: var(--t-size-s);
       }
+      @media (max-width: 75rem) {
+        .name {
+          display: none;
+        }
+      }
+      @media (max-width: 52rem) {
+        t-status[kind="online"] {
+          display: none;
+        }
+      }
       @media (max-width: 60rem) {
         :host {
           gap: var(--t-space-2);
         }
-        .brand.small .word,
-        .name {
+        .brand.small .word {
           display: none;
         }
         select {
@@ -126,11 +135,6 @@ export class Header extends LitElement {
         :host {
           padding-inline: var(--t-space-3) var(--t-space-1);
           gap: var(--t-space-2);
-        }
-        .brand.small .word,
-        .name,
-        t-status[kind="online"] {
-          display: none;
         }
         .rest {
           gap: var(--t-space-1);

@@ -35,6 +35,7 @@ export class Nav extends LitElement {
         color: var(--t-muted);
         font-weight: var(--t-weight-strong);
         text-decoration: none;
+        white-space: nowrap;
         touch-action: manipulation;
       }
       a:hover {
@@ -58,8 +59,9 @@ export class Nav extends LitElement {
         a {
           padding-inline: var(--t-space-2);
           font-size: var(--t-size-s);
-          white-space: nowrap;
         }
+      }
+      @media (max-width: 75rem) and (min-width: 45.01rem) {
         t-icon {
           display: none;
         }

@@ -44,6 +44,9 @@ export class Shell extends LitElement {
           padding-block: var(--t-space-3);
         }
       }
+      main:focus-visible {
+        outline: none;
+      }
       .skip {
         position: absolute;
         inset-block-start: -10rem;

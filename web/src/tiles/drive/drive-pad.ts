@@ -30,7 +30,7 @@ export class DrivePad extends LitElement {
       }
       .hands {
         display: grid;
-        grid-template-columns: minmax(8.75rem, var(--t-pad-size, 1.25fr)) minmax(8.75rem, var(--t-arrows-size, 1fr));
+        grid-template-columns: minmax(6.5rem, var(--t-pad-size, 1.25fr)) minmax(8.75rem, var(--t-arrows-size, 1fr));
         align-items: center;
         justify-content: space-evenly;
         gap: var(--t-space-4);
