@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
@@ -110,13 +111,20 @@ def chromium() -> str:
     return str(found)
 
 
-@pytest.fixture(scope="module")
-def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
+@contextlib.contextmanager
+def running_stack(folders: pytest.TempPathFactory) -> Iterator[Stack]:
+    """Run a hub, a gateway and a robot; see `Stack`."""
     for module in ("rclpy", "mujoco"):
         if not __import__("importlib.util").util.find_spec(module):
             missing(module)
-    running = Stack(tmp_path_factory.mktemp("stack"))
+    running = Stack(folders.mktemp("stack"))
     try:
         yield running
     finally:
         running.close()
+
+
+@pytest.fixture(scope="module")
+def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
+    with running_stack(tmp_path_factory) as started:
+        yield started

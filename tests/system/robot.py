@@ -4,7 +4,7 @@
 
 HEARD gets one JSON object a line for each message: ``t`` (monotonic, ns), ``topic``, ``v``.
 LEDGER gets one line for each value published on ``/count``: value, moment (monotonic, ns), and
-how many subscriptions were matched just before. Words on stdin: ``count RATE``, ``quiet``,
+how many subscriptions had ever been known just before. Words on stdin: ``count RATE``, ``quiet``,
 ``metric TEXT``.
 """
 
@@ -61,11 +61,22 @@ class Counter:
         self._publisher = node.create_publisher(Float64, "/count", QoSProfile(depth=2000))
         self._open = node.create_publisher(Float64, "/open", QoSProfile(depth=10))
         self._still = node.create_publisher(Float64, "/still", QoSProfile(depth=10))
+        self._node = node
         self._ledger = ledger
+        self._known: set[tuple[int, ...]] = set()
         self._next = 0
         self.rate = 0.0
         self.pause = threading.Event()
         threading.Thread(target=self._run, daemon=True).start()
+
+    def _subscriptions(self) -> int:
+        """Tell how many subscriptions there have ever been.
+
+        Their number now may stay as it is when one goes and another comes.
+        """
+        for each in self._node.get_subscriptions_info_by_topic("/count"):
+            self._known.add(tuple(each.endpoint_gid))
+        return len(self._known)
 
     def _run(self) -> None:
         due = turn = 0.0
@@ -74,8 +85,8 @@ class Counter:
             due = max(due, time.monotonic() - 0.5) + 1 / (self.rate or 20.0)
             time.sleep(max(0.0, due - time.monotonic()))
             if self.rate:
-                matched = self._publisher.get_subscription_count()
-                self._ledger.write(f"{self._next} {time.monotonic_ns()} {matched}\n")
+                known = self._subscriptions()
+                self._ledger.write(f"{self._next} {time.monotonic_ns()} {known}\n")
                 message.data = float(self._next)
                 self._publisher.publish(message)
                 self._next += 1

@@ -205,6 +205,8 @@ class Stack:
         if self.hub.popen.poll() is not None:
             self.gateway.end()
             self.start_hub()
+        if self.gateway.said().count("linked to") > 1:
+            self.gateway.end()
         if self.gateway.popen.poll() is not None:
             self.start_gateway()
         await self.ready()

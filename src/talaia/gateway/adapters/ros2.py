@@ -44,8 +44,10 @@ if TYPE_CHECKING:
 __all__ = ["Ros2"]
 
 log = logging.getLogger(__name__)
-# Enough for what comes between two turns of the wait set at 5 kHz a topic.
-DEPTH = 100
+# Far more than comes between two turns of the wait set: when a transport was stuck (after a crash
+# for seconds), a reliable publisher sends all of it again at once, and what is over this is lost
+# without a trace. Memory is taken only as it is needed.
+DEPTH = 5_000
 PICTURE_DEPTH = 1
 
 

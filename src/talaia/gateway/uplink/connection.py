@@ -16,6 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketExce
 
 from talaia.gateway.errors import KeyRefused, LinkLost
 from talaia.gateway.uplink.beats import Beats, reply_to
+from talaia.gateway.uplink.dialling import first_to_end
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import (
     LINK_FROM_GATEWAY,
@@ -245,18 +246,6 @@ class LinkRun:
                 await self._wake.wait()
             else:
                 await socket.send(data)
-
-
-async def first_to_end(tasks: list[asyncio.Task[None]]) -> None:
-    """Wait for the first to end, cancel the others, and raise what it raised."""
-    try:
-        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
-    for task in done:
-        task.result()
 
 
 async def run_media(

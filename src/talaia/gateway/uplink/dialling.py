@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
 
-__all__ = ["Outage", "beside_link", "keep_dialling"]
+__all__ = ["Outage", "beside_link", "first_to_end", "keep_dialling"]
 
 log = logging.getLogger(__name__)
 # The link and what runs beside it are struck by one blow, but find out up to a beat apart.
@@ -85,3 +85,15 @@ async def beside_link(
         await asyncio.sleep(GRACE_S)
         if linked.is_set() and number() == ours:
             raise
+
+
+async def first_to_end(tasks: list[asyncio.Task[None]]) -> None:
+    """Wait for the first to end, cancel the others, and raise what it raised."""
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+    for task in done:
+        task.result()
