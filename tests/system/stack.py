@@ -43,7 +43,7 @@ devices:
         visibility: public
         source: {topic: /open, type: std_msgs/msg/Float64, field: data}
       still: {name: Still, source: {topic: /still, type: std_msgs/msg/Float64, field: data}}
-      speed1: {name: Speed, source: {topic: /metric, type: std_msgs/msg/String, name: speed1}}
+      wheel1: {name: Speed, source: {topic: /metric, type: std_msgs/msg/String, name: wheel1}}
     drive:
       topic: /cmd_vel
       max_speed: 0.5
