@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import talaia
+from talaia.cli.parts import _follow_parent
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.sim import domain
@@ -96,6 +97,8 @@ class Process:
                     **environment,
                 },
                 start_new_session=True,
+                # A test run that is killed leaves nobody behind.
+                preexec_fn=_follow_parent if sys.platform == "linux" else None,
                 bufsize=0,
             )
 
