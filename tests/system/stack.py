@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import talaia
+from talaia.cli.parts import _follow_parent
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.sim import domain
@@ -43,7 +44,7 @@ devices:
         visibility: public
         source: {topic: /open, type: std_msgs/msg/Float64, field: data}
       still: {name: Still, source: {topic: /still, type: std_msgs/msg/Float64, field: data}}
-      speed1: {name: Speed, source: {topic: /metric, type: std_msgs/msg/String, name: speed1}}
+      wheel1: {name: Speed, source: {topic: /metric, type: std_msgs/msg/String, name: wheel1}}
     drive:
       topic: /cmd_vel
       max_speed: 0.5
@@ -96,6 +97,8 @@ class Process:
                     **environment,
                 },
                 start_new_session=True,
+                # A test run that is killed leaves nobody behind.
+                preexec_fn=_follow_parent if sys.platform == "linux" else None,
                 bufsize=0,
             )
 

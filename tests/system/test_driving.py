@@ -2,6 +2,8 @@
 
 Hub, gateway and ROS 2 are the real ones; a robot writes down when which velocity reached it.
 ``TALAIA_FAULT_TRIES=10`` repeats what is timed, and ``-s`` shows the times.
+
+Long, because a guest looks on through all of it, and is asked at the end what there was to see.
 """
 
 from __future__ import annotations
@@ -28,6 +30,8 @@ TRIES = int(os.environ.get("TALAIA_FAULT_TRIES", "1"))
 timed = pytest.mark.parametrize("turn", range(TRIES))
 BOUND_MS = 500.0
 SILENCE_NS = 300_000_000
+# What was published just before a process died still arrives.
+UNDER_WAY_NS = 100_000_000
 
 
 class Times:
@@ -108,6 +112,8 @@ async def test_when_the_hub_is_killed_the_robot_is_told_zero_and_needs_a_new_pre
         links = stack.gateway.said().count("linked to")
         at = stack.hub.kill()
         times.add("hub killed while driving", await standstill(stack, at))
+        # At once, and not for want of frames or at the end of the lease.
+        await stack.gateway.says("drive_ended base link lost")
     stack.start_hub()
     await stack.gateway.says("linked to", times=links + 1)
     async with page(stack, "driver") as again:
@@ -206,7 +212,7 @@ async def test_when_the_gateway_is_killed_the_robots_own_time_out_stops_it(
             await driver.sees(browser.DriveNews, lambda x: "nobody holds" in x.why, since=since)
             lease = await driver.sees(browser.LeaseNews, since=since)
             assert (lease.holder, lease.yours) == ("", False)
-            assert moving(stack.heard("/cmd_vel", at)) == []
+            assert moving(stack.heard("/cmd_vel", at + UNDER_WAY_NS)) == []
             assert len(acted(at)) == 1
     finally:
         vehicle.end()
@@ -366,8 +372,8 @@ async def test_a_robot_of_keys_hears_the_keys_and_at_the_end_s(stack: Stack) -> 
 async def test_metric_texts_become_samples_in_either_quotes(stack: Stack) -> None:
     await stack.fresh()
     async with page(stack, "second") as second:
-        assert (await second.subscribe("base/speed1")).refused == []
-        texts = ["{'name': 'speed1', 'magnitude': 1.25}", '{"name": "speed1", "magnitude": -2.5}']
+        assert (await second.subscribe("base/wheel1")).refused == []
+        texts = ["{'name': 'wheel1', 'magnitude': 1.25}", '{"name": "wheel1", "magnitude": -2.5}']
         texts.append("{'name': 'other1', 'magnitude': 9.0}")
 
         def told() -> bool:
