@@ -1,9 +1,9 @@
 import { describe, expect, test } from "vitest";
-import { formatAge, formatDuration, formatMs } from "../../src/format/duration.js";
+import { formatAge, formatDuration, formatMs, formatWholeMs } from "../../src/format/duration.js";
 import { decimalsFor, formatNumber } from "../../src/format/number.js";
 import { adviceFor, signInAdvice } from "../../src/format/problem.js";
 import { stateWord } from "../../src/format/reading.js";
-import { knownZone, timeText, zoneName } from "../../src/format/time.js";
+import { knownZone, timeText, utcSpan, zoneName } from "../../src/format/time.js";
 import { formatWithUnit, spokenUnit } from "../../src/format/unit.js";
 import { Refused, Unreachable } from "../../src/wire/http.js";
 
@@ -110,5 +110,21 @@ describe("words", () => {
   test("a refusal says what was refused", () => {
     expect(adviceFor(new Refused(403, "forbidden", "no"), "the dome").what).toBe("You may not see the dome.");
     expect(adviceFor(new Refused(500, "internal", "The disk is full."), "the list").how).toBe("The disk is full.");
+  });
+});
+
+describe("beside the site's own", () => {
+  const day = Date.UTC(2026, 0, 10, 12) * 1000;
+
+  test("a stretch of time stands in UTC too", () => {
+    expect(utcSpan({ fromUs: day, toUs: day + 60e6 }, "Europe/Madrid", day)).toBe("12:00:00 – 12:01:00 UTC");
+  });
+
+  test("a site that lives in UTC has nothing beside it", () => {
+    expect(utcSpan({ fromUs: day, toUs: day + 60e6 }, "UTC", day)).toBe("");
+  });
+
+  test("milliseconds are whole, and never none", () => {
+    expect([0.2, 1.4, 8.6, 120, 1200].map(formatWholeMs)).toEqual(["1\u202fms", "1\u202fms", "9\u202fms", "120\u202fms", "1.2\u202fs"]);
   });
 });
