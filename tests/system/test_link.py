@@ -144,11 +144,14 @@ async def test_whatever_is_killed_every_value_that_a_gateway_took_is_stored_exac
     await counted(stack, chance.randint(1, 200))
     stack.hub.kill()
     await counted(stack, chance.randint(1, 200))
+    knew = stack.ledger()[-1][2]
     killed = stack.gateway.kill()
     await counted(stack, chance.randint(1, 100))
     stack.start_hub()
     stack.start_gateway()
     await stack.ready()
+    # A machine that is busy may take its time to introduce the two to each other.
+    await until(lambda: stack.ledger()[-1][2] > knew, 30, "the robot knows the new gateway")
     await counted(stack, 200)
     await quiet(stack)
 
