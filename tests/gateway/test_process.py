@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import signal
+import struct
 import sys
 import time
 from typing import TYPE_CHECKING
@@ -115,6 +116,14 @@ async def test_killed_gateway_comes_back_stopped_and_keeps_its_samples(
         await peer.until_heard_by(1)
         await peer.do("count", **{"from": 0, "to": 200, "hz": 1000})
         await hub.until(lambda: len(hub.values("base/number")) == 200, "samples")
+        # What is sent is written beside it, not before: the last batch may still be on its way.
+        last = struct.pack("<d", 199.0)
+        await hub.until(
+            lambda: any(
+                last in each.read_bytes() for each in tmp_path.rglob("*") if each.is_file()
+            ),
+            "the last sample on disk",
+        )
         first.kill()
         await finished(first)
         # The hub lost what it had not stored; the spool has it all.
