@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import random
 import re
@@ -175,3 +176,67 @@ def demo_seconds() -> float:
     process.wait(20)
     process.stdout.close()
     return seconds
+
+
+@asynccontextmanager
+async def demo_running(data: Path) -> AsyncIterator[tuple[str, str]]:
+    """Run the demo in a folder; give its address and its operator's password."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", str(data),
+        stdout=asyncio.subprocess.PIPE, start_new_session=True,
+    )  # fmt: skip
+    try:
+        assert process.stdout is not None
+        words = ""
+        async with asyncio.timeout(60):
+            while "Ctrl-C" not in words:
+                words += (await process.stdout.readline()).decode()
+        address = re.search(r"https?://\S+", words)
+        password = re.search(r"operator\s+(\S+)", words)
+        if not address or not password:
+            raise SystemExit(f"the demo did not greet as expected:\n{words}")
+        yield address[0], password[1]
+    finally:
+        process.send_signal(signal.SIGINT)
+        await process.wait()
+
+
+async def pressed_in_demo(data: Path, presses: int) -> np.ndarray:
+    """Turn the demo's vehicle by keys, its camera shown; ms until it took each command."""
+    ages = []
+    chance = random.Random(1)  # noqa: S311 - of a benchmark
+    log = data / "actuations.jsonl"
+    async with demo_running(data) as (address, password), browser_page(NOTE_KEYS) as page:
+        await page.goto(f"{address}/login")
+        await page.get_by_label("Name").fill("operator")
+        await page.get_by_label("Password").fill(password)
+        await page.get_by_role("button", name="Sign in").click()
+        await page.wait_for_url("**/home")
+        await page.goto(f"{address}/sites/agv/drive")
+        await page.get_by_role("button", name="Take control").click()
+        await page.get_by_text("You have control").first.wait_for()
+        await page.get_by_text("Live", exact=True).first.wait_for()
+        await asyncio.sleep(3)
+        for each in range(presses + 20):
+            known = len(log.read_text().splitlines())
+            key = "ad"[each % 2]  # turning on the spot, to and fro: it never meets a wall
+            await page.keyboard.down(key)
+            at = await page.evaluate("window.__keys.at(-1)")
+            line = await _turned(log, known, moving=True)
+            await page.keyboard.up(key)
+            await _turned(log, known, moving=False)
+            await asyncio.sleep(chance.uniform(0.06, 0.16))
+            if each >= 20:
+                ages.append((line["wall_ns"] / 1000 - at) / 1000)
+    return np.array(ages)
+
+
+async def _turned(log: Path, known: int, *, moving: bool) -> dict[str, float]:
+    for _ in range(2000):
+        lines = log.read_text().splitlines()[known:]
+        for line in lines if moving else lines[-1:]:
+            change: dict[str, float] = json.loads(line)
+            if (change["w"] != 0) is moving:
+                return change
+        await asyncio.sleep(0.002)
+    raise SystemExit("the demo's vehicle did not follow the key within 4 s")

@@ -1,7 +1,8 @@
 """Measure what the product promises, and print each figure beside its limit.
 
     make bench                   all of it, about four minutes
-    make bench ARGS="load page"  only some parts: load, idle, page, drive, size, demo, history
+    make bench ARGS="load page"  only some parts: load, idle, page, drive, drive-demo,
+                                 size, demo, history
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -13,6 +14,7 @@ import argparse
 import asyncio
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -104,6 +106,13 @@ async def drive() -> list[Figure]:
     return percentiles("key press → cmd_vel received", ages, 10, 10)
 
 
+async def drive_demo() -> list[Figure]:
+    """The same in the demo: simulated vehicle, its camera drawn in software and shown."""
+    with tempfile.TemporaryDirectory() as folder:
+        ages = await pages.pressed_in_demo(Path(folder), presses=200)
+    return percentiles("key press → taken by the demo's vehicle", ages, 10, 10)
+
+
 async def size() -> list[Figure]:
     """What the first pages weigh, and how soon they are painted."""
     async with stack.running(1) as here:
@@ -128,8 +137,8 @@ async def history() -> list[Figure]:
 
 
 PARTS = {
-    "load": load, "idle": idle, "page": page, "drive": drive, "size": size, "demo": demo,
-    "history": history,
+    "load": load, "idle": idle, "page": page, "drive": drive, "drive-demo": drive_demo,
+    "size": size, "demo": demo, "history": history,
 }  # fmt: skip
 
 

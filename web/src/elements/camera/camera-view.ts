@@ -56,11 +56,13 @@ export class CameraView extends LitElement {
         background: #000;
         filter: var(--t-picture-filter, none);
       }
-      /* Multiplied with the picture: a red tint leaves nothing but red. */
+      /* Multiplied with the picture: a red tint leaves nothing but red. Only there where a theme
+         asks for it: blending costs a pass over the whole picture, 30 times a second. */
       .tint {
+        display: var(--t-picture-tinted, none);
         position: absolute;
         inset: 0;
-        background: var(--t-picture-tint, transparent);
+        background: var(--t-picture-tint);
         mix-blend-mode: multiply;
         pointer-events: none;
       }
