@@ -2,6 +2,7 @@
 
 SimError
 ├── NoRenderer        no software renderer works here
+├── CameraEnded       the drawing process ended before it could draw
 ├── NoFreeDomain      every ROS domain of this machine is taken
 ├── BadDomain         a ROS domain number that is not safe to use
 └── RosMissing        the ROS 2 Python packages cannot be imported
@@ -11,7 +12,7 @@ from __future__ import annotations
 
 from talaia.errors import TalaiaError
 
-__all__ = ["BadDomain", "NoFreeDomain", "NoRenderer", "RosMissing", "SimError"]
+__all__ = ["BadDomain", "CameraEnded", "NoFreeDomain", "NoRenderer", "RosMissing", "SimError"]
 
 
 class SimError(TalaiaError):
@@ -38,6 +39,22 @@ class NoRenderer(SimError):
             f"the camera of the simulated vehicle cannot be drawn here ({tried}). "
             "Install one of Debian's software renderers, `apt install libosmesa6` or "
             "`apt install libegl1 libegl-mesa0 libgl1-mesa-dri`, or run with --no-camera"
+        )
+
+
+class CameraEnded(SimError):
+    """The process that draws ended without a word; what went wrong stands above in its output."""
+
+    def __init__(self, code: int) -> None:
+        """Remember its exit code; negative is a signal."""
+        super().__init__(code)
+        self.code = code
+
+    def __str__(self) -> str:
+        """Say what to do."""
+        return (
+            f"the camera's process ended at its start (exit code {self.code}); "
+            "see its words above, or run with --no-camera"
         )
 
 

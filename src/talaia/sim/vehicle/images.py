@@ -1,125 +1,142 @@
-"""Publishes the camera's pictures from a thread of its own, and only while somebody looks."""
+"""The camera's process: draws and publishes pictures, and only while somebody looks.
+
+A process of its own, since drawing in software takes most of a core: in the vehicle's process it
+would stand between a driving command and the motors, waiting for the same interpreter.
+
+On its standard input come poses, each three little-endian doubles: x, y (m) and yaw (rad). The end
+of the input ends the process. It writes one JSON line: ``{"way": "egl" | "osmesa"}`` when it can
+draw, or ``{"reasons": {way: reason}}`` when it cannot.
+"""
 
 from __future__ import annotations
 
+import argparse
 import array
 import contextlib
-import logging
+import json
 import math
 import os
+import signal
+import sys
 import threading
 import time
 from typing import TYPE_CHECKING
 
+with contextlib.suppress(ImportError):
+    import ros_wheels_bootstrapper  # noqa: F401 - the wheels of ROS need it first
+import rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import CameraInfo, Image
 
+from talaia.sim.errors import NoRenderer
 from talaia.sim.vehicle.camera import HEIGHT, WIDTH, Camera
+from talaia.sim.vehicle.eye import POSE
 from talaia.sim.vehicle.vehicle import CAMERA_FIELD
+from talaia.sim.vehicle.world import World
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from typing import BinaryIO
 
     from rclpy.node import Node
 
-    from talaia.sim.vehicle.world import Motion, World
-
-__all__ = ["Images"]
+__all__ = ["main"]
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Only the newest picture is worth sending, also again."""
 IDLE_S = 0.1
 """How often it is asked whether somebody looks now."""
 POLITE = 10
-"""Niceness of the drawing thread: driving goes before pictures."""
+"""Niceness: driving goes before pictures."""
 
-logger = logging.getLogger(__name__)
+
+def main() -> int:
+    """Run until the input ends."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--rate", type=float, required=True)
+    options = parser.parse_args()
+    # Whoever started this ends it by the input; Ctrl-C in a terminal reaches both.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(OSError):
+        os.nice(POLITE)
+    try:
+        camera = Camera(World(options.seed, looks=True))
+    except NoRenderer as error:
+        _say({"reasons": error.reasons})
+        return 1
+    camera.draw(0.0, 0.0, 0.0)
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node("vehicle_camera", enable_rosout=False, start_parameter_services=False)
+    poses = _Poses(sys.stdin.buffer)
+    images = Images(node, poses, rate=options.rate)
+    _say({"way": camera.way})
+    try:
+        images.publish_until_ended(camera)
+    finally:
+        camera.close()
+        node.destroy_node()
+        rclpy.try_shutdown()
+    return 0
+
+
+def _say(line: object) -> None:
+    sys.stdout.write(json.dumps(line) + "\n")
+    sys.stdout.flush()
+
+
+class _Poses:
+    """The newest pose of those that come in, read by a thread that does nothing else."""
+
+    def __init__(self, source: BinaryIO) -> None:
+        self.newest = (0.0, 0.0, 0.0)
+        self.ended = threading.Event()
+        self._source = source
+        threading.Thread(target=self._run, name="poses", daemon=True).start()
+
+    def _run(self) -> None:
+        while len(raw := self._source.read(POSE.size)) == POSE.size:
+            self.newest = POSE.unpack(raw)
+        self.ended.set()
 
 
 class Images:
-    """The camera of the vehicle as a thread.
+    """Publishes what the camera sees.
 
     A picture that cannot be drawn in time is left out, never queued. While nothing moves, the
     last picture is sent again with a new time.
 
     Args:
         node: publishes.
-        world: a world built with ``looks=True``.
-        where: gives the newest pose; called from the drawing thread.
+        poses: tells where the vehicle is, and when it ends.
         rate: pictures a second at most.
 
     """
 
-    def __init__(
-        self, node: Node, world: World, where: Callable[[], Motion], *, rate: float
-    ) -> None:
+    def __init__(self, node: Node, poses: _Poses, *, rate: float) -> None:
         """Create the publishers."""
         self._node = node
-        self._world = world
-        self._where = where
+        self._poses = poses
         self._period = 1.0 / rate
         self._pictures = node.create_publisher(Image, "/images", NEWEST)
         self._infos = node.create_publisher(CameraInfo, "/camera_info", NEWEST)
         self._info = _lens()
-        self._ended = threading.Event()
-        self._opened = threading.Event()
-        self._failure: Exception | None = None
-        self.way = ""
-        self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
 
-    def start(self) -> None:
-        """Open the renderer and begin.
-
-        Raises:
-            NoRenderer: no software renderer works here.
-
-        """
-        self._thread.start()
-        self._opened.wait()
-        if self._failure is not None:
-            self._thread.join()
-            raise self._failure
-
-    def close(self) -> None:
-        """End the thread and give the renderer's memory back."""
-        self._ended.set()
-        self._thread.join(timeout=5.0)
-
-    def _run(self) -> None:
-        with contextlib.suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), POLITE)
-        try:
-            camera = Camera(self._world)
-            motion = self._where()
-            camera.draw(motion.x, motion.y, motion.yaw)
-        except Exception as error:  # noqa: BLE001 - handed to the thread that waits in start
-            self._failure = error
-            self._opened.set()
-            return
-        self.way = camera.way
-        self._opened.set()
-        try:
-            self._publish_until_ended(camera)
-        except Exception:
-            if not self._ended.is_set():
-                logger.exception("the camera's thread ended; there are no more pictures")
-        finally:
-            camera.close()
-
-    def _publish_until_ended(self, camera: Camera) -> None:
+    def publish_until_ended(self, camera: Camera) -> None:
+        """Go on until no more poses come."""
         message = Image(height=HEIGHT, width=WIDTH, encoding="rgb8", step=3 * WIDTH)
         message.header.frame_id = "camera_optical_frame"
         drawn = (math.nan, math.nan, math.nan)
+        ended = self._poses.ended
         due = time.monotonic()
-        while not self._ended.is_set():
+        while not ended.is_set():
             if not self._pictures.get_subscription_count():
-                self._ended.wait(IDLE_S)
+                ended.wait(IDLE_S)
                 due = time.monotonic()
                 self._inform()
                 continue
-            motion = self._where()
+            pose = self._poses.newest
             stamp = self._node.get_clock().now().to_msg()
-            pose = (motion.x, motion.y, motion.yaw)
             if pose != drawn:
                 pixels = array.array("B")
                 pixels.frombytes(camera.draw(*pose).data)
@@ -129,7 +146,7 @@ class Images:
             self._pictures.publish(message)
             self._inform(stamp)
             due = max(due + self._period, time.monotonic())
-            self._ended.wait(due - time.monotonic())
+            ended.wait(due - time.monotonic())
 
     def _inform(self, stamp: object | None = None) -> None:
         """Publish what the lens is like, if somebody asks."""
@@ -148,3 +165,7 @@ def _lens() -> CameraInfo:
     info.r = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
     info.p = [focal, 0.0, cx, 0.0, 0.0, focal, cy, 0.0, 0.0, 0.0, 1.0, 0.0]
     return info
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.sim.vehicle.actuation_log import ActuationLog
-    from talaia.sim.vehicle.world import Motion, World
+    from talaia.sim.vehicle.eye import Eye
+    from talaia.sim.vehicle.world import World
 
 __all__ = ["TICK_S", "Inputs", "Loop"]
 
@@ -128,6 +129,7 @@ class Loop:
         log: is told of time-outs and of wandering's turns.
         clock: measures the control period.
         seed: for wandering.
+        eye: is told where the vehicle is; None where there is no camera.
 
     """
 
@@ -141,6 +143,7 @@ class Loop:
         clock: Clock,
         *,
         seed: int,
+        eye: Eye | None = None,
     ) -> None:
         """Create the publishers."""
         self._node = node
@@ -153,13 +156,9 @@ class Loop:
         self._ramp = Ramp()
         self._wander = Wander(seed)
         self._battery = Battery()
-        self._motion = world.motion()
+        self._eye = eye
         self._seconds = 0.0
         self._told_wandering: bool | None = None
-
-    def where(self) -> Motion:
-        """Give the newest motion; any thread may ask."""
-        return self._motion
 
     def run(self, ended: threading.Event, started: Callable[[], None]) -> None:
         """Go on until ``ended``; ``started`` is called after the first round."""
@@ -185,7 +184,8 @@ class Loop:
             wandering = self._base.wandering
         self._ramp.follow(seconds, *wanted)
         motion = self._world.step(seconds, self._ramp.speed, self._ramp.turn)
-        self._motion = motion
+        if self._eye is not None:
+            self._eye.show(motion)
         self._seconds += seconds
         self._battery.drain(seconds, motion.speed, motion.turn)
         stamp = self._node.get_clock().now().to_msg()

@@ -99,7 +99,7 @@ def _run(
         from talaia.sim.vehicle import node as shell
         from talaia.sim.vehicle.actuation_log import ActuationLog
         from talaia.sim.vehicle.base import Base
-        from talaia.sim.vehicle.images import Images
+        from talaia.sim.vehicle.eye import Eye
         from talaia.sim.vehicle.world import World
     except ImportError as error:
         raise RosMissing(str(error)) from error
@@ -107,21 +107,20 @@ def _run(
     clock = SystemClock()
     log = ActuationLog(options.log, clock)
     stack.callback(log.close)
-    world = World(options.seed, looks=not options.no_camera)
+    eye = None
+    if not options.no_camera:
+        eye = Eye(options.seed, options.camera_rate)
+        stack.callback(eye.close)
+    world = World(options.seed)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     stack.callback(rclpy.try_shutdown)
     node = rclpy.create_node("vehicle", enable_rosout=False, start_parameter_services=False)
     stack.callback(node.destroy_node)
     base = Base(wandering=options.wander)
     lock = threading.Lock()
-    loop = shell.Loop(node, world, base, lock, log, clock, seed=options.seed)
+    loop = shell.Loop(node, world, base, lock, log, clock, seed=options.seed, eye=eye)
     inputs = shell.Inputs(node, base, lock, log, clock)
-    way = None
-    if not options.no_camera:
-        images = Images(node, world, loop.where, rate=options.camera_rate)
-        images.start()
-        stack.callback(images.close)
-        way = images.way
+    way = eye.wait() if eye else None
     inputs.start()
     stack.callback(inputs.close)
 
