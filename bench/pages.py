@@ -190,7 +190,10 @@ async def demo_running(data: Path) -> AsyncIterator[tuple[str, str]]:
         words = ""
         async with asyncio.timeout(60):
             while "Ctrl-C" not in words:
-                words += (await process.stdout.readline()).decode()
+                line = (await process.stdout.readline()).decode()
+                words += line
+                if not line:
+                    raise SystemExit(f"the demo ended at its start:\n{words}")
         address = re.search(r"https?://\S+", words)
         password = re.search(r"operator\s+(\S+)", words)
         if not address or not password:
