@@ -236,7 +236,7 @@ async def pressed_in_demo(data: Path, presses: int) -> np.ndarray:
 
 async def _turned(log: Path, known: int, *, moving: bool) -> dict[str, float]:
     for _ in range(2000):
-        lines = log.read_text().splitlines()[known:]
+        lines = log.read_text().rpartition("\n")[0].splitlines()[known:]
         for line in lines if moving else lines[-1:]:
             change: dict[str, float] = json.loads(line)
             if (change["w"] != 0) is moving:
