@@ -19,16 +19,21 @@ from sqlalchemy import (
 )
 
 __all__ = [
+    "api_tokens",
     "audit",
     "gateways",
+    "known_browsers",
     "metadata",
     "permissions",
+    "recovery_codes",
     "role_permissions",
     "roles",
     "sessions",
     "setup_tokens",
     "sites",
+    "token_permissions",
     "users",
+    "wrong_tries",
 ]
 
 metadata = MetaData(
@@ -86,6 +91,13 @@ users = Table(
     Column("role_id", _Id, ForeignKey("roles.id"), nullable=False),
     Column("disabled", Boolean, nullable=False),
     Column("created_us", BigInteger, nullable=False),
+    # The second factor's secret, sealed by a key that is not in the database; empty: none.
+    Column("factor_secret", String(_NAME), nullable=False),
+    # One that was shown to the person and is not confirmed yet.
+    Column("factor_pending", String(_NAME), nullable=False),
+    # The last step of time whose code was used; none at or before it is taken again.
+    Column("factor_step", BigInteger, nullable=False),
+    Column("used_us", BigInteger, nullable=False),
 )
 
 sessions = Table(
@@ -96,6 +108,57 @@ sessions = Table(
     Column("created_us", BigInteger, nullable=False),
     Column("used_us", BigInteger, nullable=False),
     Column("address", String(_NAME), nullable=False),
+    Column("agent", String(_NAME), nullable=False),
+)
+
+recovery_codes = Table(
+    "recovery_codes",
+    metadata,
+    Column("code_hash", String(_HASH), primary_key=True),
+    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+)
+
+# Browsers from which a person has signed in before: a flood of wrong tries of others does not
+# hold these back.
+known_browsers = Table(
+    "known_browsers",
+    metadata,
+    Column("token_hash", String(_HASH), primary_key=True),
+    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("created_us", BigInteger, nullable=False),
+    Column("used_us", BigInteger, nullable=False),
+)
+
+api_tokens = Table(
+    "api_tokens",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("name", String(_NAME), nullable=False),
+    Column("token_hash", String(_HASH), nullable=False, unique=True),
+    Column("created_us", BigInteger, nullable=False),
+    Column("ends_us", BigInteger, nullable=False),
+    # 0 until its first use.
+    Column("used_us", BigInteger, nullable=False),
+)
+
+token_permissions = Table(
+    "token_permissions",
+    metadata,
+    Column("token_id", _Id, ForeignKey("api_tokens.id", ondelete="CASCADE"), primary_key=True),
+    Column(
+        "permission_id", _Id, ForeignKey("permissions.id", ondelete="CASCADE"), primary_key=True
+    ),
+)
+
+# Wrong sign-ins by person, address and browser, each as its hash, so that a restart forgets none.
+wrong_tries = Table(
+    "wrong_tries",
+    metadata,
+    Column("kind", String(16), primary_key=True),
+    Column("key_hash", String(_HASH), primary_key=True),
+    Column("wrong", BigInteger, nullable=False),
+    Column("last_us", BigInteger, nullable=False, index=True),
 )
 
 setup_tokens = Table(
