@@ -157,7 +157,7 @@ async def test_notes_are_written_in_order_and_chained(database) -> None:
     await written(Audit(database, SystemClock()), "d")
     audit = Audit(database, SystemClock())
     assert [entry.kind for entry in await audit.recent("agv", 3)] == ["d", "c", "b"]
-    assert await audit.broken_at() is None
+    assert await audit.verify() == (4, 0)
 
 
 @pytest.mark.parametrize(
@@ -169,7 +169,7 @@ async def test_changed_or_missing_row_breaks_the_chain(database, tampering) -> N
     await written(audit, "a", "b", "c")
     async with database.write() as connection:
         await connection.execute(text(tampering))
-    assert await audit.broken_at() in {2, 3}
+    assert (await audit.verify()).broken in {2, 3}
 
 
 async def test_note_never_waits_and_is_cut_to_its_column(database) -> None:
@@ -186,8 +186,8 @@ async def test_new_key_of_a_gateway_makes_the_old_one_void(database) -> None:
     registry = SiteRegistry(database, SystemClock())
     first = await registry.new_key("agv")
     second = await registry.new_key("agv")
-    assert await registry.site_of(first) is None
-    assert await registry.site_of(second) == "agv"
+    assert await registry.gateway_of(first) is None
+    assert (await registry.gateway_of(second)).site == "agv"
 
 
 async def test_no_secret_stands_in_the_database(settings) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 import os
+import socket
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-__all__ = ["Settings", "is_loopback"]
+__all__ = ["Network", "Settings", "is_loopback"]
+
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,6 +27,7 @@ class Settings:
         plain: no TLS; allowed on a loopback address only.
         cert: certificate chain (PEM); none makes one in ``data``.
         hosts: names besides localhost and ``host`` under which the hub is reached.
+        proxies: reverse proxies that end TLS before this hub; their headers are believed.
         database_url: like ``postgresql://user@host/name``; empty takes SQLite in ``data``.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
@@ -46,6 +50,7 @@ class Settings:
     cert: Path | None = None
     key: Path | None = None
     hosts: tuple[str, ...] = ()
+    proxies: tuple[Network, ...] = ()
     database_url: str = ""
     password_cost: int = 12
     idle_s: float = 12 * 3600.0
@@ -62,8 +67,8 @@ class Settings:
 
     @property
     def tls(self) -> bool:
-        """Whether browsers and gateways speak TLS with this hub."""
-        return not self.plain
+        """Whether browsers and gateways speak TLS, with this hub or with the proxy before it."""
+        return not self.plain or bool(self.proxies)
 
     @property
     def url(self) -> str:
@@ -73,7 +78,8 @@ class Settings:
     @property
     def host_names(self) -> frozenset[str]:
         """Names that the Host header may hold, without port, in lower case."""
-        names = {"localhost", "127.0.0.1", "::1", self.host, *self.hosts}
+        own = socket.gethostname()
+        names = {"localhost", "127.0.0.1", "::1", own, self.host, *self.hosts}
         return frozenset(name.lower() for name in names if name not in {"0.0.0.0", "::", ""})  # noqa: S104 - compared, not bound
 
     @staticmethod

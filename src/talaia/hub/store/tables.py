@@ -21,6 +21,8 @@ from sqlalchemy import (
 __all__ = [
     "api_tokens",
     "audit",
+    "audit_head",
+    "enrolment_codes",
     "gateways",
     "known_browsers",
     "metadata",
@@ -181,6 +183,25 @@ gateways = Table(
     Column("created_us", BigInteger, nullable=False),
     # 0 while the key is good.
     Column("revoked_us", BigInteger, nullable=False),
+    Column("name", String(_NAME), nullable=False),
+    # Of its last link: version and address; 0 until there was one.
+    Column("version", String(_NAME), nullable=False),
+    Column("address", String(_NAME), nullable=False),
+    Column("seen_us", BigInteger, nullable=False),
+)
+
+# A used code stays for a while, so that whoever tries it again is told why it is refused.
+enrolment_codes = Table(
+    "enrolment_codes",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("site", String(_NAME), nullable=False),
+    Column("name", String(_NAME), nullable=False),
+    Column("code_hash", String(_HASH), nullable=False, unique=True),
+    Column("created_us", BigInteger, nullable=False),
+    Column("expires_us", BigInteger, nullable=False),
+    # 0 while it can be used.
+    Column("used_us", BigInteger, nullable=False),
 )
 
 sites = Table(
@@ -199,13 +220,23 @@ audit = Table(
     metadata,
     Column("id", _Id, primary_key=True),
     Column("time_us", BigInteger, nullable=False, index=True),
-    Column("kind", String(_NAME), nullable=False),
-    Column("who", String(_NAME), nullable=False),
+    Column("kind", String(_NAME), nullable=False, index=True),
+    Column("who", String(_NAME), nullable=False, index=True),
     Column("address", String(_NAME), nullable=False),
     Column("site", String(_NAME), nullable=False, index=True),
     Column("device", String(_NAME), nullable=False),
     Column("message", String(2000), nullable=False),
     Column("good", Boolean, nullable=False),
     # Over this row and the hash of the one before; a changed or missing row breaks the chain.
+    Column("hash", String(_HASH), nullable=False),
+)
+
+# The end of the audit log, one row: rows that are cut off at the end show, too, and whoever
+# appends waits here for the one before.
+audit_head = Table(
+    "audit_head",
+    metadata,
+    Column("id", _Id, primary_key=True, autoincrement=False),
+    Column("row_id", _Id, nullable=False),
     Column("hash", String(_HASH), nullable=False),
 )
