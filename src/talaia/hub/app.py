@@ -72,7 +72,7 @@ class Hub:
         self.setup_token: str | None = None
         self._clock = clock
         self._database = Database(settings.url)
-        self._history = history or HistoryStore(settings.history_url, clock)
+        self._history = history or HistoryStore(settings.url, clock)
         self._people = People(self._database, clock)
         self._registry = SiteRegistry(self._database, clock)
         self._audit = Audit(self._database, clock)

@@ -17,15 +17,6 @@ __all__ = ["Network", "Settings", "is_loopback"]
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
-# The history works in threads of its own, with a driver that waits.
-_BLOCKING = {
-    "sqlite": "sqlite",
-    "postgresql": "postgresql+pg8000",
-    "mysql": "mysql+pymysql",
-    "mariadb": "mariadb+pymysql",
-}
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """What a hub is told at its start.
@@ -37,10 +28,12 @@ class Settings:
         cert: certificate chain (PEM); none makes one in ``data``.
         hosts: names besides localhost and ``host`` under which the hub is reached.
         proxies: reverse proxies that end TLS before this hub; their headers are believed.
-        database_url: an SQLAlchemy URL; empty takes SQLite in ``data``.
+        database_url: like ``postgresql://user@host/name``; empty takes SQLite in ``data``.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
         life_s: a session ends this long after its start, used or not (s).
+        warn_s: a person is told this long before the session ends (s).
+        unsure_s: when sessions could not be checked for this long, commands are refused (s).
         setup_s: the set-up link is good for this long (s).
         commit_s: samples are gathered this long before each commit (s).
         beat_s: a link says a word at least this often; three missed and it is gone (s).
@@ -62,6 +55,8 @@ class Settings:
     password_cost: int = 12
     idle_s: float = 12 * 3600.0
     life_s: float = 7 * 86400.0
+    warn_s: float = 300.0
+    unsure_s: float = 2.0
     setup_s: float = 86400.0
     max_body: int = 1024 * 1024
     commit_s: float = 0.2
@@ -77,15 +72,8 @@ class Settings:
 
     @property
     def url(self) -> str:
-        """Give the database's SQLAlchemy URL."""
-        return self.database_url or f"sqlite+aiosqlite:///{self.data.absolute() / 'talaia.db'}"
-
-    @property
-    def history_url(self) -> str:
-        """Give the same database's URL for the history, whose threads need a blocking driver."""
-        scheme, _, rest = self.url.partition("://")
-        engine = scheme.partition("+")[0]
-        return f"{_BLOCKING.get(engine, scheme)}://{rest}"
+        """Give the database's URL; accounts and history are both there."""
+        return self.database_url or f"sqlite:///{self.data.absolute() / 'talaia.db'}"
 
     @property
     def host_names(self) -> frozenset[str]:

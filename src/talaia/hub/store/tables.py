@@ -35,6 +35,7 @@ __all__ = [
     "sites",
     "token_permissions",
     "users",
+    "write_turn",
     "wrong_tries",
 ]
 
@@ -162,6 +163,9 @@ wrong_tries = Table(
     Column("wrong", BigInteger, nullable=False),
     Column("last_us", BigInteger, nullable=False, index=True),
 )
+
+# One row: whoever changes something holds it, where the engine has no lock of another kind.
+write_turn = Table("write_turn", metadata, Column("id", _Id, primary_key=True))
 
 setup_tokens = Table(
     "setup_tokens",

@@ -1,4 +1,4 @@
-"""Second factor, recovery codes, API tokens, known browsers, and wrong tries that are remembered."""
+"""Second factor, recovery codes, API tokens, known browsers, wrong tries that are remembered."""
 
 from __future__ import annotations
 
@@ -124,3 +124,9 @@ def _tries() -> None:
         sa.PrimaryKeyConstraint("kind", "key_hash", name="pk_wrong_tries"),
     )
     steps.create_index("ix_wrong_tries_last_us", "wrong_tries", ["last_us"])
+    turn = steps.create_table(
+        "write_turn",
+        sa.Column("id", ID, nullable=False),
+        sa.PrimaryKeyConstraint("id", name="pk_write_turn"),
+    )
+    steps.seed(turn, [{"id": 1}])
