@@ -73,7 +73,9 @@ class Factors:
                 .values(factor_secret=pending, factor_pending="", factor_step=step)
             )
             codes = new_recovery()
-            await connection.execute(delete(recovery_codes).where(recovery_codes.c.user_id == user))
+            await connection.execute(
+                delete(recovery_codes).where(recovery_codes.c.user_id == user)
+            )
             await connection.execute(
                 insert(recovery_codes),
                 [{"code_hash": hash_recovery(one), "user_id": user} for one in codes],
@@ -117,7 +119,9 @@ class Factors:
                 .where(users.c.id == user)
                 .values(factor_secret="", factor_pending="", factor_step=0)
             )
-            await connection.execute(delete(recovery_codes).where(recovery_codes.c.user_id == user))
+            await connection.execute(
+                delete(recovery_codes).where(recovery_codes.c.user_id == user)
+            )
         return bool(had)
 
     def _now_s(self) -> float:
