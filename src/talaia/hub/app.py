@@ -14,6 +14,7 @@ from talaia.hub.api.access import Access
 from talaia.hub.api.accounts import Accounts
 from talaia.hub.api.audit import AuditPages
 from talaia.hub.api.gateways import GatewayPages, Proof
+from talaia.hub.api.limits import Limits
 from talaia.hub.api.openapi import ApiDescription
 from talaia.hub.api.own import OwnPages
 from talaia.hub.api.pages import Pages
@@ -153,7 +154,8 @@ class Hub:
             redirect_slashes=False,
         )
         answer_problems(app)
-        guarded = [Depends(access.guard)]
+        limits = Limits(self._clock)
+        guarded = [Depends(access.guard), Depends(limits.ask)]
         for routes in (
             *self._account_pages(access),
             self._site_pages(),
@@ -163,7 +165,7 @@ class Hub:
             Pages(static_dir()),
         ):
             app.include_router(routes.router(), dependencies=guarded)
-        app.router.routes[0:0] = self._sockets(access).router().routes
+        app.router.routes[0:0] = self._sockets(access, limits).router().routes
         return app
 
     def _account_pages(
@@ -230,7 +232,7 @@ class Hub:
         cert = certificate_of(self.settings).cert
         return Proof(fingerprint(cert), key_hash(cert))
 
-    def _sockets(self, access: Access) -> Sockets:
+    def _sockets(self, access: Access, limits: Limits) -> Sockets:
         browsers = self.browsers
         commanding = Commanding(self._sites, self._audit)
         reporting = Reporting(self._sites, browsers, self._audit, self._clock)
@@ -248,6 +250,7 @@ class Hub:
         )
         return Sockets(
             access,
+            limits,
             self._sites,
             Gate(self._sites, lambda: self._seats.sure),
             self._seats,
