@@ -31,6 +31,7 @@ export interface DeviceShape {
   readonly streams: readonly StreamShape[];
   readonly commands: readonly CommandShape[];
   readonly drive: DriveShape | null;
+  readonly public: boolean;
   readonly rights: readonly ("view" | "use" | "admin")[];
 }
 
@@ -129,6 +130,7 @@ export interface SignalShape {
   readonly frame: "local" | "wgs84";
   readonly max_age: number;
   readonly primary: boolean;
+  readonly public: boolean;
   readonly channels: readonly string[];
 }
 
@@ -166,4 +168,5 @@ export interface StreamShape {
   readonly address: string;
   readonly name: string;
   readonly max_rate: number;
+  readonly public: boolean;
 }

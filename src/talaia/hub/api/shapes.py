@@ -93,7 +93,10 @@ class SiteSummary(_Shape):
 
 
 class SignalShape(_Shape):
-    """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds."""
+    """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds.
+
+    ``public``: everybody who is signed in may see it.
+    """
 
     id: str
     address: str
@@ -107,6 +110,7 @@ class SignalShape(_Shape):
     frame: str
     max_age: float
     primary: bool
+    public: bool
     channels: list[str]
 
 
@@ -117,6 +121,7 @@ class StreamShape(_Shape):
     address: str
     name: str
     max_rate: float
+    public: bool
 
 
 class ArgumentShape(_Shape):
@@ -167,6 +172,7 @@ class DeviceShape(_Shape):
     streams: list[StreamShape]
     commands: list[CommandShape]
     drive: DriveShape | None
+    public: bool
     rights: list[str]
 
 
