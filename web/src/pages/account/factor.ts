@@ -121,7 +121,7 @@ export class AccountFactor extends LitElement {
   private form(words: string, submit: () => Promise<void>, fields: TemplateResult): TemplateResult {
     const send = (event: SubmitEvent): void => {
       event.preventDefault();
-      void submit.call(this);
+      void submit();
     };
     return html`<form class="fields" novalidate @submit=${send}>
       ${fields}
@@ -169,15 +169,15 @@ export class AccountFactor extends LitElement {
     });
   }
 
-  private async begin(): Promise<void> {
+  private readonly begin = async (): Promise<void> => {
     const password = this.password?.value ?? "";
     const done = await this.action.run("begin the set-up", async () => {
       this.offer = await new AccountApi(this.api).offerFactor(password);
     });
     if (done) this.go("scan");
-  }
+  };
 
-  private async confirm(): Promise<void> {
+  private readonly confirm = async (): Promise<void> => {
     const code = this.typedCode();
     const done = await this.action.run("switch it on", async () => {
       this.recovery = await new AccountApi(this.api).confirmFactor(code);
@@ -186,15 +186,15 @@ export class AccountFactor extends LitElement {
     this.offer = null;
     this.go("codes");
     await this.session.refresh().catch(() => undefined);
-  }
+  };
 
-  private async takeAway(): Promise<void> {
+  private readonly takeAway = async (): Promise<void> => {
     const password = this.password?.value ?? "";
     const code = this.typedCode();
     if (!(await this.action.run("remove it", () => new AccountApi(this.api).removeFactor(password, code)))) return;
     this.go("rest");
     await this.session.refresh().catch(() => undefined);
-  }
+  };
 
   private typedCode(): string {
     return this.code?.value.replace(/\s+/g, "") ?? "";
