@@ -26,6 +26,7 @@ def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any
         "frame": signal.frame,
         "max_age": signal.max_age,
         "primary": signal.primary,
+        "public": signal.visibility == "public",
         "channels": [address + (f".{part}" if part else "") for part in parts_of(signal)],
     }
 
@@ -48,16 +49,29 @@ def drive_json(device: Device) -> dict[str, Any] | None:
     }
 
 
-def device_json(device_id: str, device: Device, role: str) -> dict[str, Any]:
-    """Say a device as the hub does."""
+def device_json(device_id: str, device: Device, rights: list[str]) -> dict[str, Any]:
+    """Say a device as the hub does to somebody with these rights on it."""
+    views = bool(rights)
     return {
         "id": device_id,
         "name": device.name,
         "kind": device.kind,
-        "signals": [signal_json(device_id, key, one) for key, one in device.signals.items()],
+        "public": device.visibility == "public",
+        "signals": [
+            signal_json(device_id, key, one)
+            for key, one in device.signals.items()
+            if views or one.visibility == "public"
+        ],
         "streams": [
-            {"id": key, "address": f"{device_id}/{key}", "name": one.name, "max_rate": one.max_rate}
+            {
+                "id": key,
+                "address": f"{device_id}/{key}",
+                "name": one.name,
+                "max_rate": one.max_rate,
+                "public": one.visibility == "public",
+            }
             for key, one in device.streams.items()
+            if views or one.visibility == "public"
         ],
         "commands": [
             {
@@ -81,7 +95,8 @@ def device_json(device_id: str, device: Device, role: str) -> dict[str, Any]:
                 ],
             }
             for key, one in device.commands.items()
+            if "use" in rights
         ],
-        "drive": drive_json(device),
-        "rights": ["view"] if role == "guest" else ["view", "use"],
+        "drive": drive_json(device) if views else None,
+        "rights": rights,
     }

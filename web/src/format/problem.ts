@@ -1,5 +1,7 @@
 /** What to tell a person when asking the hub for something failed. */
 
+import { formatDuration } from "./duration.js";
+
 export interface Advice {
   readonly what: string;
   readonly how: string;
@@ -8,6 +10,7 @@ export interface Advice {
 /** The part of a refusal that this needs; see `wire/http.ts`. */
 interface Said {
   readonly status: number;
+  readonly code: string;
   readonly retryAfter: number;
   readonly message: string;
 }
@@ -29,17 +32,53 @@ export function adviceFor(error: unknown, asked: string): Advice {
   return { what: `The hub could not give ${asked}.`, how: error.message };
 }
 
+/** @param asked what was to be done, as the object of a sentence: `change the password` */
+export function actionAdvice(error: unknown, asked: string): Advice {
+  if (!isRefusal(error)) return UNREACHABLE;
+  const what = `The hub did not ${asked}.`;
+  if (error.status === 429) return { what, how: `Too many tries. Try again ${waitWords(error.retryAfter)}.` };
+  return { what, how: sentence(error.message) };
+}
+
+/** How long to wait, where the hub said it (s). */
+export function waitWords(seconds: number): string {
+  return seconds > 0 ? `in ${formatDuration(Math.ceil(seconds))}` : "in a little while";
+}
+
+/** The hub's words for programs begin small and end without a point. */
+function sentence(text: string): string {
+  const first = text.charAt(0).toUpperCase() + text.slice(1);
+  return first === "" || /[.!?]$/.test(first) ? first : `${first}.`;
+}
+
 /** Advice for a sign-in that failed. */
 export function signInAdvice(error: unknown): Advice {
   if (!isRefusal(error)) return UNREACHABLE;
   if (error.status === 429) {
-    const wait = error.retryAfter > 0 ? `in ${String(Math.ceil(error.retryAfter))} seconds` : "in a little while";
-    return { what: "Too many tries.", how: `The hub slows down whoever guesses. Try again ${wait}.` };
+    return { what: "Too many tries.", how: `The hub slows down whoever guesses. Try again ${waitWords(error.retryAfter)}.` };
+  }
+  if (isFactor(error)) {
+    return { what: "This code does not fit.", how: `${sentence(error.message)} Each code works once; wait for the next one.` };
   }
   if (error.status === 401 || error.status === 403) {
     return { what: "Name or password is wrong.", how: "Check both; capital letters count." };
   }
   return { what: "The hub did not let you in.", how: error.message };
+}
+
+/** The password is right, and the hub wants the second factor besides. */
+export function isFactor(error: unknown): boolean {
+  return isRefusal(error) && error.status === 401 && error.code === "factor";
+}
+
+/** Seconds that the hub wants to be left alone; 0 when it did not say so. */
+export function waitOf(error: unknown): number {
+  return isRefusal(error) && error.status === 429 ? error.retryAfter : 0;
+}
+
+/** The hub says that this person may not. */
+export function isForbidden(error: unknown): boolean {
+  return isRefusal(error) && error.status === 403;
 }
 
 function isRefusal(error: unknown): error is Said {

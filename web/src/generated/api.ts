@@ -98,6 +98,7 @@ export interface DeviceShape {
   readonly streams: readonly StreamShape[];
   readonly commands: readonly CommandShape[];
   readonly drive: DriveShape | null;
+  readonly public: boolean;
   readonly rights: readonly ("view" | "use" | "admin")[];
 }
 
@@ -254,6 +255,7 @@ export interface SignalShape {
   readonly frame: "local" | "wgs84";
   readonly max_age: number;
   readonly primary: boolean;
+  readonly public: boolean;
   readonly channels: readonly string[];
 }
 
@@ -291,6 +293,7 @@ export interface StreamShape {
   readonly address: string;
   readonly name: string;
   readonly max_rate: number;
+  readonly public: boolean;
 }
 
 /** A code from the authenticator. */

@@ -1,6 +1,8 @@
 /** Every page: the tag that draws it, what it is called, and how its code is fetched. */
 
-import type { PageName } from "../state/router.js";
+import { seesOnlyPublic } from "../state/rights.js";
+import { ADMIN_PAGES, type PageName } from "../state/router.js";
+import type { Person } from "../wire/api.js";
 
 export interface PageEntry {
   readonly tag: string;
@@ -10,8 +12,17 @@ export interface PageEntry {
 
 export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   login: { tag: "t-page-sign-in", title: "Sign in", load: () => import("./sign-in/page-sign-in.js") },
+  logout: { tag: "t-page-logout", title: "Log out", load: () => import("./logout/page-logout.js") },
   setup: { tag: "t-page-setup", title: "Set up", load: () => import("./setup/page-setup.js") },
   home: { tag: "t-page-home", title: "Home", load: () => import("./home/page-home.js") },
+  devices: { tag: "t-page-devices", title: "Devices", load: () => import("./devices/page-devices.js") },
+  device: { tag: "t-page-device", title: "Device", load: () => import("./device/page-device.js") },
+  public: { tag: "t-page-public", title: "Public data", load: () => import("./public/page-public.js") },
+  account: { tag: "t-page-account", title: "Account", load: () => import("./account/page-account.js") },
+  people: { tag: "t-page-people", title: "People", load: () => import("./people/page-people.js") },
+  roles: { tag: "t-page-roles", title: "Roles", load: () => import("./roles/page-roles.js") },
+  gateways: { tag: "t-page-gateways", title: "Gateways", load: () => import("./gateways/page-gateways.js") },
+  audit: { tag: "t-page-audit", title: "Audit log", load: () => import("./audit/page-audit.js") },
   live: { tag: "t-page-live", title: "Real-time", load: () => import("./live/page-live.js") },
   history: { tag: "t-page-history", title: "History", load: () => import("./history/page-history.js") },
   drive: { tag: "t-page-drive", title: "Actuate", load: () => import("./drive/page-drive.js") },
@@ -21,5 +32,18 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
 
 /** A page that can be opened by anyone, signed in or not. */
 export function isOpen(page: PageName): boolean {
-  return page === "login" || page === "setup" || page === "gallery";
+  return page === "login" || page === "logout" || page === "setup" || page === "gallery";
+}
+
+/** Whether the navigation leads a person there; the hub checks each thing once more. */
+export function mayOpen(page: PageName, person: Person): boolean {
+  if (ADMIN_PAGES.includes(page)) return person.admin;
+  // Who sees only what is public has nothing to do there.
+  if (page === "drive") return !seesOnlyPublic(person);
+  return true;
+}
+
+/** The page that a person begins at: who sees only what is public has all of it on one page. */
+export function firstPage(person: Person): string {
+  return seesOnlyPublic(person) ? "/public" : "/home";
 }

@@ -30,6 +30,11 @@ export class RobotNews {
     return this.leases.get(key(site, device));
   }
 
+  /** Whether a device is held from this very page. */
+  holdsAny(): boolean {
+    return [...this.leases.values()].some(({ yours }) => yours);
+  }
+
   stop(site: string, device: string): StopNews | undefined {
     return this.stops.get(key(site, device));
   }

@@ -2,12 +2,31 @@
 
 import { Store } from "./store.js";
 
-export type PageName = "login" | "setup" | "home" | "live" | "history" | "drive" | "gallery" | "missing";
+export type PageName =
+  | "login"
+  | "logout"
+  | "setup"
+  | "home"
+  | "devices"
+  | "public"
+  | "account"
+  | "live"
+  | "history"
+  | "drive"
+  | "device"
+  | "people"
+  | "roles"
+  | "gateways"
+  | "audit"
+  | "gallery"
+  | "missing";
 
 export interface Route {
   readonly page: PageName;
   /** Site id; empty on pages that have none. */
   readonly site: string;
+  /** Device id; empty but on a device's page. */
+  readonly device: string;
 }
 
 const SITE_PAGES: readonly PageName[] = ["live", "history", "drive"];
@@ -15,18 +34,32 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
   "/login": "login",
+  "/logout": "logout",
   "/setup": "setup",
+  "/devices": "devices",
+  "/public": "public",
+  "/account": "account",
+  "/admin": "people",
+  "/admin/people": "people",
+  "/admin/roles": "roles",
+  "/admin/gateways": "gateways",
+  "/admin/audit": "audit",
   "/gallery": "gallery",
 };
+
+/** The pages that only an admin of the whole hub may open. */
+export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "audit"];
 
 /** Reads a path. Anything unknown is the `missing` page, not an error. */
 export function routeOf(path: string): Route {
   const plain = PLAIN[path.length > 1 ? path.replace(/\/$/, "") : path];
-  if (plain !== undefined) return { page: plain, site: "" };
-  const match = /^\/sites\/([^/]+)\/([a-z]+)\/?$/.exec(path);
-  const page = SITE_PAGES.find((name) => name === match?.[2]);
+  if (plain !== undefined) return { page: plain, site: "", device: "" };
+  const match = /^\/sites\/([^/]+)\/([a-z]+)(?:\/([^/]+))?\/?$/.exec(path);
   const site = decoded(match?.[1] ?? "");
-  return page === undefined || site === "" ? { page: "missing", site: "" } : { page, site };
+  const device = decoded(match?.[3] ?? "");
+  if (site !== "" && device !== "" && match?.[2] === "devices") return { page: "device", site, device };
+  const page = match?.[3] === undefined ? SITE_PAGES.find((name) => name === match?.[2]) : undefined;
+  return page === undefined || site === "" ? { page: "missing", site: "", device: "" } : { page, site, device: "" };
 }
 
 /** The path of a site's page. */
@@ -34,13 +67,22 @@ export function sitePath(site: string, page: "live" | "history" | "drive"): stri
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }
 
+/** The path of a device's own page. */
+export function devicePath(site: string, device: string): string {
+  return `/sites/${encodeURIComponent(site)}/devices/${encodeURIComponent(device)}`;
+}
+
 /** Where to go after signing in. Only a path on this very hub is believed. */
 export function returnPath(search: string, origin: string): string {
   const asked = new URLSearchParams(search).get("return") ?? "";
   if (!asked.startsWith("/") || !URL.canParse(asked, origin)) return "/home";
   const url = new URL(asked, origin);
-  if (url.origin !== origin || routeOf(url.pathname).page === "login") return "/home";
+  if (url.origin !== origin || isDoor(routeOf(url.pathname).page)) return "/home";
   return url.pathname + url.search;
+}
+
+function isDoor(page: PageName): boolean {
+  return page === "login" || page === "logout";
 }
 
 /** Path of an address when it is a page of ours; null when the browser should load it by itself. */

@@ -16,6 +16,7 @@ const NOTE = "talaia.signed-in";
 export class Session extends Store {
   private someone: Person | null = null;
   private asked = false;
+  private going = false;
 
   /** @param notes - where this browser remembers that somebody signed in; null when it may not */
   constructor(
@@ -42,6 +43,11 @@ export class Session extends Store {
     return this.someone;
   }
 
+  /** The hub is being told that the person goes. */
+  get leaving(): boolean {
+    return this.going;
+  }
+
   /** Why the last session ended, for the sign-in page; empty when nobody needs to be told. */
   notice = "";
 
@@ -50,34 +56,60 @@ export class Session extends Store {
     this.become(null);
   }
 
-  /** Asks the hub who we are. @throws Unreachable */
+  /**
+   * Asks the hub who we are, without making the session live longer.
+   *
+   * @throws Unreachable
+   */
   async refresh(): Promise<void> {
+    this.become(await this.api.me(true));
+  }
+
+  /** Tells the hub that the person is still here. @throws Unreachable */
+  async stay(): Promise<void> {
     this.become(await this.api.me());
   }
 
   /** @throws Refused, Unreachable */
-  async login(name: string, password: string): Promise<void> {
-    const person = await this.api.login(name, password);
+  async login(name: string, password: string, code = ""): Promise<void> {
+    const person = await this.api.login(name, password, code);
     this.notice = "";
     this.become(person);
   }
 
   /** Nobody is signed in afterwards, also when the hub could not be told. */
   async logout(): Promise<void> {
+    this.going = true;
+    this.changed();
     try {
       await this.api.logout();
     } finally {
+      this.going = false;
       this.notice = "";
       this.become(null);
     }
   }
 
+  /** Changes when somebody else is here, or the same person may do other things than before. */
+  get rights(): string {
+    return rightsOf(this.someone);
+  }
+
   private become(person: Person | null): void {
-    const same = this.asked && person?.name === this.someone?.name && person?.role === this.someone?.role;
+    const same = this.asked && alike(person, this.someone);
     this.asked = true;
     this.someone = person;
     if (person === null) this.notes?.removeItem(NOTE);
     else this.notes?.setItem(NOTE, "1");
     if (!same) this.changed();
   }
+}
+
+/** Watchers are told of everything but the idle time, which moves all the time. */
+function alike(a: Person | null, b: Person | null): boolean {
+  return rightsOf(a) === rightsOf(b) && a?.factor === b?.factor;
+}
+
+function rightsOf(person: Person | null): string {
+  return person === null ? "" : JSON.stringify([person.name, person.role, person.admin, person.permissions]);
 }

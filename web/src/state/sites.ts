@@ -31,6 +31,16 @@ export class Sites extends Store {
     return this.problem;
   }
 
+  /** Zone for times that belong to no site: the first site's. */
+  get zone(): string {
+    return this.rows[0]?.zone ?? "UTC";
+  }
+
+  /** Zone of a site; of the first one where the site is not known. */
+  zoneOf(site: string): string {
+    return this.row(site)?.zone ?? this.zone;
+  }
+
   row(site: string): SiteRow | undefined {
     return this.rows.find((row) => row.site === site);
   }

@@ -7,7 +7,6 @@ export type {
   DriveShape as DriveInfo,
   GapShape as HistoryGap,
   HistoryAnswer as History,
-  Me as Person,
   SeriesShape as HistorySeries,
   SignalShape as SignalInfo,
   SiteShape as SiteDetail,
@@ -15,6 +14,8 @@ export type {
   StreamShape as StreamInfo,
 } from "../generated/api.js";
 
+export type { DeviceRow, Permission, Person, Right } from "./accounts.js";
+
 /** The roles that the hub is seeded with. An admin may add others, so a role is any text. */
 export type Role = string;
-export type Right = "view" | "use" | "admin";
+

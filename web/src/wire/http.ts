@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { History, Person, SiteDetail, SiteRow } from "./api.js";
+import type { DeviceRow, History, Person, SiteDetail, SiteRow } from "./api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -27,21 +27,37 @@ export interface HistoryQuery {
   readonly width: number;
 }
 
+export type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
+
+/** With this header a question does not count as the person's doing: the session's idle time goes on. */
+const BACKGROUND = { "talaia-background": "1" } as const;
+
+/** What is said besides the question itself. */
+export interface AskOptions {
+  readonly signal?: AbortSignal | undefined;
+  readonly background?: boolean;
+}
+
 export class HubApi {
   constructor(private readonly fetcher: typeof fetch = fetch.bind(globalThis)) {}
 
-  /** Who is signed in; null when nobody is. */
-  async me(): Promise<Person | null> {
+  /**
+   * Who is signed in; null when nobody is.
+   *
+   * @param background the page asks by itself: the session does not live longer for it
+   */
+  async me(background = false): Promise<Person | null> {
     try {
-      return await this.ask<Person>("GET", "/api/me");
+      return await this.ask<Person>("GET", "/api/me", undefined, { background });
     } catch (error) {
       if (error instanceof Refused && error.status === 401) return null;
       throw error;
     }
   }
 
-  login(name: string, password: string): Promise<Person> {
-    return this.ask("POST", "/api/login", { name, password });
+  /** @param code the second factor's six digits, or a recovery code; empty when none was asked for */
+  login(name: string, password: string, code = ""): Promise<Person> {
+    return this.ask("POST", "/api/login", code === "" ? { name, password } : { name, password, code });
   }
 
   async logout(): Promise<void> {
@@ -60,21 +76,29 @@ export class HubApi {
     return this.ask("GET", `/api/sites/${encodeURIComponent(site)}`);
   }
 
+  /** Every device that is open to the person, of every site. */
+  async devices(): Promise<readonly DeviceRow[]> {
+    return (await this.ask<{ devices: readonly DeviceRow[] }>("GET", "/api/devices")).devices;
+  }
+
   history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History> {
     const search = new URLSearchParams(query.channels.map((channel) => ["channel", channel]));
     search.set("from_us", String(Math.round(query.fromUs)));
     search.set("to_us", String(Math.round(query.toUs)));
     search.set("width", String(Math.round(query.width)));
     const path = `/api/sites/${encodeURIComponent(site)}/history?${search.toString()}`;
-    return this.ask("GET", path, undefined, signal);
+    return this.ask("GET", path, undefined, { signal });
   }
 
   /**
+   * Asks the hub for anything; what is asked for often has a function of its own.
+   *
    * @throws Refused when the hub says no
    * @throws Unreachable when there is no hub, or something else answers in its place
    */
-  private async ask<T>(method: "GET" | "POST", path: string, body?: object, signal?: AbortSignal): Promise<T> {
-    const headers = new Headers({ accept: "application/json" });
+  async ask<T>(method: Method, path: string, body?: object, options: AskOptions = {}): Promise<T> {
+    const { signal, background = false } = options;
+    const headers = new Headers({ accept: "application/json", ...(background ? BACKGROUND : {}) });
     const request: RequestInit = { method, credentials: "same-origin", headers };
     if (signal !== undefined) request.signal = signal;
     if (body !== undefined) {

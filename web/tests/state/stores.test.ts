@@ -196,10 +196,10 @@ describe("live values", () => {
 describe("key signals", () => {
   const signal = (address: string, change: Partial<SignalInfo> = {}): SignalInfo => ({
     id: address, address, name: address, type: "number", unit: "", decimals: -1, minimum: null, maximum: null,
-    states: [], frame: "local", max_age: 5, primary: true, channels: [address], ...change,
+    states: [], frame: "local", max_age: 5, primary: true, public: false, channels: [address], ...change,
   });
   const device = (signals: SignalInfo[]): DeviceInfo => ({
-    id: "", name: "", kind: "other", signals, streams: [], commands: [], drive: null, rights: ["view"],
+    id: "", name: "", kind: "other", signals, streams: [], commands: [], drive: null, public: false, rights: ["view"],
   });
 
   test("come from every device in turn, without positions and minor ones", () => {

@@ -18,7 +18,7 @@ from talaia.hub.api.shapes import (
     StreamShape,
 )
 from talaia.hub.auth.permissions import Grants, Right, sees_device, sees_signal, sees_stream
-from talaia.model.site import SignalType, parts_of
+from talaia.model.site import SignalType, Visibility, parts_of
 from talaia.model.unit import unit_of
 
 if TYPE_CHECKING:
@@ -132,12 +132,14 @@ def _device(site: Site, device_id: str, device: Device, grants: Grants) -> Devic
                 address=f"{device_id}/{stream_id}",
                 name=stream.name,
                 max_rate=stream.max_rate,
+                public=stream.visibility is Visibility.PUBLIC,
             )
             for stream_id, stream in device.streams.items()
             if sees_stream(grants, site, device_id, stream_id)
         ],
         commands=[_command(*each) for each in device.commands.items()] if uses else [],
         drive=_drive(device.drive) if device.drive and views else None,
+        public=device.visibility is Visibility.PUBLIC,
         rights=[str(right) for right in grants.rights(site.site, device_id)],
     )
 
@@ -160,6 +162,7 @@ def _signal(device_id: str, signal_id: str, signal: Signal) -> SignalShape:
         frame=signal.frame if signal.type is SignalType.POSITION else "",
         max_age=signal.max_age,
         primary=signal.primary,
+        public=signal.visibility is Visibility.PUBLIC,
         channels=[address + (f".{part}" if part else "") for part in parts_of(signal)],
     )
 

@@ -129,7 +129,10 @@ class SiteSummary(Shape):
 
 
 class SignalShape(Shape):
-    """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds."""
+    """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds.
+
+    ``public``: everybody who is signed in may see it.
+    """
 
     id: str
     address: str
@@ -143,6 +146,7 @@ class SignalShape(Shape):
     frame: str
     max_age: float
     primary: bool
+    public: bool
     channels: list[str]
 
 
@@ -153,6 +157,7 @@ class StreamShape(Shape):
     address: str
     name: str
     max_rate: float
+    public: bool
 
 
 class ArgumentShape(Shape):
@@ -203,6 +208,7 @@ class DeviceShape(Shape):
     streams: list[StreamShape]
     commands: list[CommandShape]
     drive: DriveShape | None
+    public: bool
     rights: list[str]
 
 

@@ -22,8 +22,11 @@ import { ThemeChoice } from "../../state/theme.js";
 import { Connection } from "../../wire/connection.js";
 import { HubApi, Unreachable } from "../../wire/http.js";
 import { socketUrl } from "../../wire/media.js";
-import { isOpen } from "../routes.js";
+import { firstPage, isOpen } from "../routes.js";
 import "./shell.js";
+
+/** A session that was taken up again this long ago (ms) may be at once. */
+const RESUME_PAUSE_MS = 10_000;
 
 @customElement("t-app")
 export class App extends LitElement {
@@ -38,6 +41,8 @@ export class App extends LitElement {
   private readonly sites = new Sites(this.api);
   private readonly theme = new ThemeChoice(document.documentElement, storage());
   private stops: (() => void)[] = [];
+  private rights = "";
+  private resumedAt = Number.NEGATIVE_INFINITY;
   private retryTimer: ReturnType<typeof setTimeout> | undefined;
 
   constructor() {
@@ -91,31 +96,47 @@ export class App extends LitElement {
   };
 
   private readonly whoChanged = (): void => {
-    if (this.session.state === "known") {
-      this.connection.start();
-    } else {
-      this.connection.stop();
+    if (this.session.rights !== this.rights) {
+      // Somebody else, or the same person with other rights: what was shown may not be theirs.
+      this.rights = this.session.rights;
       this.sites.clear();
       this.live.clear();
     }
+    if (this.session.state === "known") this.connection.start();
+    else this.connection.stop();
     this.guard();
   };
 
-  /** Sends whoever is not signed in to the sign-in page, and back again afterwards. */
+  /** Sends whoever is not signed in to the sign-in page and back again afterwards; others to their first page. */
   private readonly guard = (): void => {
+    const { person } = this.session;
+    if (person !== null && this.router.route.page === "home" && this.router.path !== firstPage(person)) {
+      this.router.replace(firstPage(person));
+      return;
+    }
     if (this.session.state !== "nobody" || isOpen(this.router.route.page)) return;
+    if (this.router.path === "/") {
+      this.router.replace("/login");
+      return;
+    }
     const query = new URLSearchParams({ return: this.router.path });
     this.router.replace(`/login?${query.toString()}`);
   };
 
-  /** Another tab signed in anew: our socket was ended with the old session, and the new one is ours too. */
+  /** The session goes on with other rights, or another tab signed in anew: a fresh socket is ours. */
   private resume(): void {
     if (this.session.state !== "known" || this.connection.state !== "ended") return;
     this.session.notice = "";
-    // Not at once: a hub that ends each session would be asked without a pause.
-    this.retryTimer = setTimeout(() => {
-      if (this.session.state === "known") this.connection.start();
-    }, 1000);
+    // Once at once; a hub that ends each session would be asked without a pause.
+    const now = performance.now();
+    const soon = now - this.resumedAt > RESUME_PAUSE_MS;
+    this.resumedAt = now;
+    this.retryTimer = setTimeout(
+      () => {
+        if (this.session.state === "known") this.connection.start();
+      },
+      soon ? 0 : 1000,
+    );
   }
 
   private async findOut(): Promise<void> {

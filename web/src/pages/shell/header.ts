@@ -2,7 +2,8 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { customElement, property, query } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LinkController } from "../../controllers/link.js";
 import { StoreController } from "../../controllers/store.js";
@@ -10,13 +11,16 @@ import { TickController } from "../../controllers/tick.js";
 import { base } from "../../elements/base.js";
 import { formatWholeMs } from "../../format/duration.js";
 import { routerContext, sessionContext, sitesContext, themeContext } from "../../state/contexts.js";
-import { sitePath, type Router } from "../../state/router.js";
+import { sitePath, type PageName, type Router } from "../../state/router.js";
 import { THEMES } from "../../state/theme.js";
+import type { Person } from "../../wire/api.js";
 import type { LinkState } from "../../wire/connection.js";
 import type { StatusKind } from "../../elements/status.js";
+import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/button.js";
 import "../../elements/choice.js";
 import "../../elements/icon.js";
+import type { Menu } from "../../elements/menu.js";
 import "../../elements/menu.js";
 import "../../elements/status.js";
 
@@ -35,6 +39,16 @@ const LINK_TITLES: Readonly<Record<LinkState, string>> = {
   lost: "This page lost the hub. It is tried again by itself.",
   ended: "The hub ended this session.",
 };
+
+/** What the menu leads to: one's own account, and what has no place of its own on a phone. */
+const WAYS: readonly (readonly [PageName, string])[] = [
+  ["account", "/account"],
+  ["public", "/public"],
+  ["people", "/admin/people"],
+  ["roles", "/admin/roles"],
+  ["gateways", "/admin/gateways"],
+  ["audit", "/admin/audit"],
+];
 
 const THEME_WORDS = { auto: "Auto", light: "Light", dark: "Dark", night: "Night" } as const;
 const THEME_OPTIONS = THEMES.map((id) => ({ id, label: THEME_WORDS[id] }));
@@ -95,6 +109,28 @@ export class Header extends LitElement {
       .panel-who {
         display: grid;
       }
+      .ways {
+        display: grid;
+        grid-template-columns: 1fr 1fr;
+        gap: 0 var(--t-space-2);
+        margin-inline: calc(-1 * var(--t-space-2));
+      }
+      .ways a {
+        display: flex;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        padding-inline: var(--t-space-2);
+        border-radius: var(--t-radius-s);
+        color: var(--t-text);
+        font-weight: var(--t-weight-strong);
+        text-decoration: none;
+      }
+      .ways a:hover {
+        background: var(--t-raised);
+      }
+      .ways a[aria-current] {
+        color: var(--t-accent);
+      }
       .name {
         overflow: hidden;
         text-overflow: ellipsis;
@@ -149,6 +185,7 @@ export class Header extends LitElement {
   /** The site that the navigation leads to; empty for none. */
   @property() site = "";
 
+  @query("t-menu") private readonly menu!: Menu;
   @consume({ context: routerContext }) private readonly router!: Router;
   private readonly link = new LinkController(this);
   private readonly session = new StoreController(this, sessionContext);
@@ -163,7 +200,7 @@ export class Header extends LitElement {
   override render(): TemplateResult {
     const person = this.session.store?.person;
     return html`
-      <a class=${person == null ? "brand" : "brand small"} href="/home" aria-label="Talaia, home">
+      <a class=${person == null ? "brand" : "brand small"} href="/" aria-label="Talaia, home">
         <svg viewBox="0 0 32 32" aria-hidden="true">
           <path fill="currentColor" d="M9 28 11.5 13h9L23 28zM8 12V5h3v3h3V5h4v3h3V5h3v7z"></path>
         </svg>
@@ -210,7 +247,8 @@ export class Header extends LitElement {
         ? nothing
         : html`<div class="panel-who">
             <strong>${person.name}</strong><span class="role">signed in as ${person.role}</span>
-          </div>`}
+          </div>
+          ${this.ways(person)}`}
       <t-choice
         label="Colours"
         .options=${THEME_OPTIONS}
@@ -220,6 +258,22 @@ export class Header extends LitElement {
       ${person == null ? nothing : html`<t-button @click=${this.logOut}>Log out</t-button>`}
     `;
   }
+
+  private ways(person: Person): TemplateResult {
+    const here = this.router.route.page;
+    const ways = WAYS.filter(([page]) => mayOpen(page, person));
+    return html`<div class="ways" @click=${this.leave}>
+      ${map(
+        ways,
+        ([page, path]) =>
+          html`<a href=${path} aria-current=${page === here ? "page" : nothing}>${PAGES[page].title}</a>`,
+      )}
+    </div>`;
+  }
+
+  private readonly leave = (): void => {
+    this.menu.close();
+  };
 
   private readonly chooseSite = (event: Event): void => {
     if (!(event.target instanceof HTMLSelectElement)) return;
@@ -234,6 +288,9 @@ export class Header extends LitElement {
   };
 
   private readonly logOut = (): void => {
+    // The page first: it stands for everybody, so that nobody is sent to sign in again.
+    this.menu.close();
+    this.router.go("/logout");
     // The person is signed out here in any case; an unreachable hub ends the session by its time limit.
     void this.session.store?.logout().catch(() => undefined);
   };

@@ -1,19 +1,30 @@
-/** The four places of the dashboard: beside the name on a desk, under the thumb on a phone. */
+/** The places of the dashboard that a person may open: beside the name on a desk, under the thumb on a phone. */
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base.js";
 import type { IconName } from "../../elements/icons.js";
-import { sitePath, type PageName } from "../../state/router.js";
-import { PAGES } from "../routes.js";
+import { seesOnlyPublic } from "../../state/rights.js";
+import { ADMIN_PAGES, sitePath, type PageName } from "../../state/router.js";
+import type { Person } from "../../wire/api.js";
+import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/icon.js";
 
-const PLACES: readonly { page: "home" | "live" | "history" | "drive"; icon: IconName }[] = [
+interface Place {
+  readonly page: "home" | "public" | "devices" | "live" | "history" | "drive" | "people";
+  readonly icon: IconName;
+  readonly title?: string;
+}
+
+const PLACES: readonly Place[] = [
   { page: "home", icon: "home" },
+  { page: "public", icon: "open" },
+  { page: "devices", icon: "devices" },
   { page: "live", icon: "live" },
   { page: "history", icon: "history" },
   { page: "drive", icon: "drive" },
+  { page: "people", icon: "shield", title: "Admin" },
 ];
 
 @customElement("t-nav")
@@ -83,8 +94,13 @@ export class Nav extends LitElement {
           flex-direction: column;
           justify-content: center;
           gap: 2px;
+          min-inline-size: 0;
           padding-inline: 0;
           font-size: 0.75rem;
+        }
+        /* An admin's work is done at a desk; on a phone the menu of one's name leads there. */
+        .people {
+          display: none;
         }
         a[aria-current] {
           border-block-start-color: var(--t-accent);
@@ -97,25 +113,50 @@ export class Nav extends LitElement {
 
   @property() page: PageName = "home";
   @property() site = "";
+  @property({ attribute: false }) person: Person | null = null;
 
   override render(): TemplateResult {
     return html`<nav aria-label="Pages">
       ${map(
-        PLACES,
+        this.places(),
         (place) => html`<a
+          class=${place.page}
           href=${this.pathOf(place.page) ?? nothing}
-          aria-current=${place.page === this.page ? "page" : nothing}
+          aria-current=${this.isHere(place.page) ? "page" : nothing}
           aria-disabled=${this.pathOf(place.page) === null ? "true" : nothing}
-          ><t-icon name=${place.icon}></t-icon>${PAGES[place.page].title}</a
+          ><t-icon name=${place.icon}></t-icon>${place.title ?? PAGES[place.page].title}</a
         >`,
       )}
     </nav>`;
   }
 
+  private places(): readonly Place[] {
+    const { person } = this;
+    if (person === null) return [];
+    // One beginning for each: the sites for who may see them, all public data for who sees no more.
+    const hidden = seesOnlyPublic(person) ? "home" : "public";
+    return PLACES.filter(({ page }) => page !== hidden && mayOpen(page, person));
+  }
+
+  private isHere(page: Place["page"]): boolean {
+    if (page === "people") return ADMIN_PAGES.includes(this.page);
+    return page === this.page || (page === "devices" && this.page === "device");
+  }
+
   /** Null when there is no site to go to. */
-  private pathOf(page: "home" | "live" | "history" | "drive"): string | null {
-    if (page === "home") return "/home";
-    return this.site === "" ? null : sitePath(this.site, page);
+  private pathOf(page: Place["page"]): string | null {
+    switch (page) {
+      case "people":
+        return "/admin/people";
+      case "home":
+      case "public":
+      case "devices":
+        return `/${page}`;
+      case "live":
+      case "history":
+      case "drive":
+        return this.site === "" ? null : sitePath(this.site, page);
+    }
   }
 }
 

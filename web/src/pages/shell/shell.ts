@@ -7,13 +7,16 @@ import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
 import { routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { localPath } from "../../state/router.js";
-import { PAGES } from "../routes.js";
+import { ADMIN_PAGES } from "../../state/router.js";
+import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/banner.js";
+import "../../elements/empty.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "../../elements/time.js";
 import "./header.js";
 import "./nav.js";
+import "./session-end.js";
 
 @customElement("t-shell")
 export class Shell extends LitElement {
@@ -90,6 +93,7 @@ export class Shell extends LitElement {
   @query("main") private readonly main!: HTMLElement;
 
   private shown = "";
+  private shownPath = "";
   private lastSite = "";
   private readonly router = new StoreController(this, routerContext);
   private readonly session = new StoreController(this, sessionContext);
@@ -113,19 +117,20 @@ export class Shell extends LitElement {
   }
 
   override render(): TemplateResult {
-    const inside = this.session.store?.state === "known";
+    const person = this.session.store?.person ?? null;
+    const inside = person !== null;
     const page = this.router.store?.route.page ?? "home";
     const site = this.lastSite || (this.sites.store?.list[0]?.site ?? "");
     return html`
       <a class="skip" href="#main" @click=${this.skip}>Skip to the page</a>
       <div class="top">
         <t-header .site=${site}>
-          ${inside ? html`<t-nav class="beside" .page=${page} .site=${site}></t-nav>` : nothing}
+          ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person}></t-nav>` : nothing}
         </t-header>
-        ${this.banner()}
+        ${this.banner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.content()}</main>
-      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site}></t-nav>` : nothing}
+      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person}></t-nav>` : nothing}
     `;
   }
 
@@ -137,6 +142,14 @@ export class Shell extends LitElement {
         retry="Load again"
         @t-retry=${this.reload}
       ></t-problem>`;
+    }
+    const person = this.session.store?.person ?? null;
+    const place = this.router.store?.route.page ?? "missing";
+    if (person !== null && ADMIN_PAGES.includes(place) && !mayOpen(place, person)) {
+      return html`<t-empty heading="Only admins may open this" icon="lock">
+        <p>You are signed in as ${person.name}, with the role ${person.role}. An admin of this hub can give you another.</p>
+        <p><a href="/">Go to your first page</a></p>
+      </t-empty>`;
     }
     if (this.page !== null) return this.page;
     if (this.unreachable) {
@@ -166,9 +179,12 @@ export class Shell extends LitElement {
   private async show(): Promise<void> {
     const route = this.router.store?.route;
     if (route === undefined || this.session.store?.state === "unknown") return;
-    const key = `${route.page} ${route.site}`;
+    // With other rights a page begins anew: nothing of what it showed is kept.
+    const key = [route.page, route.site, route.device, this.session.store?.rights ?? ""].join("\n");
     if (key === this.shown) return;
     const first = this.shown === "";
+    const same = this.shownPath === this.router.store?.path;
+    this.shownPath = this.router.store?.path ?? "";
     this.shown = key;
     const entry = PAGES[route.page];
     try {
@@ -180,10 +196,11 @@ export class Shell extends LitElement {
     if (this.shown !== key) return;
     const page = document.createElement(entry.tag);
     if ("site" in page) page.site = route.site;
+    if ("device" in page) page.device = route.device;
     this.page = page;
     this.broken = false;
     document.title = this.titleOf(entry.title, route.site);
-    if (first) return;
+    if (first || same) return;
     window.scrollTo(0, 0);
     await this.updateComplete;
     // Whoever moves by keyboard or listens starts at the new page, unless it took the focus itself.

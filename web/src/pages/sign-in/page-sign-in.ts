@@ -1,4 +1,4 @@
-/** Sign in: name and password, and where to go afterwards. */
+/** Sign in: name and password, the second factor where there is one, and where to go afterwards. */
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
@@ -6,7 +6,8 @@ import { customElement, query, state } from "lit/decorators.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
 import { doorway } from "../../elements/doorway.js";
-import { signInAdvice, type Advice } from "../../format/problem.js";
+import { TickController } from "../../controllers/tick.js";
+import { isFactor, signInAdvice, waitOf, waitWords, type Advice } from "../../format/problem.js";
 import { routerContext, sessionContext } from "../../state/contexts.js";
 import { returnPath, type Router } from "../../state/router.js";
 import "../../elements/button.js";
@@ -22,15 +23,32 @@ export class PageSignIn extends LitElement {
       .notice {
         color: var(--t-muted);
       }
+      .wait {
+        font-weight: var(--t-weight-strong);
+        font-variant-numeric: tabular-nums;
+      }
+      .who {
+        display: grid;
+        gap: inherit;
+      }
+      t-button[kind="quiet"] {
+        margin: 0;
+      }
     `,
   ];
 
   @state() private busy = false;
   @state() private advice: Advice | null = null;
-  @state() private missing: "" | "name" | "password" = "";
+  @state() private missing: "" | "name" | "password" | "code" = "";
+  /** Name and password were right; the hub wants a code besides. */
+  @state() private wantsCode = false;
 
   @query("#name") private readonly name!: HTMLInputElement;
   @query("#password") private readonly password!: HTMLInputElement;
+
+  @query("#code") private readonly code!: HTMLInputElement | null;
+  /** This page's clock (ms) when the hub may be asked again. */
+  private waitUntil = 0;
 
   @consume({ context: routerContext }) private readonly router!: Router;
   private readonly session = new StoreController(this, sessionContext, (session) => {
@@ -38,34 +56,81 @@ export class PageSignIn extends LitElement {
     if (session.state === "known") this.router.replace(returnPath(this.router.search, this.router.origin));
   });
 
+  constructor() {
+    super();
+    new TickController(this);
+  }
+
   override firstUpdated(): void {
     void this.begin();
   }
 
   override render(): TemplateResult {
     const notice = this.session.store?.notice ?? "";
+    const waits = this.waitS() > 0;
     return html`
       <form novalidate @submit=${this.submit}>
-        <div>
-          <h1>Talaia</h1>
-          <p class="muted">The control room for your robots</p>
-        </div>
+        ${this.wantsCode
+          ? html`<div>
+              <h1>One more step</h1>
+              <p class="muted">${this.name.value.trim()} has a second factor.</p>
+            </div>`
+          : html`<div>
+              <h1>Talaia</h1>
+              <p class="muted">The control room for your robots</p>
+            </div>`}
         ${notice === "" ? nothing : html`<p class="notice" role="status">You were signed out: ${notice}</p>`}
-        ${this.advice === null
-          ? nothing
-          : html`<t-problem what=${this.advice.what} how=${this.advice.how}></t-problem>`}
+        ${this.trouble()}
+        <div class="who" ?hidden=${this.wantsCode}>${this.who()}</div>
+        ${this.wantsCode ? this.codeField() : nothing}
+        <t-button type="submit" kind="primary" ?busy=${this.busy} ?disabled=${waits}
+          >${this.busy ? "Signing in…" : "Sign in"}</t-button
+        >
+        ${this.wantsCode ? html`<t-button kind="quiet" @click=${this.back}>Back to name and password</t-button>` : nothing}
+      </form>
+    `;
+  }
+
+  private trouble(): unknown {
+    const { advice } = this;
+    if (advice === null) return nothing;
+    const wait = this.waitS();
+    if (this.waitUntil > 0) {
+      if (wait === 0) return html`<p class="notice" role="status">You can try again now.</p>`;
+      // The alert is said once; the time that runs stands beside it in silence.
+      return html`<t-problem what=${advice.what} how="The hub slows down whoever guesses."></t-problem>
+        <p class="wait">Try again ${waitWords(wait)}.</p>`;
+    }
+    return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+  }
+
+  private who(): TemplateResult {
+    return html`
         <t-field label="Name" error=${this.missing === "name" ? "Enter your name." : ""}>
           <input id="name" name="username" autocomplete="username" autocapitalize="none" spellcheck="false" required />
         </t-field>
         <t-field label="Password" error=${this.missing === "password" ? "Enter your password." : ""}>
           <input id="password" name="password" type="password" autocomplete="current-password" required />
         </t-field>
-        <t-button type="submit" kind="primary" ?busy=${this.busy}>${this.busy ? "Signing in…" : "Sign in"}</t-button>
-      </form>
     `;
   }
 
+  private codeField(): TemplateResult {
+    return html`<t-field
+      label="Code"
+      hint="Six digits from your app, or one of your recovery codes"
+      error=${this.missing === "code" ? "Enter the code." : ""}
+    >
+      <input id="code" name="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
+    </t-field>`;
+  }
+
+  private waitS(): number {
+    return Math.max(0, Math.ceil((this.waitUntil - performance.now()) / 1000));
+  }
+
   private async begin(): Promise<void> {
+    await this.updateComplete;
     // A control takes the focus only once the field around it is drawn.
     await this.name.closest("t-field")?.updateComplete;
     this.name.focus();
@@ -76,24 +141,47 @@ export class PageSignIn extends LitElement {
     if (this.busy) return;
     const name = this.name.value.trim();
     const password = this.password.value;
-    this.missing = name === "" ? "name" : password === "" ? "password" : "";
+    // Codes are often written with a space in the middle.
+    const code = this.code?.value.replace(/\s+/g, "") ?? "";
+    this.missing = name === "" ? "name" : password === "" ? "password" : this.wantsCode && code === "" ? "code" : "";
     if (this.missing === "name") this.name.focus();
     if (this.missing === "password") this.password.focus();
-    if (this.missing === "") void this.signIn(name, password);
+    if (this.missing === "code") this.code?.focus();
+    if (this.missing === "" && this.waitS() === 0) void this.signIn(name, password, code);
   };
 
-  private async signIn(name: string, password: string): Promise<void> {
+  private async signIn(name: string, password: string, code: string): Promise<void> {
     this.busy = true;
     this.advice = null;
+    this.waitUntil = 0;
     try {
-      await this.session.store?.login(name, password);
+      await this.session.store?.login(name, password, code);
     } catch (error) {
-      this.advice = signInAdvice(error);
-      this.password.select();
+      await this.failed(error, code !== "");
     } finally {
       this.busy = false;
     }
   }
+
+  private async failed(error: unknown, hadCode: boolean): Promise<void> {
+    if (waitOf(error) > 0) this.waitUntil = performance.now() + waitOf(error) * 1000;
+    const asked = isFactor(error);
+    // That a code is wanted is no failure; that it did not fit is.
+    this.advice = asked && !hadCode ? null : signInAdvice(error);
+    this.wantsCode = asked || (this.wantsCode && waitOf(error) > 0);
+    await this.updateComplete;
+    const control = this.wantsCode ? this.code : this.password;
+    await control?.closest("t-field")?.updateComplete;
+    control?.focus();
+    control?.select();
+  }
+
+  private readonly back = (): void => {
+    this.wantsCode = false;
+    this.advice = null;
+    this.password.value = "";
+    void this.begin();
+  };
 }
 
 declare global {

@@ -40,7 +40,7 @@ describe("the address of the history page", () => {
 function signal(id: string, change: Partial<SignalInfo> = {}): SignalInfo {
   return {
     id, address: `base/${id}`, name: id, type: "number", unit: "m", decimals: -1, minimum: null, maximum: null,
-    states: [], frame: "local", max_age: 5, primary: true, channels: [`base/${id}`], ...change,
+    states: [], frame: "local", max_age: 5, primary: true, public: false, channels: [`base/${id}`], ...change,
   };
 }
 
@@ -48,7 +48,7 @@ const DETAIL: SiteDetail = {
   site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, last_seen_us: 0,
   devices: [
     {
-      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, rights: [],
+      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, rights: [],
       signals: [
         signal("left"),
         signal("volt", { unit: "V", primary: false }),

@@ -1,0 +1,101 @@
+/** The look of pages that hold lists and forms: sheets below each other, facts in rows. */
+
+import { css } from "lit";
+
+export const sheets = css`
+  :host {
+    display: grid;
+    align-content: start;
+    gap: var(--t-space-4);
+    min-inline-size: 0;
+  }
+  .head {
+    display: flex;
+    flex-wrap: wrap;
+    align-items: center;
+    justify-content: space-between;
+    gap: var(--t-space-2) var(--t-space-4);
+  }
+  .head > div {
+    display: grid;
+    gap: var(--t-space-1);
+  }
+  .sheet {
+    display: grid;
+    gap: var(--t-space-4);
+    padding: var(--t-space-5);
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
+    box-shadow: var(--t-shadow);
+    min-inline-size: 0;
+  }
+  .fields {
+    display: grid;
+    gap: var(--t-space-4);
+    max-inline-size: 26rem;
+  }
+  .actions {
+    display: flex;
+    flex-wrap: wrap;
+    align-items: center;
+    gap: var(--t-space-2);
+  }
+  .rows {
+    display: grid;
+    gap: 0;
+    margin: 0;
+    padding: 0;
+    list-style: none;
+  }
+  .rows > li {
+    display: grid;
+    grid-template-columns: minmax(0, 1fr) auto;
+    align-items: center;
+    gap: var(--t-space-2) var(--t-space-4);
+    padding-block: var(--t-space-3);
+    border-block-start: 1px solid var(--t-line);
+  }
+  .rows > li:first-child {
+    border-block-start: 0;
+    padding-block-start: 0;
+  }
+  .rows > li:last-child {
+    padding-block-end: 0;
+  }
+  .name {
+    font-weight: var(--t-weight-strong);
+    overflow-wrap: anywhere;
+  }
+  .facts {
+    display: flex;
+    flex-wrap: wrap;
+    gap: 0 var(--t-space-4);
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+    overflow-wrap: anywhere;
+  }
+  .chip {
+    display: inline-block;
+    padding: 0 0.5em;
+    border: 1px solid var(--t-line);
+    border-radius: 1em;
+    background: var(--t-raised);
+    color: var(--t-text);
+    font-size: var(--t-size-s);
+    font-weight: var(--t-weight-strong);
+    white-space: nowrap;
+  }
+  .said {
+    color: var(--t-ok);
+    font-weight: var(--t-weight-strong);
+  }
+  @media (max-width: 45rem) {
+    .sheet {
+      padding: var(--t-space-4);
+    }
+    .rows > li {
+      grid-template-columns: minmax(0, 1fr);
+    }
+  }
+`;

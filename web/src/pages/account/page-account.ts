@@ -1,0 +1,70 @@
+/** One's own account: password, second factor, sessions, tokens for scripts. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { levelAt, placeKey } from "../../state/rights.js";
+import { sessionContext } from "../../state/contexts.js";
+import type { Person } from "../../wire/api.js";
+import "../../elements/status.js";
+import "./factor.js";
+import "./password.js";
+import "./sessions.js";
+import "./tokens.js";
+
+@customElement("t-page-account")
+export class PageAccount extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .two {
+        display: grid;
+        grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr));
+        align-items: start;
+        gap: var(--t-space-4);
+      }
+    `,
+  ];
+
+  private readonly session = new StoreController(this, sessionContext);
+
+  override render(): TemplateResult | typeof nothing {
+    const person = this.session.store?.person ?? null;
+    if (person === null) return nothing;
+    return html`
+      <div class="head">
+        <div>
+          <h1>Account</h1>
+          <p class="muted">${person.name}, with the role ${person.role}: ${rightsWords(person)}</p>
+        </div>
+      </div>
+      <div class="two">
+        <t-account-password class="sheet" .name=${person.name}></t-account-password>
+        <t-account-factor class="sheet" .active=${person.factor}></t-account-factor>
+      </div>
+      <t-account-sessions class="sheet"></t-account-sessions>
+      <t-account-tokens class="sheet" .person=${person}></t-account-tokens>
+    `;
+  }
+}
+
+/** What a person may do, in one line. */
+function rightsWords(person: Person): string {
+  if (person.admin) return "admin of the whole hub.";
+  if (person.permissions.length === 0) return "you see what is public.";
+  const places = new Map(person.permissions.map((one) => [placeKey(one), one]));
+  const words = [...places.values()].map((place) => {
+    const what = place.site === "*" ? "every site" : place.device === "*" ? place.site : `${place.site} ${place.device}`;
+    return `${levelAt(person.permissions, place)} ${what}`;
+  });
+  return `${words.join(", ")}.`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-account": PageAccount;
+  }
+}

@@ -1,0 +1,118 @@
+/** Where one is signed in, and the end of it. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { agentWords } from "../../format/agent.js";
+import { adviceFor } from "../../format/problem.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import { AccountApi } from "../../wire/account.js";
+import type { SessionRow } from "../../wire/accounts.js";
+import type { HubApi } from "../../wire/http.js";
+import "../../elements/button.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../../elements/time.js";
+
+@customElement("t-account-sessions")
+export class AccountSessions extends LitElement {
+  static override styles = [base, sheets];
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly rows = new LoadController<readonly SessionRow[]>(this);
+  private readonly action = new ActionController(this);
+
+  override willUpdate(): void {
+    this.rows.ask("sessions", () => new AccountApi(this.api).sessions());
+  }
+
+  override render(): TemplateResult {
+    const rows = this.rows.value;
+    const others = rows?.filter((row) => !row.this).length ?? 0;
+    const { problem, done, under } = this.action;
+    return html`<div class="head">
+        <h2>Sessions</h2>
+        ${others < 2
+          ? nothing
+          : html`<t-button ?busy=${under === "end them"} @click=${this.endOthers}>End all others</t-button>`}
+      </div>
+      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      <p class="visually-hidden" role="status">${done}</p>
+      ${this.list(rows)}`;
+  }
+
+  private list(rows: readonly SessionRow[] | undefined): unknown {
+    const { result } = this.rows;
+    if (result.state === "failed") {
+      const advice = adviceFor(result.error, "the list of your sessions");
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    }
+    if (rows === undefined) return html`<t-loading what="Loading your sessions"></t-loading>`;
+    const zone = this.sites.store?.zone ?? "UTC";
+    return html`<ul class="rows">
+      ${repeat(
+        rows,
+        (row) => row.id,
+        (row) => html`<li>
+          <div>
+            <span class="name" title=${row.agent}>${agentWords(row.agent)}</span>
+            ${row.this ? html`<t-status kind="ok" word="this one"></t-status>` : nothing}
+            <div class="facts">
+              <span>from ${row.address === "" ? "an unknown address" : row.address}</span>
+              <span>since <t-time .us=${row.created_us} .zone=${zone}></t-time></span>
+              <span>last used <t-time .us=${row.used_us} .zone=${zone}></t-time></span>
+            </div>
+          </div>
+          ${row.this
+            ? nothing
+            : html`<t-button
+                label=${`End the session of ${agentWords(row.agent)} from ${row.address}`}
+                ?busy=${this.action.under === row.id}
+                @click=${this.ender(row)}
+                >End this</t-button
+              >`}
+        </li>`,
+      )}
+    </ul>`;
+  }
+
+  /** Asks for the list again: something else on the page has ended sessions. */
+  reload(): void {
+    this.rows.again();
+  }
+
+  private readonly again = (): void => {
+    this.reload();
+  };
+
+  private ender(row: SessionRow): () => void {
+    return () => {
+      void this.end(row);
+    };
+  }
+
+  private async end(row: SessionRow): Promise<void> {
+    const api = new AccountApi(this.api);
+    await this.action.run("end this session", () => api.endSession(row.id), "The session is ended.", row.id);
+    this.reload();
+  }
+
+  private readonly endOthers = (): void => {
+    const api = new AccountApi(this.api);
+    void this.action.run("end them", () => api.endOtherSessions(), "All other sessions are ended.").then(this.again);
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-account-sessions": AccountSessions;
+  }
+}

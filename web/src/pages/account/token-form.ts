@@ -1,0 +1,217 @@
+/** What a new token shall be: a name, a day of its end, and some of its maker's rights. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LoadController } from "../../controllers/load.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { adviceFor } from "../../format/problem.js";
+import { knownZone } from "../../format/time.js";
+import { DAY_US, ZoneClock } from "../../series/zone.js";
+import { apiContext } from "../../state/contexts.js";
+import { inheritedLevel, LEVELS, ownLevel, rank, withLevel, type Level } from "../../state/rights.js";
+import type { DeviceRow, Permission, Person } from "../../wire/api.js";
+import type { HubApi } from "../../wire/http.js";
+import { scopesOf, type Scope } from "./scopes.js";
+import "../../elements/button.js";
+import "../../elements/field.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+
+export interface TokenWish {
+  readonly name: string;
+  readonly endsUs: number;
+  readonly permissions: readonly Permission[];
+}
+
+const FIRST_DAYS = 90;
+
+/**
+ * @fires t-wish detail is what the person wants
+ * @fires t-cancel
+ */
+@customElement("t-token-form")
+export class TokenForm extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      form {
+        display: grid;
+        gap: var(--t-space-4);
+        padding-block-end: var(--t-space-4);
+      }
+      fieldset {
+        display: grid;
+        gap: var(--t-space-1);
+        max-inline-size: 32rem;
+        margin: 0;
+        padding: 0;
+        border: 0;
+      }
+      legend {
+        padding: 0;
+        margin-block-end: var(--t-space-1);
+        font-weight: var(--t-weight-strong);
+        font-size: var(--t-size-s);
+      }
+      label {
+        display: flex;
+        align-items: center;
+        justify-content: space-between;
+        gap: var(--t-space-3);
+        min-block-size: var(--t-touch);
+        border-block-end: 1px solid var(--t-line);
+      }
+      label.d1 span {
+        padding-inline-start: var(--t-space-4);
+      }
+      label.d2 span {
+        padding-inline-start: var(--t-space-6);
+      }
+      select {
+        min-block-size: 2.25rem;
+        min-inline-size: 7rem;
+        padding-inline: var(--t-space-2);
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-text);
+        font: inherit;
+      }
+      .error {
+        color: var(--t-bad);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight-strong);
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) person: Person | null = null;
+  @property() zone = "UTC";
+  @property({ type: Boolean }) busy = false;
+  @state() private permissions: readonly Permission[] = [];
+  @state() private errors = { name: "", ends: "", rights: "" };
+  @query("#name") private readonly name!: HTMLInputElement;
+  @query("#ends") private readonly ends!: HTMLInputElement;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly devices = new LoadController<readonly DeviceRow[]>(this);
+
+  override willUpdate(): void {
+    this.devices.ask("devices", () => this.api.devices());
+  }
+
+  override firstUpdated(): void {
+    void this.name.closest("t-field")?.updateComplete.then(() => {
+      this.name.focus();
+    });
+  }
+
+  override render(): TemplateResult {
+    const clock = this.clock();
+    const now = Date.now() * 1000;
+    const day = (days: number): string => clock.toInput(now + days * DAY_US).slice(0, 10);
+    return html`<form novalidate @submit=${this.submit}>
+      <div class="fields">
+        <t-field label="Name" hint="What the script is for" error=${this.errors.name}>
+          <input id="name" autocomplete="off" maxlength="100" />
+        </t-field>
+        <t-field label="Last day" hint=${`It ends with that day in ${clock.zone}`} error=${this.errors.ends}>
+          <input id="ends" type="date" min=${day(0)} .defaultValue=${day(FIRST_DAYS)} />
+        </t-field>
+      </div>
+      ${this.rights()}
+      <div class="actions">
+        <t-button type="submit" kind="primary" ?busy=${this.busy}>Make the token</t-button>
+        <t-button @click=${this.cancel}>Cancel</t-button>
+      </div>
+    </form>`;
+  }
+
+  private rights(): unknown {
+    const { result, value } = this.devices;
+    if (result.state === "failed") {
+      const advice = adviceFor(result.error, "the list of your devices");
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    }
+    if (value === undefined) return html`<t-loading what="Loading your devices"></t-loading>`;
+    const scopes = scopesOf(this.person?.permissions ?? [], value);
+    if (scopes.length === 0) {
+      return html`<p class="muted">You have no rights to pass on; the token will read what is public.</p>`;
+    }
+    return html`<fieldset>
+      <legend>What it may do</legend>
+      ${repeat(
+        scopes,
+        (scope) => `${scope.site}\n${scope.device}`,
+        (scope) => this.scope(scope),
+      )}
+      <span role="alert">${this.errors.rights === "" ? nothing : html`<span class="error">${this.errors.rights}</span>`}</span>
+    </fieldset>`;
+  }
+
+  private scope(scope: Scope): TemplateResult {
+    const from = inheritedLevel(this.permissions, scope);
+    const own = ownLevel(this.permissions, scope);
+    const shown = rank(own) > rank(from) ? own : from;
+    const choices = LEVELS.filter((level) => rank(level) >= rank(from) && rank(level) <= rank(scope.most));
+    const choose = (event: Event): void => {
+      if (!(event.target instanceof HTMLSelectElement)) return;
+      const level = LEVELS.find((one) => one === (event.target as HTMLSelectElement).value) ?? "none";
+      this.give(scope, level === from ? "none" : level);
+    };
+    return html`<label class=${`d${String(scope.depth)}`}
+      ><span>${scope.name}</span
+      ><select @change=${choose}>
+        ${map(choices, (level) => html`<option value=${level} .selected=${level === shown}>${level}</option>`)}
+      </select></label
+    >`;
+  }
+
+  private give(scope: Scope, level: Level): void {
+    this.permissions = withLevel(this.permissions, scope, level);
+    this.errors = { ...this.errors, rights: "" };
+  }
+
+  private clock(): ZoneClock {
+    return new ZoneClock(knownZone(this.zone));
+  }
+
+  private readonly again = (): void => {
+    this.devices.again();
+  };
+
+  private readonly cancel = (): void => {
+    this.dispatchEvent(new CustomEvent("t-cancel"));
+  };
+
+  private readonly submit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    if (this.busy) return;
+    const name = this.name.value.trim();
+    const clock = this.clock();
+    const endsUs = clock.dayAfter(clock.fromInput(`${this.ends.value}T12:00:00`), 1);
+    const some = (this.person?.permissions.length ?? 0) === 0 || this.permissions.length > 0;
+    this.errors = {
+      name: name === "" ? "Enter a name." : "",
+      ends: Number.isNaN(endsUs) || endsUs <= Date.now() * 1000 ? "Choose a day that is not over." : "",
+      rights: some ? "" : "Give it at least one right; without, it is of no use.",
+    };
+    if (Object.values(this.errors).some((error) => error !== "")) return;
+    const detail: TokenWish = { name, endsUs: Math.round(endsUs), permissions: this.permissions };
+    this.dispatchEvent(new CustomEvent("t-wish", { detail }));
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-token-form": TokenForm;
+  }
+  interface GlobalEventHandlersEventMap {
+    "t-wish": CustomEvent<TokenWish>;
+  }
+}

@@ -1,0 +1,69 @@
+/** The way between an admin's pages. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { base } from "../elements/base.js";
+import type { PageName } from "../state/router.js";
+
+const TABS: readonly (readonly [PageName, string])[] = [
+  ["people", "People"],
+  ["roles", "Roles"],
+  ["gateways", "Gateways"],
+  ["audit", "Audit log"],
+];
+
+@customElement("t-admin-tabs")
+export class AdminTabs extends LitElement {
+  static override styles = [
+    base,
+    css`
+      nav {
+        display: flex;
+        gap: var(--t-space-1);
+        overflow-x: auto;
+        border-block-end: 1px solid var(--t-line);
+      }
+      a {
+        display: inline-flex;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        padding-inline: var(--t-space-3);
+        border-block-end: 3px solid transparent;
+        color: var(--t-muted);
+        font-weight: var(--t-weight-strong);
+        text-decoration: none;
+        white-space: nowrap;
+      }
+      a:hover {
+        color: var(--t-text);
+      }
+      a[aria-current] {
+        border-block-end-color: var(--t-accent);
+        color: var(--t-text);
+      }
+      a:focus-visible {
+        outline-offset: -4px;
+      }
+    `,
+  ];
+
+  @property() page: PageName = "people";
+
+  override render(): TemplateResult {
+    return html`<nav aria-label="Admin">
+      ${map(
+        TABS,
+        ([page, title]) => html`<a href=${`/admin/${page}`} aria-current=${page === this.page ? "page" : nothing}
+          >${title}</a
+        >`,
+      )}
+    </nav>`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-admin-tabs": AdminTabs;
+  }
+}

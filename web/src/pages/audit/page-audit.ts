@@ -1,0 +1,192 @@
+/** The audit log: who did what, and whether the chain of its rows holds. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { adviceFor } from "../../format/problem.js";
+import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
+import type { AuditCheck, AuditPage, AuditRow } from "../../wire/accounts.js";
+import { AdminApi } from "../../wire/admin.js";
+import type { HubApi } from "../../wire/http.js";
+import { auditStyle } from "./audit-style.js";
+import { NO_FILTER, pageQuery, readFilter, writeFilter, type AuditFilter } from "./query.js";
+import "../../elements/button.js";
+import "../../elements/empty.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../../elements/time.js";
+import "../admin-tabs.js";
+import "./audit-filter.js";
+
+const ROWS = 50;
+const TITLES = ["Time", "Who", "What", "Where", "Outcome"] as const;
+
+@customElement("t-page-audit")
+export class PageAudit extends LitElement {
+  static override styles = [base, sheets, auditStyle];
+
+  /** The last row of each page before this one. */
+  @state() private trail: readonly string[] = [];
+  @state() private check: AuditCheck | null = null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly router = new StoreController(this, routerContext);
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly page = new LoadController<AuditPage>(this);
+  private readonly action = new ActionController(this);
+  private shown = "";
+
+  override willUpdate(): void {
+    const filter = this.filter();
+    const written = writeFilter(filter);
+    if (written !== this.shown) {
+      this.shown = written;
+      this.trail = [];
+    }
+    const query = pageQuery(filter, this.trail.at(-1) ?? "", ROWS);
+    this.page.ask(query, () => new AdminApi(this.api).audit(query));
+  }
+
+  override render(): TemplateResult {
+    const filter = this.filter();
+    const zone = this.sites.store?.zone ?? "UTC";
+    return html`<t-admin-tabs page="audit"></t-admin-tabs>
+      <div class="head">
+        <div>
+          <h1>Audit log</h1>
+          <p class="muted">Every row is sealed to the one before: one that is changed or taken out breaks the chain.</p>
+        </div>
+        <div class="actions">
+          <a class="export" download href=${`/api/audit/export?${writeFilter(filter)}`}>Export as CSV</a>
+          <t-button ?busy=${this.action.busy} @click=${this.verify}>Verify the chain</t-button>
+        </div>
+      </div>
+      <div role="status">${this.chain()}</div>
+      <t-audit-filter
+        class="sheet"
+        .filter=${filter}
+        .sites=${this.sites.store?.list ?? []}
+        zone=${zone}
+        @t-filter=${this.choose}
+      ></t-audit-filter>
+      ${this.trouble()} ${this.rows(filter)}`;
+  }
+
+  private chain(): unknown {
+    const { problem } = this.action;
+    if (problem !== null) return html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`;
+    const { check } = this;
+    if (check === null) return nothing;
+    const rows = check.rows === 1 ? "1 row" : `${String(check.rows)} rows`;
+    return check.ok
+      ? html`<t-status kind="ok" word=${`The chain holds: ${rows}, each follows from the one before.`}></t-status>`
+      : html`<t-problem
+          what=${`The chain is broken at row ${String(check.broken)}.`}
+          how=${`${rows} before it hold. Somebody has changed the database by hand, or it is damaged: keep a copy of it, and compare it with your exports and backups.`}
+        ></t-problem>`;
+  }
+
+  private trouble(): unknown {
+    const { result } = this.page;
+    if (result.state !== "failed") return nothing;
+    const advice = adviceFor(result.error, "the audit log");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+  }
+
+  private rows(filter: AuditFilter): unknown {
+    const page = this.page.value;
+    if (page === undefined) {
+      return this.page.result.state === "failed" ? nothing : html`<t-loading what="Loading the audit log"></t-loading>`;
+    }
+    if (page.rows.length === 0) {
+      return html`<t-empty heading="Nothing fits" icon="info">
+        <p>${writeFilter(filter) === "" ? "Nothing has been noted yet." : "No row of the log is like this."}</p>
+        ${writeFilter(filter) === "" ? nothing : html`<t-button @click=${this.clear}>Show everything</t-button>`}
+      </t-empty>`;
+    }
+    return html`<div class="table" role="table" aria-label="Audit log" aria-busy=${this.page.result.state === "loading"}>
+        <div class="row titles" role="row">
+          ${map(TITLES, (word) => html`<span role="columnheader">${word}</span>`)}
+        </div>
+        ${repeat(
+          page.rows,
+          (row) => row.id,
+          (row) => this.row(row),
+        )}
+      </div>
+      <div class="actions paging">
+        ${this.trail.length === 0
+          ? nothing
+          : html`<t-button @click=${this.newest}>Newest</t-button><t-button @click=${this.newer}>Newer</t-button>`}
+        ${page.more ? html`<t-button @click=${this.older}>Older</t-button>` : html`<span class="muted">This is the oldest.</span>`}
+      </div>`;
+  }
+
+  private row(row: AuditRow): TemplateResult {
+    return html`<div class="row" role="row">
+      <span role="cell" class="when"><t-time .us=${row.time_us} .zone=${this.sites.store?.zoneOf(row.site) ?? "UTC"}></t-time></span>
+      <span role="cell" class="who"
+        >${row.who === "" ? html`<span class="muted">nobody</span>` : row.who}
+        ${row.address === "" ? nothing : html`<span class="muted small">${row.address}</span>`}</span
+      >
+      <span role="cell" class="what"
+        ><strong>${row.kind}</strong> ${row.message === "" ? nothing : html`<span>${row.message}</span>`}</span
+      >
+      <span role="cell" class="where">${[row.site, row.device].filter(Boolean).join(" · ") || html`<span class="muted">hub</span>`}</span>
+      <span role="cell"><t-status kind=${row.good ? "ok" : "bad"} word=${row.good ? "done" : "refused"}></t-status></span>
+    </div>`;
+  }
+
+  private filter(): AuditFilter {
+    return readFilter(this.router.store?.search ?? "");
+  }
+
+  private readonly choose = (event: CustomEvent<AuditFilter>): void => {
+    const query = writeFilter(event.detail);
+    this.router.store?.replace(query === "" ? "/admin/audit" : `/admin/audit?${query}`);
+  };
+
+  private readonly clear = (): void => {
+    this.router.store?.replace(`/admin/audit${writeFilter(NO_FILTER)}`);
+  };
+
+  private readonly again = (): void => {
+    this.page.again();
+  };
+
+  private readonly older = (): void => {
+    const last = this.page.value?.rows.at(-1);
+    if (last !== undefined) this.trail = [...this.trail, last.id];
+    window.scrollTo(0, 0);
+  };
+
+  private readonly newer = (): void => {
+    this.trail = this.trail.slice(0, -1);
+  };
+
+  private readonly newest = (): void => {
+    this.trail = [];
+    this.page.again();
+  };
+
+  private readonly verify = (): void => {
+    this.check = null;
+    void this.action.run("verify the chain", async () => {
+      this.check = await new AdminApi(this.api).checkAudit();
+    });
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-audit": PageAudit;
+  }
+}

@@ -1,0 +1,258 @@
+/** One device: its values live, its cameras, and what the person may do with it. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { CommandLine } from "../../controllers/drive/command-line.js";
+import { LinkController } from "../../controllers/link.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { Painter } from "../../elements/chart/painter.js";
+import { sheets } from "../../elements/sheets.js";
+import { adviceFor } from "../../format/problem.js";
+import { MINUTE_US } from "../../series/zone.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import { sitePath } from "../../state/router.js";
+import { ChartFeed } from "../../tiles/chart/feed.js";
+import type { DeviceInfo, SiteDetail } from "../../wire/api.js";
+import type { HubApi } from "../../wire/http.js";
+import "../../elements/clock.js";
+import "../../elements/empty.js";
+import "../../elements/icon.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../../tiles/camera/camera.js";
+import "../../tiles/chart/chart-tile.js";
+import "../../tiles/command/commands.js";
+
+/** What the small charts show. */
+const LENGTH_US = MINUTE_US;
+
+@customElement("t-page-device")
+export class PageDevice extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .charts,
+      .cameras {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(23rem, 100%), 1fr));
+        gap: var(--t-space-3);
+      }
+      .ways {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-2);
+      }
+      .ways a {
+        display: inline-flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        min-block-size: var(--t-touch);
+        padding-inline: var(--t-space-4);
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        font-weight: var(--t-weight-strong);
+        text-decoration: none;
+      }
+      .ways a:hover {
+        background: var(--t-raised);
+      }
+      section {
+        display: grid;
+        gap: var(--t-space-3);
+        min-inline-size: 0;
+      }
+      .where {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        gap: 0 var(--t-space-3);
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property() device = "";
+
+  @consume({ context: apiContext }) private readonly api: HubApi | undefined;
+  private readonly painter = new Painter();
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly link = new LinkController(this);
+  private readonly detail = new LoadController<SiteDetail>(this);
+  private feed: ChartFeed | null = null;
+  private commands: CommandLine | null = null;
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    this.requestUpdate();
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.close();
+  }
+
+  protected override willUpdate(changed: PropertyValues<this>): void {
+    if (changed.has("site") || changed.has("device")) this.close();
+    const sites = this.sites.store;
+    const { connection } = this.link;
+    if (sites === undefined || connection === undefined || this.api === undefined) return;
+    this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
+    const device = this.found();
+    if (device === undefined || !this.isConnected) return;
+    this.feed ??= new ChartFeed(this.site, connection, this.api, this.cameIn, LENGTH_US);
+    this.feed.listen(device.signals);
+    if (this.commands !== null || !device.rights.includes("use")) return;
+    this.commands = new CommandLine(connection, this.site);
+    this.commands.open();
+  }
+
+  override render(): TemplateResult {
+    const detail = this.detail.value;
+    const device = this.found();
+    if (detail === undefined) return html`${this.trouble()}`;
+    if (device === undefined) return this.forbidden(detail.name);
+    return html`<div class="head">
+        <div>
+          <p class="muted"><a href="/devices">Devices</a> · ${detail.name}</p>
+          <h1>${device.name}</h1>
+          <div class="where">
+            <t-status kind=${this.online(detail) ? "online" : "offline"}></t-status>
+            <t-clock zone=${detail.zone}></t-clock>
+            <span class="muted">${rightsWords(device)}</span>
+          </div>
+        </div>
+        <nav class="ways" aria-label=${device.name}>
+          ${device.drive !== null && device.rights.includes("view")
+            ? html`<a href=${sitePath(this.site, "drive")}
+                ><t-icon name="drive"></t-icon>${device.rights.includes("use") ? "Drive it" : "See it drive, or stop it"}</a
+              >`
+            : nothing}
+          <a href=${this.historyPath(device)}><t-icon name="history"></t-icon>History</a>
+        </nav>
+      </div>
+      ${this.trouble()} ${this.signals(device, detail)} ${this.cameras(device, detail)} ${this.deeds(device, detail)}`;
+  }
+
+  private trouble(): unknown {
+    const { result } = this.detail;
+    if (result.state === "failed") {
+      const { error } = result;
+      if (error instanceof Error && "status" in error && (error.status === 403 || error.status === 404)) {
+        return this.forbidden(this.site);
+      }
+      const advice = adviceFor(error, "this device");
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    }
+    return this.detail.value === undefined ? html`<t-loading what="Loading the device"></t-loading>` : nothing;
+  }
+
+  /** The hub does not tell what is hidden from what does not exist, and neither can this page. */
+  private forbidden(site: string): TemplateResult {
+    return html`<t-empty heading="This device is not open to you" icon="lock">
+      <p>
+        There is no device ${this.device} at ${site}, or your role may not view it. An admin of this hub can give you the
+        right.
+      </p>
+      <p><a href="/devices">See the devices that are open to you</a></p>
+    </t-empty>`;
+  }
+
+  private signals(device: DeviceInfo, detail: SiteDetail): unknown {
+    if (device.signals.length === 0) {
+      return device.streams.length > 0
+        ? nothing
+        : html`<t-empty heading="No values to show" icon="live"><p>It has none that you may see.</p></t-empty>`;
+    }
+    return html`<section aria-labelledby="values">
+      <h2 id="values">Values</h2>
+      <div class="charts">
+        ${repeat(
+          device.signals,
+          (signal) => signal.address,
+          (signal, place) => html`<t-chart-tile
+            class=${signal.type}
+            .feed=${this.feed}
+            .signal=${signal}
+            .painter=${this.painter}
+            .colour=${place}
+            .cut=${!this.online(detail)}
+            zone=${detail.zone}
+          ></t-chart-tile>`,
+        )}
+      </div>
+    </section>`;
+  }
+
+  private cameras(device: DeviceInfo, detail: SiteDetail): unknown {
+    if (device.streams.length === 0) return nothing;
+    return html`<section aria-labelledby="cameras">
+      <h2 id="cameras">${device.streams.length === 1 ? "Camera" : "Cameras"}</h2>
+      <div class="cameras">
+        ${repeat(
+          device.streams,
+          (stream) => stream.address,
+          (stream) => html`<t-camera
+            .site=${this.site}
+            .stream=${stream.address}
+            .name=${stream.name}
+            .online=${this.online(detail)}
+          ></t-camera>`,
+        )}
+      </div>
+    </section>`;
+  }
+
+  /** What can be done with it stands here only for who may do it. */
+  private deeds(device: DeviceInfo, detail: SiteDetail): unknown {
+    if (!device.rights.includes("use")) return nothing;
+    return html`<t-commands .devices=${[device]} .line=${this.commands} .online=${this.online(detail)}></t-commands>`;
+  }
+
+  private found(): DeviceInfo | undefined {
+    return this.detail.value?.devices.find(({ id }) => id === this.device);
+  }
+
+  private online(detail: SiteDetail): boolean {
+    return (this.sites.store?.row(this.site)?.online ?? detail.online) && this.link.state === "open";
+  }
+
+  private historyPath(device: DeviceInfo): string {
+    const channels = device.signals.filter(({ primary }) => primary).flatMap((signal) => signal.channels.slice(0, 1));
+    const query = new URLSearchParams(channels.slice(0, 4).map((channel) => ["c", channel])).toString();
+    return `${sitePath(this.site, "history")}${query === "" ? "" : `?${query}`}`;
+  }
+
+  private close(): void {
+    this.feed?.close();
+    this.commands?.close();
+    this.feed = null;
+    this.commands = null;
+  }
+
+  private readonly cameIn = (): void => {
+    this.painter.wake();
+  };
+
+  private readonly again = (): void => {
+    this.detail.again();
+  };
+}
+
+function rightsWords(device: DeviceInfo): string {
+  if (device.rights.includes("admin")) return "you may manage it";
+  if (device.rights.includes("use")) return "you may use it";
+  return device.rights.includes("view") ? "you may view it" : "you see what is public";
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-device": PageDevice;
+  }
+}

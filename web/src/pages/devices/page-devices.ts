@@ -1,0 +1,225 @@
+/** Every device that is open to the person, with how it stands. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { TickController } from "../../controllers/tick.js";
+import { base } from "../../elements/base.js";
+import type { Option } from "../../elements/choice.js";
+import { sheets } from "../../elements/sheets.js";
+import { adviceFor } from "../../format/problem.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import { devicePath } from "../../state/router.js";
+import type { DeviceRow } from "../../wire/api.js";
+import type { HubApi } from "../../wire/http.js";
+import { isShown, standing, STANDING_WORDS, type Standing } from "./standing.js";
+import "../../elements/button.js";
+import "../../elements/choice.js";
+import "../../elements/empty.js";
+import "../../elements/icon.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+
+/** Counts of stale signals are asked for again this often (s). */
+const AGAIN_S = 5;
+
+const STANDINGS: readonly Option[] = [
+  { id: "", label: "All" },
+  { id: "online", label: "Online" },
+  { id: "stale", label: "Stale" },
+  { id: "offline", label: "Offline" },
+];
+
+@customElement("t-page-devices")
+export class PageDevices extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .tools {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-2);
+      }
+      input {
+        flex: 1 1 10rem;
+        min-inline-size: 0;
+        min-block-size: var(--t-touch);
+        padding: var(--t-space-2) var(--t-space-3);
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-text);
+        font: inherit;
+      }
+      ::placeholder {
+        color: var(--t-muted);
+        opacity: 1;
+      }
+      section {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      ul {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(24rem, 100%), 1fr));
+        gap: var(--t-space-3);
+        margin: 0;
+        padding: 0;
+        list-style: none;
+      }
+      .device {
+        display: grid;
+        gap: var(--t-space-2);
+        block-size: 100%;
+        align-content: start;
+        padding: var(--t-space-4);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+        box-shadow: var(--t-shadow);
+        color: var(--t-text);
+        text-decoration: none;
+      }
+      .device:hover {
+        border-color: var(--t-edge);
+      }
+      .top {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        justify-content: space-between;
+        gap: var(--t-space-1) var(--t-space-3);
+      }
+      .chips {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-1);
+      }
+    `,
+  ];
+
+  @state() private words = "";
+  @state() private chosen: Standing | "" = "";
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly rows = new LoadController<readonly DeviceRow[]>(this);
+
+  constructor() {
+    super();
+    new TickController(this);
+  }
+
+  override willUpdate(): void {
+    // Sites that come or go are told of by the connection; the rest is asked for now and then.
+    const online = (this.sites.store?.list ?? []).map((row) => `${row.site} ${String(row.online)}`).join();
+    const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
+    this.rows.ask(`${online} ${String(turn)}`, () => this.api.devices());
+  }
+
+  override render(): TemplateResult {
+    const rows = this.rows.value;
+    return html`<div class="head">
+        <div>
+          <h1>Devices</h1>
+          ${rows === undefined ? nothing : html`<p class="muted">${summary(rows)}</p>`}
+        </div>
+        <div class="tools" role="search">
+          <t-choice label="Status" .options=${STANDINGS} .chosen=${this.chosen} @t-choose=${this.choose}></t-choice>
+          <input type="search" aria-label="Filter devices" placeholder="Filter" .value=${this.words} @input=${this.type} />
+        </div>
+      </div>
+      ${this.trouble()} ${rows === undefined ? this.waiting() : this.content(rows)}`;
+  }
+
+  private trouble(): unknown {
+    const { result } = this.rows;
+    if (result.state !== "failed") return nothing;
+    const advice = adviceFor(result.error, "the list of devices");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+  }
+
+  private waiting(): unknown {
+    return this.rows.result.state === "failed" ? nothing : html`<t-loading what="Loading the devices"></t-loading>`;
+  }
+
+  private content(rows: readonly DeviceRow[]): unknown {
+    if (rows.length === 0) {
+      return html`<t-empty heading="No device is open to you" icon="devices">
+        <p>A device appears here once its gateway has connected, and it is public or your role may view it.</p>
+      </t-empty>`;
+    }
+    const shown = rows.filter((row) => isShown(row, this.words, this.chosen));
+    if (shown.length === 0) {
+      return html`<t-empty heading="No device fits" icon="devices">
+        <p>${String(rows.length)} devices are open to you, and none of them is like this.</p>
+        <t-button @click=${this.clear}>Show all</t-button>
+      </t-empty>`;
+    }
+    const sites = new Map(shown.map((row) => [row.site, row.site_name]));
+    return [...sites].map(
+      ([site, name]) => html`<section aria-labelledby=${`site-${site}`}>
+        <h2 id=${`site-${site}`}>${name}</h2>
+        <ul>
+          ${repeat(
+            shown.filter((row) => row.site === site),
+            (row) => row.device,
+            (row) => html`<li>${this.device(row)}</li>`,
+          )}
+        </ul>
+      </section>`,
+    );
+  }
+
+  private device(row: DeviceRow): TemplateResult {
+    const how = standing(row);
+    return html`<a class="device" href=${devicePath(row.site, row.device)}>
+      <div class="top">
+        <h3>${row.name}</h3>
+        <t-status kind=${how} word=${STANDING_WORDS[how](row)}></t-status>
+      </div>
+      <div class="facts">
+        <span>${row.kind}</span>
+        <span>${row.signals === 1 ? "1 signal" : `${String(row.signals)} signals`}</span>
+      </div>
+      <div class="chips">
+        ${map(row.rights, (right) => html`<span class="chip">${right}</span>`)}
+        ${row.public ? html`<span class="chip">public</span>` : nothing}
+      </div>
+    </a>`;
+  }
+
+  private readonly choose = (event: CustomEvent<string>): void => {
+    this.chosen = event.detail as Standing | "";
+  };
+
+  private readonly type = (event: Event): void => {
+    if (event.target instanceof HTMLInputElement) this.words = event.target.value;
+  };
+
+  private readonly clear = (): void => {
+    this.words = "";
+    this.chosen = "";
+  };
+
+  private readonly again = (): void => {
+    this.rows.again();
+  };
+}
+
+function summary(rows: readonly DeviceRow[]): string {
+  const online = rows.filter((row) => row.online).length;
+  return `${String(online)} of ${String(rows.length)} online`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-devices": PageDevices;
+  }
+}

@@ -1,0 +1,180 @@
+/** Gateways: which are there, how they stand, and how another one comes in. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { TickController } from "../../controllers/tick.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { formatDuration } from "../../format/duration.js";
+import { adviceFor } from "../../format/problem.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import type { CodeRow, GatewayList, GatewayRow } from "../../wire/accounts.js";
+import { AdminApi } from "../../wire/admin.js";
+import type { DeviceRow } from "../../wire/api.js";
+import type { HubApi } from "../../wire/http.js";
+import "../../elements/button.js";
+import "../../elements/empty.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../admin-tabs.js";
+import "./enrol.js";
+import "./gateway-sheet.js";
+
+/** A gateway that comes or goes is seen this soon (s). */
+const AGAIN_S = 3;
+
+interface Known extends GatewayList {
+  readonly devices: readonly DeviceRow[];
+}
+
+@customElement("t-page-gateways")
+export class PageGateways extends LitElement {
+  static override styles = [base, sheets];
+
+  @state() private enrolling = false;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly known = new LoadController<Known>(this);
+  private readonly action = new ActionController(this);
+
+  constructor() {
+    super();
+    new TickController(this);
+  }
+
+  override willUpdate(): void {
+    const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
+    this.known.ask(String(turn), async () => {
+      const [list, devices] = await Promise.all([new AdminApi(this.api).gateways(), this.api.devices()]);
+      return { ...list, devices };
+    });
+  }
+
+  override render(): TemplateResult {
+    const known = this.known.value;
+    return html`<t-admin-tabs page="gateways"></t-admin-tabs>
+      <div class="head">
+        <div>
+          <h1>Gateways</h1>
+          <p class="muted">Each stands beside its robots, dials this hub, and has a key of its own.</p>
+        </div>
+        ${this.enrolling ? nothing : html`<t-button kind="primary" @click=${this.begin}>Enrol a gateway</t-button>`}
+      </div>
+      ${this.enrolling
+        ? html`<t-enrol
+            class="sheet"
+            .sites=${known === undefined ? [] : [...new Set(known.gateways.map(({ site }) => site))]}
+            .gateways=${known?.gateways ?? []}
+            .zone=${this.sites.store?.zone ?? "UTC"}
+            @t-close=${this.end}
+            @t-changed=${this.again}
+          ></t-enrol>`
+        : nothing}
+      ${this.trouble()} ${known === undefined ? this.waiting() : this.content(known)}`;
+  }
+
+  private trouble(): unknown {
+    const { result } = this.known;
+    const { problem } = this.action;
+    if (result.state === "failed") {
+      const advice = adviceFor(result.error, "the list of gateways");
+      return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+    }
+    return problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`;
+  }
+
+  private waiting(): unknown {
+    return this.known.result.state === "failed" ? nothing : html`<t-loading what="Loading the gateways"></t-loading>`;
+  }
+
+  private content(known: Known): TemplateResult {
+    const living = known.gateways.filter((row) => row.revoked_us === 0);
+    const gone = known.gateways.filter((row) => row.revoked_us > 0);
+    return html`${this.codes(known.codes)}
+      ${living.length === 0
+        ? html`<t-empty heading="No gateway yet" icon="unlinked">
+            <p>Enrol one: you get a command to run beside the robot, with a code that works once.</p>
+          </t-empty>`
+        : nothing}
+      ${this.list(living, known.devices)}
+      ${gone.length === 0
+        ? nothing
+        : html`<details>
+            <summary>${gone.length === 1 ? "1 gateway was revoked" : `${String(gone.length)} gateways were revoked`}</summary>
+            ${this.list(gone, [])}
+          </details>`}`;
+  }
+
+  private list(rows: readonly GatewayRow[], devices: readonly DeviceRow[]): unknown {
+    return repeat(
+      rows,
+      (row) => row.id,
+      (row) => html`<t-gateway-sheet
+        class="sheet"
+        .row=${row}
+        .devices=${devices.filter(({ site }) => site === row.site)}
+        .siteName=${this.sites.store?.row(row.site)?.name ?? row.site}
+        .zone=${this.sites.store?.zoneOf(row.site) ?? "UTC"}
+        @t-changed=${this.again}
+      ></t-gateway-sheet>`,
+    );
+  }
+
+  private codes(codes: readonly CodeRow[]): unknown {
+    const now = Date.now() * 1000;
+    const good = codes.filter((row) => row.expires_us > now);
+    if (good.length === 0) return nothing;
+    return html`<section class="sheet" aria-label="Codes that are not used yet">
+      <h2>Codes that are not used yet</h2>
+      <ul class="rows">
+        ${repeat(
+          good,
+          (row) => row.id,
+          (row) => html`<li>
+            <div>
+              <span class="name">${row.site}</span>
+              <div class="facts"><span>good for ${formatDuration((row.expires_us - now) / 1e6)} more</span></div>
+            </div>
+            <t-button
+              label=${`Withdraw the code for ${row.site}`}
+              ?busy=${this.action.under === row.id}
+              @click=${this.withdrawer(row)}
+              >Withdraw</t-button
+            >
+          </li>`,
+        )}
+      </ul>
+    </section>`;
+  }
+
+  private withdrawer(row: CodeRow): () => void {
+    return () => {
+      const api = new AdminApi(this.api);
+      void this.action.run("withdraw the code", () => api.withdrawCode(row.id), "", row.id).then(this.again);
+    };
+  }
+
+  private readonly begin = (): void => {
+    this.enrolling = true;
+  };
+
+  private readonly end = (): void => {
+    this.enrolling = false;
+  };
+
+  private readonly again = (): void => {
+    this.known.again();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-gateways": PageGateways;
+  }
+}

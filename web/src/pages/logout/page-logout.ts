@@ -1,0 +1,48 @@
+/** Log out: asks who came by a link, and says when it is done. */
+
+import { html, LitElement, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { ActionController } from "../../controllers/action.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { doorway } from "../../elements/doorway.js";
+import { sessionContext } from "../../state/contexts.js";
+import "../../elements/button.js";
+import "../../elements/loading.js";
+
+@customElement("t-page-logout")
+export class PageLogout extends LitElement {
+  static override styles = [base, doorway];
+
+  private readonly session = new StoreController(this, sessionContext);
+  private readonly action = new ActionController(this);
+
+  override render(): TemplateResult {
+    const session = this.session.store;
+    if (session?.leaving === true) return html`<t-loading what="Logging out"></t-loading>`;
+    const person = session?.person ?? null;
+    // An address that somebody else wrote must not end a session: it is asked for.
+    return person === null
+      ? html`<div class="sheet">
+          <h1>You are logged out</h1>
+          <p class="muted">Nothing of what you saw is left on this page.</p>
+          <p><a href="/login">Sign in again</a></p>
+        </div>`
+      : html`<div class="sheet">
+          <h1>Log out?</h1>
+          <p>You are signed in as ${person.name}. A device that you hold is let go.</p>
+          <t-button kind="primary" @click=${this.leave}>Log out</t-button>
+          <p><a href="/">Stay signed in</a></p>
+        </div>`;
+  }
+
+  private readonly leave = (): void => {
+    void this.action.run("log you out", () => this.session.store?.logout() ?? Promise.resolve());
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-logout": PageLogout;
+  }
+}

@@ -1,0 +1,124 @@
+/** Who is to be added. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { passwordRules, passwordTrouble } from "../../format/password.js";
+import type { Advice } from "../../format/problem.js";
+import type { RoleRow } from "../../wire/accounts.js";
+import "../../elements/button.js";
+import "../../elements/field.js";
+import "../../elements/problem.js";
+import "../../elements/rules.js";
+
+export interface NewPerson {
+  readonly name: string;
+  readonly password: string;
+  readonly role: string;
+}
+
+/**
+ * @fires t-add detail is who is to be added
+ * @fires t-cancel
+ */
+@customElement("t-person-form")
+export class PersonForm extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      form {
+        display: grid;
+        gap: var(--t-space-4);
+        padding-block: var(--t-space-3);
+      }
+      .fields {
+        grid-template-columns: repeat(auto-fit, minmax(min(16rem, 100%), 1fr));
+        max-inline-size: none;
+        align-items: start;
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) roles: readonly RoleRow[] = [];
+  @property({ attribute: false }) problem: Advice | null = null;
+  @property({ type: Boolean }) busy = false;
+  @state() private typed = { name: "", password: "", again: "" };
+  @state() private errors = { name: "", password: "" };
+  @query("#name") private readonly name!: HTMLInputElement;
+  @query("#role") private readonly roleBox!: HTMLSelectElement;
+
+  override firstUpdated(): void {
+    void this.name.closest("t-field")?.updateComplete.then(() => {
+      this.name.focus();
+    });
+  }
+
+  override render(): TemplateResult {
+    return html`<form novalidate @submit=${this.submit}>
+      <h2>Add a person</h2>
+      <div class="fields">
+        <t-field label="Name" error=${this.errors.name}>
+          <input id="name" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="100" @input=${this.type} />
+        </t-field>
+        <t-field label="Role" hint="What it may do stands on the page of roles.">
+          <select id="role">
+            ${map(
+              this.roles,
+              ({ name }) => html`<option value=${name} .selected=${name === "operator"}>${name}</option>`,
+            )}
+          </select>
+        </t-field>
+        <t-field label="First password" hint="Tell it to the person; they can change it." error=${this.errors.password}>
+          <input id="password" type="password" autocomplete="new-password" @input=${this.type} />
+        </t-field>
+        <t-field label="First password, once more">
+          <input id="again" type="password" autocomplete="new-password" @input=${this.type} />
+        </t-field>
+      </div>
+      <t-rules .rules=${this.rules()}></t-rules>
+      ${this.problem === null
+        ? nothing
+        : html`<t-problem what=${this.problem.what} how=${this.problem.how}></t-problem>`}
+      <div class="actions">
+        <t-button type="submit" kind="primary" ?busy=${this.busy}>Add this person</t-button>
+        <t-button @click=${this.cancel}>Cancel</t-button>
+      </div>
+    </form>`;
+  }
+
+  private rules(): ReturnType<typeof passwordRules> {
+    return passwordRules(this.typed.password, this.typed.name, this.typed.again);
+  }
+
+  private readonly type = (event: Event): void => {
+    if (!(event.target instanceof HTMLInputElement)) return;
+    this.typed = { ...this.typed, [event.target.id]: event.target.value };
+    this.errors = { name: "", password: "" };
+  };
+
+  private readonly cancel = (): void => {
+    this.dispatchEvent(new CustomEvent("t-cancel"));
+  };
+
+  private readonly submit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    if (this.busy) return;
+    const name = this.typed.name.trim();
+    this.errors = { name: name === "" ? "Enter a name." : "", password: passwordTrouble(this.rules()) };
+    if (this.errors.name !== "" || this.errors.password !== "") return;
+    const detail: NewPerson = { name, password: this.typed.password, role: this.roleBox.value };
+    this.dispatchEvent(new CustomEvent("t-add", { detail }));
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-person-form": PersonForm;
+  }
+  interface GlobalEventHandlersEventMap {
+    "t-add": CustomEvent<NewPerson>;
+  }
+}

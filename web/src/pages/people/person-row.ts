@@ -1,0 +1,263 @@
+/** One person: how they stand, and unfolded what an admin can do. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { ActionController } from "../../controllers/action.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { passwordRules, passwordTrouble } from "../../format/password.js";
+import { apiContext } from "../../state/contexts.js";
+import type { PersonRow, RoleRow } from "../../wire/accounts.js";
+import { AdminApi } from "../../wire/admin.js";
+import type { HubApi } from "../../wire/http.js";
+import "../../elements/button.js";
+import "../../elements/confirm.js";
+import "../../elements/field.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../../elements/time.js";
+
+/** What is asked about before it is done. */
+type Question = "" | "remove" | "factor" | "disable";
+
+/**
+ * @fires t-toggle it is to be unfolded or folded
+ * @fires t-changed something was done: the list is old
+ */
+@customElement("t-person-row")
+export class PersonLine extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      :host {
+        display: block;
+        padding-block: var(--t-space-3);
+      }
+      .line {
+        display: grid;
+        grid-template-columns: minmax(8rem, 1fr) 9rem minmax(0, 2fr) auto;
+        align-items: center;
+        gap: var(--t-space-1) var(--t-space-4);
+      }
+      .more {
+        display: grid;
+        gap: var(--t-space-4);
+        padding: var(--t-space-4) 0 var(--t-space-2);
+      }
+      form {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: end;
+        gap: var(--t-space-2);
+      }
+      form t-field {
+        flex: 0 1 18rem;
+      }
+      @media (max-width: 45rem) {
+        .line {
+          grid-template-columns: minmax(0, 1fr) auto;
+        }
+        .facts {
+          grid-column: 1 / -1;
+        }
+        .edit {
+          grid-column: 2;
+          grid-row: 1 / 3;
+        }
+        form t-field {
+          flex: 1 1 100%;
+        }
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) row: PersonRow | null = null;
+  @property({ attribute: false }) roles: readonly RoleRow[] = [];
+  @property() zone = "UTC";
+  /** It is the admin who looks at it. */
+  @property({ type: Boolean }) self = false;
+  @property({ type: Boolean }) open = false;
+  @state() private question: Question = "";
+  @state() private trouble = "";
+  @query("#role") private readonly roleBox!: HTMLSelectElement;
+  @query("#password") private readonly password!: HTMLInputElement;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly action = new ActionController(this);
+
+  override render(): TemplateResult | typeof nothing {
+    const { row } = this;
+    if (row === null) return nothing;
+    return html`<div class="line">
+        <span class="name">${row.name}${this.self ? html` <span class="muted">(you)</span>` : nothing}</span>
+        <span><span class="chip">${row.role}</span></span>
+        <div class="facts">
+          ${row.disabled ? html`<t-status kind="offline" word="disabled"></t-status>` : nothing}
+          <t-status
+            kind=${row.sessions > 0 ? "online" : "unknown"}
+            word=${row.sessions > 0 ? `signed in${row.sessions > 1 ? ` ${String(row.sessions)} times` : ""}` : "not signed in"}
+          ></t-status>
+          <span>second factor ${row.factor ? "on" : "off"}</span>
+          <span>last here <t-time short .us=${row.used_us} .zone=${this.zone}></t-time></span>
+        </div>
+        <t-button
+          class="edit"
+          label=${`${this.open ? "Fold" : "Edit"} ${row.name}`}
+          pressed=${this.open ? "true" : "false"}
+          @click=${this.toggle}
+          >${this.open ? "Close" : "Edit"}</t-button
+        >
+      </div>
+      ${this.open ? this.more(row) : nothing} ${this.asked(row)}`;
+  }
+
+  private more(row: PersonRow): TemplateResult {
+    const { problem, done } = this.action;
+    return html`<div class="more">
+      ${problem === null || this.question !== ""
+        ? nothing
+        : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      <form novalidate @submit=${this.giveRole}>
+        <t-field label="Role" hint="Open pages of theirs follow within a second.">
+          <select id="role">
+            ${map(this.roles, ({ name }) => html`<option value=${name} .selected=${name === row.role}>${name}</option>`)}
+          </select>
+        </t-field>
+        <t-button type="submit" ?busy=${this.action.under === "role"}>Give this role</t-button>
+      </form>
+      <form novalidate @submit=${this.givePassword}>
+        <t-field label="New password" hint="All their sessions end with it." error=${this.trouble}>
+          <input id="password" type="password" autocomplete="new-password" />
+        </t-field>
+        <t-button type="submit" ?busy=${this.action.under === "password"}>Set this password</t-button>
+      </form>
+      <div class="actions">
+        <t-button ?disabled=${row.sessions === 0} ?busy=${this.action.under === "sessions"} @click=${this.endSessions}
+          >End all sessions</t-button
+        >
+        ${row.factor ? html`<t-button @click=${this.ask("factor")}>Remove the second factor…</t-button>` : nothing}
+        ${row.disabled
+          ? html`<t-button ?busy=${this.action.under === "enable"} @click=${this.enable}>Enable</t-button>`
+          : html`<t-button @click=${this.ask("disable")}>Disable…</t-button>`}
+        <t-button @click=${this.ask("remove")}>Remove…</t-button>
+        <span class="said" role="status">${done}</span>
+      </div>
+    </div>`;
+  }
+
+  private asked(row: PersonRow): TemplateResult {
+    const words = WORDS[this.question];
+    return html`<t-confirm
+      heading=${words.heading.replace("{}", row.name)}
+      action=${words.action}
+      ?open=${this.question !== ""}
+      ?busy=${this.action.busy}
+      .problem=${this.question === "" ? null : this.action.problem}
+      @t-confirm=${this.doIt}
+      @t-close=${this.leave}
+      ><p>${words.what}</p></t-confirm
+    >`;
+  }
+
+  private ask(question: Question): () => void {
+    return () => {
+      this.action.clear();
+      this.question = question;
+    };
+  }
+
+  private readonly leave = (): void => {
+    this.question = "";
+    this.action.clear();
+  };
+
+  private readonly toggle = (): void => {
+    this.trouble = "";
+    this.action.clear();
+    this.dispatchEvent(new CustomEvent("t-toggle"));
+  };
+
+  private readonly doIt = (): void => {
+    const { row, question } = this;
+    if (row === null) return;
+    const api = new AdminApi(this.api);
+    switch (question) {
+      case "":
+        return;
+      case "remove":
+        void this.do(`remove ${row.name}`, () => api.removePerson(row.id), "");
+        return;
+      case "factor":
+        void this.do("remove the second factor", () => api.removeFactor(row.id), "The second factor is removed.");
+        return;
+      case "disable":
+        void this.do(`disable ${row.name}`, () => api.changePerson(row.id, { disabled: true }), "Disabled.");
+    }
+  };
+
+  private readonly enable = (): void => {
+    const id = this.row?.id ?? "";
+    void this.do("enable this person", () => new AdminApi(this.api).changePerson(id, { disabled: false }), "Enabled.", "enable");
+  };
+
+  private readonly endSessions = (): void => {
+    const id = this.row?.id ?? "";
+    void this.do("end the sessions", () => new AdminApi(this.api).endSessions(id), "All sessions are ended.", "sessions");
+  };
+
+  private readonly giveRole = (event: SubmitEvent): void => {
+    event.preventDefault();
+    const id = this.row?.id ?? "";
+    const role = this.roleBox.value;
+    if (role === this.row?.role) return;
+    void this.do("change the role", () => new AdminApi(this.api).changePerson(id, { role }), `The role is ${role} now.`, "role");
+  };
+
+  private readonly givePassword = (event: SubmitEvent): void => {
+    event.preventDefault();
+    const { row } = this;
+    if (row === null) return;
+    const password = this.password.value;
+    this.trouble = passwordTrouble(passwordRules(password, row.name, password));
+    if (this.trouble !== "") return;
+    const change = (): Promise<unknown> => new AdminApi(this.api).changePerson(row.id, { password });
+    void this.do("set the password", change, "The password is set.", "password").then((done) => {
+      if (done) this.password.value = "";
+    });
+  };
+
+  private async do(asked: string, action: () => Promise<unknown>, done: string, key = asked): Promise<boolean> {
+    if (!(await this.action.run(asked, action, done, key))) return false;
+    this.question = "";
+    this.dispatchEvent(new CustomEvent("t-changed"));
+    return true;
+  }
+}
+
+const WORDS: Readonly<Record<Question, { heading: string; what: string; action: string }>> = {
+  "": { heading: "", what: "", action: "" },
+  remove: {
+    heading: "Remove {}?",
+    what: "Their sessions and tokens end at once. What they did stays in the audit log. It cannot be taken back.",
+    action: "Remove",
+  },
+  factor: {
+    heading: "Remove the second factor of {}?",
+    what: "From then on the password alone lets them in. Do this only when you are sure who asked for it.",
+    action: "Remove it",
+  },
+  disable: {
+    heading: "Disable {}?",
+    what: "Their sessions end at once, and they cannot sign in until somebody enables them again.",
+    action: "Disable",
+  },
+};
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-person-row": PersonLine;
+  }
+}

@@ -1,0 +1,171 @@
+/** All public data on one page: what a guest sees, and nothing that can be done. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LinkController } from "../../controllers/link.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { adviceFor } from "../../format/problem.js";
+import { sitesContext } from "../../state/contexts.js";
+import { devicePath } from "../../state/router.js";
+import type { Sites } from "../../state/sites.js";
+import type { SiteDetail } from "../../wire/api.js";
+import { publicOf, type PublicDevice } from "./public-parts.js";
+import "../../elements/clock.js";
+import "../../elements/empty.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../../elements/time.js";
+import "../../tiles/camera/camera.js";
+import "../../tiles/signal-value.js";
+
+@customElement("t-page-public")
+export class PagePublic extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .site {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        gap: var(--t-space-1) var(--t-space-4);
+      }
+      .devices {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(26rem, 100%), 1fr));
+        gap: var(--t-space-4);
+        align-items: start;
+      }
+      .values {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr));
+        gap: var(--t-space-4);
+      }
+      section {
+        display: grid;
+        gap: var(--t-space-3);
+        min-inline-size: 0;
+      }
+      h3 a {
+        color: inherit;
+        text-decoration: none;
+      }
+      h3 a:hover {
+        text-decoration: underline;
+      }
+    `,
+  ];
+
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly link = new LinkController(this);
+  private readonly details = new LoadController<readonly SiteDetail[]>(this);
+
+  override willUpdate(): void {
+    const sites = this.sites.store;
+    if (sites?.status !== "ready") return;
+    const question = sites.list.map((row) => `${row.site} ${sites.catalogueOf(row.site)}`).join("\n");
+    this.details.ask(question, () => Promise.all(sites.list.map((row) => sites.detail(row.site))));
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const sites = this.sites.store;
+    if (sites === undefined) return nothing;
+    return html`<div class="head">
+        <div>
+          <h1>Public data</h1>
+          <p class="muted">What everybody may see who signs in here.</p>
+        </div>
+      </div>
+      ${this.trouble(sites)} ${this.content(sites)}`;
+  }
+
+  private trouble(sites: Sites): unknown {
+    const { result } = this.details;
+    const error = sites.status === "failed" ? sites.error : result.state === "failed" ? result.error : null;
+    if (error === null) return nothing;
+    const advice = adviceFor(error, "the public data");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+  }
+
+  private content(sites: Sites): unknown {
+    const details = this.details.value;
+    if (details === undefined) {
+      const failed = sites.status === "failed" || this.details.result.state === "failed";
+      return failed ? nothing : html`<t-loading what="Loading the public data"></t-loading>`;
+    }
+    const shown = details
+      .map((detail) => ({ detail, devices: publicOf(detail) }))
+      .filter(({ devices }) => devices.length > 0);
+    if (shown.length === 0) {
+      return html`<t-empty heading="Nothing is public yet" icon="open">
+        <p>What a site's description marks with <code>visibility: public</code> stands here for everybody.</p>
+      </t-empty>`;
+    }
+    return repeat(
+      shown,
+      ({ detail }) => detail.site,
+      ({ detail, devices }) => this.site(detail, devices, sites),
+    );
+  }
+
+  private site(detail: SiteDetail, devices: readonly PublicDevice[], sites: Sites): TemplateResult {
+    const row = sites.row(detail.site);
+    const online = (row?.online ?? detail.online) && this.link.state === "open";
+    return html`<section aria-labelledby=${`site-${detail.site}`}>
+      <div class="site">
+        <h2 id=${`site-${detail.site}`}>${detail.name}</h2>
+        <t-status kind=${online ? "online" : "offline"}></t-status>
+        <t-clock zone=${detail.zone}></t-clock>
+        ${online
+          ? nothing
+          : html`<span class="muted"
+              >last heard of <t-time .us=${row?.last_seen_us ?? detail.last_seen_us} .zone=${detail.zone}></t-time
+            ></span>`}
+      </div>
+      <div class="devices">
+        ${repeat(
+          devices,
+          ({ device }) => device.id,
+          (one) => this.device(detail.site, one, online),
+        )}
+      </div>
+    </section>`;
+  }
+
+  private device(site: string, { device, signals, streams }: PublicDevice, online: boolean): TemplateResult {
+    return html`<div class="sheet">
+      <h3><a href=${devicePath(site, device.id)}>${device.name}</a></h3>
+      ${repeat(
+        streams,
+        (stream) => stream.address,
+        (stream) => html`<t-camera .site=${site} .stream=${stream.address} .name=${stream.name} .online=${online}></t-camera>`,
+      )}
+      ${signals.length === 0
+        ? nothing
+        : html`<div class="values">
+            ${repeat(
+              signals,
+              (signal) => signal.address,
+              (signal) => html`<t-signal-value size="l" .site=${site} .signal=${signal}></t-signal-value>`,
+            )}
+          </div>`}
+      ${signals.length + streams.length === 0 ? html`<p class="muted">It is there; its values are not public.</p>` : nothing}
+    </div>`;
+  }
+
+  private readonly again = (): void => {
+    void this.sites.store?.load();
+    this.details.again();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-public": PagePublic;
+  }
+}

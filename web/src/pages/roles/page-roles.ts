@@ -1,0 +1,221 @@
+/** Roles: what each may do at every site and device. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { adviceFor } from "../../format/problem.js";
+import { apiContext } from "../../state/contexts.js";
+import type { RoleRow } from "../../wire/accounts.js";
+import { AdminApi } from "../../wire/admin.js";
+import type { DeviceRow } from "../../wire/api.js";
+import type { HubApi } from "../../wire/http.js";
+import { changesOf, draftsOf, edited, isChanged, linesOf, redrafted, type Change, type Draft, type Line } from "./matrix.js";
+import type { CellEdit } from "./role-matrix.js";
+import "../../elements/button.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../admin-tabs.js";
+import "./role-dialog.js";
+import "./role-matrix.js";
+
+interface Given {
+  readonly roles: readonly RoleRow[];
+  readonly devices: readonly DeviceRow[];
+}
+
+@customElement("t-page-roles")
+export class PageRoles extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .bar {
+        position: sticky;
+        inset-block-end: 0;
+        z-index: 5;
+        display: grid;
+        gap: var(--t-space-3);
+        padding: var(--t-space-4);
+        border: 2px solid var(--t-warn);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+        box-shadow: var(--t-shadow);
+      }
+      .bar ul {
+        max-block-size: 9rem;
+        overflow-y: auto;
+        margin: 0;
+        padding-inline-start: 1.2em;
+      }
+      .legend {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        max-inline-size: 60rem;
+      }
+      @media (max-width: 45rem) {
+        .bar {
+          inset-block-end: calc(4rem + env(safe-area-inset-bottom));
+        }
+      }
+    `,
+  ];
+
+  @state() private drafts: readonly Draft[] = [];
+  /** The role in the dialog; null for none, a new one without id. */
+  @state() private dialog: RoleRow | "new" | null = null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly given = new LoadController<Given>(this);
+  private readonly action = new ActionController(this);
+  private lines: readonly Line[] = [];
+  private drawn: Given | undefined;
+
+  override willUpdate(): void {
+    this.given.ask("roles", async () => {
+      const [roles, devices] = await Promise.all([new AdminApi(this.api).roles(), this.api.devices()]);
+      return { roles, devices };
+    });
+    const { result } = this.given;
+    if (result.state !== "ready" || result.value === this.drawn) return;
+    this.drawn = result.value;
+    this.lines = linesOf(result.value.devices, result.value.roles);
+    this.drafts = redrafted(this.drafts, result.value.roles);
+  }
+
+  override render(): TemplateResult {
+    const changes = changesOf(this.drafts, this.lines);
+    return html`<t-admin-tabs page="roles"></t-admin-tabs>
+      <div class="head">
+        <div>
+          <h1>Roles</h1>
+          <p class="muted">What each role may do, for the whole hub, a site, or one device.</p>
+        </div>
+        <t-button ?disabled=${this.drawn === undefined} @click=${this.begin}>Make a role</t-button>
+      </div>
+      ${this.trouble()} ${this.drawn === undefined ? this.waiting() : this.matrix()}
+      <p class="visually-hidden" role="status">${this.action.done}</p>
+      ${changes.length === 0 ? nothing : this.bar(changes)}
+      <t-role-dialog
+        .edited=${this.dialog === "new" ? null : this.dialog}
+        .roles=${this.drawn?.roles ?? []}
+        ?open=${this.dialog !== null}
+        @t-close=${this.close}
+        @t-changed=${this.again}
+      ></t-role-dialog>`;
+  }
+
+  private trouble(): unknown {
+    const { result } = this.given;
+    if (result.state === "failed") {
+      const advice = adviceFor(result.error, "the list of roles");
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    }
+    return nothing;
+  }
+
+  private waiting(): unknown {
+    return this.given.result.state === "failed" ? nothing : html`<t-loading what="Loading the roles"></t-loading>`;
+  }
+
+  private matrix(): TemplateResult {
+    return html`<t-role-matrix
+        .lines=${this.lines}
+        .drafts=${this.drafts}
+        ?busy=${this.action.busy}
+        @t-edit=${this.edit}
+        @t-role=${this.openRole}
+      ></t-role-matrix>
+      <p class="legend">
+        <strong>view</strong> sees values, pictures and history, and may STOP. <strong>use</strong> drives and commands
+        besides. <strong>admin</strong> manages besides. <strong>–</strong> sees what is public only. A dashed cell has
+        its right from a line above it.
+      </p>`;
+  }
+
+  private bar(changes: readonly Change[]): TemplateResult {
+    const { problem } = this.action;
+    const roles = this.drafts.filter(isChanged).length;
+    return html`<section class="bar" aria-label="Unsaved changes">
+      <div class="head">
+        <h2>${count(changes.length, "change")} in ${count(roles, "role")}, not saved yet</h2>
+        <div class="actions">
+          <t-button ?disabled=${this.action.busy} @click=${this.undo}>Undo all</t-button>
+          <t-button kind="primary" ?busy=${this.action.busy} @click=${this.save}>Save</t-button>
+        </div>
+      </div>
+      <ul>
+        ${map(
+          changes,
+          ({ role, place, before, after }) =>
+            html`<li><strong>${role}</strong> on ${place}: ${before} → <strong>${after}</strong></li>`,
+        )}
+      </ul>
+      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+    </section>`;
+  }
+
+  private readonly edit = (event: CustomEvent<CellEdit>): void => {
+    const { role, line, level } = event.detail;
+    this.action.clear();
+    this.drafts = edited(this.drafts, role, line, level);
+  };
+
+  private readonly undo = (): void => {
+    this.action.clear();
+    this.drafts = draftsOf(this.drawn?.roles ?? []);
+  };
+
+  private readonly save = (): void => {
+    const changed = this.drafts.filter(isChanged);
+    const api = new AdminApi(this.api);
+    void this.action
+      .run(
+        "save all changes",
+        async () => {
+          for (const { role, permissions } of changed) {
+            await api.changeRole(role.id, role.name, permissions);
+            // What is saved is no change any more, also when the next one fails.
+            this.drafts = this.drafts.map((draft) =>
+              draft.role.id === role.id ? { role: { ...role, permissions }, permissions } : draft,
+            );
+          }
+        },
+        "The roles are saved.",
+      )
+      .then((done) => {
+        if (done) this.given.again();
+      });
+  };
+
+  private readonly begin = (): void => {
+    this.dialog = "new";
+  };
+
+  private readonly openRole = (event: CustomEvent<string>): void => {
+    this.dialog = this.drawn?.roles.find(({ id }) => id === event.detail) ?? null;
+  };
+
+  private readonly close = (): void => {
+    this.dialog = null;
+  };
+
+  private readonly again = (): void => {
+    this.dialog = null;
+    this.given.again();
+  };
+}
+
+function count(number: number, noun: string): string {
+  return `${String(number)} ${noun}${number === 1 ? "" : "s"}`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-roles": PageRoles;
+  }
+}

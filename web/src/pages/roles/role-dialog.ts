@@ -1,0 +1,133 @@
+/** Make a role, or rename or remove one. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { ActionController } from "../../controllers/action.js";
+import { base } from "../../elements/base.js";
+import { apiContext } from "../../state/contexts.js";
+import type { RoleRow } from "../../wire/accounts.js";
+import { AdminApi } from "../../wire/admin.js";
+import type { HubApi } from "../../wire/http.js";
+import "../../elements/button.js";
+import "../../elements/dialog.js";
+import "../../elements/field.js";
+import "../../elements/problem.js";
+
+/**
+ * @fires t-changed a role was made, renamed or removed
+ * @fires t-close
+ */
+@customElement("t-role-dialog")
+export class RoleDialog extends LitElement {
+  static override styles = [
+    base,
+    css`
+      form {
+        display: grid;
+        gap: var(--t-space-4);
+      }
+    `,
+  ];
+
+  @property({ type: Boolean }) open = false;
+  /** The role to change; null for a new one. */
+  @property({ attribute: false }) edited: RoleRow | null = null;
+  @property({ attribute: false }) roles: readonly RoleRow[] = [];
+  @state() private missing = "";
+  @query("#name") private readonly name!: HTMLInputElement;
+  @query("#like") private readonly like!: HTMLSelectElement | null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly action = new ActionController(this);
+
+  override updated(changed: PropertyValues<this>): void {
+    if (!changed.has("open") || !this.open) return;
+    this.name.value = this.edited?.name ?? "";
+    this.missing = "";
+    this.action.clear();
+    void this.name.closest("t-field")?.updateComplete.then(() => {
+      this.name.focus();
+    });
+  }
+
+  override render(): TemplateResult {
+    const role = this.edited;
+    const { problem } = this.action;
+    const used = (role?.people ?? 0) > 0;
+    return html`<t-dialog
+      heading=${role === null ? "Make a role" : `Change ${role.name}`}
+      ?open=${this.open}
+      @t-close=${this.closed}
+    >
+      <form novalidate @submit=${this.submit}>
+        <t-field label="Name" error=${this.missing}><input id="name" autocomplete="off" maxlength="100" /></t-field>
+        ${role === null
+          ? html`<t-field label="Begin with the rights of">
+              <select id="like">
+                <option value="">no other role</option>
+                ${map(this.roles, ({ id, name }) => html`<option value=${id}>${name}</option>`)}
+              </select>
+            </t-field>`
+          : html`<p class="muted">
+              ${used
+                ? `${String(role.people)} of the people have this role; give them another before you remove it.`
+                : "Nobody has this role."}
+            </p>`}
+        ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      </form>
+      <t-button slot="actions" @click=${this.leave}>Cancel</t-button>
+      ${role === null
+        ? nothing
+        : html`<t-button slot="actions" kind="danger" ?disabled=${used} ?busy=${this.action.under === "remove"} @click=${this.takeAway}
+            >Remove</t-button
+          >`}
+      <t-button slot="actions" kind="primary" ?busy=${this.action.under === "save"} @click=${this.save}
+        >${role === null ? "Make the role" : "Rename"}</t-button
+      >
+    </t-dialog>`;
+  }
+
+  private readonly submit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    this.save();
+  };
+
+  private readonly save = (): void => {
+    const name = this.name.value.trim();
+    this.missing = name === "" ? "Enter a name." : "";
+    if (name === "") return;
+    const api = new AdminApi(this.api);
+    const role = this.edited;
+    const like = this.roles.find(({ id }) => id === this.like?.value)?.permissions ?? [];
+    void this.do(
+      role === null ? "make the role" : "rename the role",
+      () => (role === null ? api.addRole(name, like) : api.changeRole(role.id, name, role.permissions)),
+      "save",
+    );
+  };
+
+  private readonly takeAway = (): void => {
+    const id = this.edited?.id ?? "";
+    void this.do("remove the role", () => new AdminApi(this.api).removeRole(id), "remove");
+  };
+
+  private async do(asked: string, action: () => Promise<void>, key: string): Promise<void> {
+    if (await this.action.run(asked, action, "", key)) this.dispatchEvent(new CustomEvent("t-changed"));
+  }
+
+  private readonly leave = (): void => {
+    this.open = false;
+  };
+
+  private readonly closed = (): void => {
+    this.dispatchEvent(new CustomEvent("t-close"));
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-role-dialog": RoleDialog;
+  }
+}

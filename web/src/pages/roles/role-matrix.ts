@@ -1,0 +1,136 @@
+/** The matrix of roles, to read at a glance and to edit in place. */
+
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { base } from "../../elements/base.js";
+import { LEVELS, rank, type Level } from "../../state/rights.js";
+import { cellOf, isFixed, lineKey, type Draft, type Line } from "./matrix.js";
+import { matrixStyle } from "./matrix-style.js";
+import "../../elements/button.js";
+import "../../elements/choice.js";
+
+export interface CellEdit {
+  readonly role: string;
+  readonly line: Line;
+  readonly level: Level;
+}
+
+/**
+ * @fires t-edit detail is the cell and its new level
+ * @fires t-role detail is the id of the role whose name or being is to be changed
+ */
+@customElement("t-role-matrix")
+export class RoleMatrix extends LitElement {
+  static override styles = [base, matrixStyle];
+
+  @property({ attribute: false }) lines: readonly Line[] = [];
+  @property({ attribute: false }) drafts: readonly Draft[] = [];
+  @property({ type: Boolean }) busy = false;
+  /** The role that a narrow page shows. */
+  @state() private chosen = "";
+
+  override render(): TemplateResult {
+    const shown = this.drafts.find(({ role }) => role.id === this.chosen) ?? this.drafts[0];
+    const options = this.drafts.map(({ role }) => ({ id: role.id, label: role.name }));
+    return html`<t-choice
+        class="narrow"
+        label="Role"
+        .options=${options}
+        .chosen=${shown?.role.id ?? ""}
+        @t-choose=${this.choose}
+      ></t-choice>
+      <div class="scroll" tabindex="0" role="region" aria-label="What each role may do">
+        <table>
+          <thead>
+            <tr>
+              <th scope="col" class="corner"><span class="visually-hidden">Site or device</span></th>
+              ${repeat(
+                this.drafts,
+                ({ role }) => role.id,
+                (draft) => this.head(draft, draft === shown),
+              )}
+            </tr>
+          </thead>
+          <tbody>
+            ${repeat(this.lines, lineKey, (line) => this.line(line, shown))}
+          </tbody>
+        </table>
+      </div>`;
+  }
+
+  private head({ role }: Draft, shown: boolean): TemplateResult {
+    const people = role.people === 1 ? "1 person" : `${String(role.people)} people`;
+    const edit = (): void => {
+      this.dispatchEvent(new CustomEvent("t-role", { detail: role.id }));
+    };
+    return html`<th scope="col" class=${shown ? "shown" : ""}>
+      <span class="role">${role.name}</span>
+      <span class="people">${people}</span>
+      ${role.seeded
+        ? html`<span class="people">built in</span>`
+        : html`<t-button kind="quiet" label=${`Rename or remove ${role.name}`} @click=${edit}>Change…</t-button>`}
+    </th>`;
+  }
+
+  private line(line: Line, shown: Draft | undefined): TemplateResult {
+    return html`<tr class=${`d${String(line.depth)}`}>
+      <th scope="row">
+        <span class="place">${line.name}</span>
+        ${line.depth === 2 && line.open ? html`<span class="public">public</span>` : nothing}
+      </th>
+      ${repeat(
+        this.drafts,
+        ({ role }) => role.id,
+        (draft) => html`<td class=${draft === shown ? "shown" : ""}>${this.cell(draft, line)}</td>`,
+      )}
+    </tr>`;
+  }
+
+  private cell({ role, permissions }: Draft, line: Line): TemplateResult {
+    const { level, own, inherited } = cellOf(permissions, line);
+    const before = cellOf(role.permissions, line);
+    const changed = own !== before.own;
+    const classes = ["cell", level, own === "none" && level !== "none" ? "from" : "", changed ? "changed" : ""].join(" ");
+    if (isFixed(role)) {
+      return html`<span class=${classes} title="This role can do everything, always.">${level}</span>`;
+    }
+    // What a wider place gives cannot be taken away below it.
+    const choices = LEVELS.filter((one) => rank(one) >= rank(inherited));
+    const edit = (event: Event): void => {
+      const select = event.target;
+      if (!(select instanceof HTMLSelectElement)) return;
+      const chosen = LEVELS.find((one) => one === select.value) ?? "none";
+      this.dispatchEvent(
+        new CustomEvent<CellEdit>("t-edit", { detail: { role: role.id, line, level: chosen } }),
+      );
+    };
+    return html`<select
+      class=${classes}
+      aria-label=${`${role.name} on ${line.name}${changed ? `, was ${before.level}` : ""}`}
+      title=${own === "none" && level !== "none" ? "Given by a line above" : ""}
+      ?disabled=${this.busy}
+      @change=${edit}
+    >
+      ${map(
+        choices,
+        (one) => html`<option value=${one} .selected=${one === level}>${one === "none" ? "–" : one}</option>`,
+      )}
+    </select>`;
+  }
+
+  private readonly choose = (event: CustomEvent<string>): void => {
+    this.chosen = event.detail;
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-role-matrix": RoleMatrix;
+  }
+  interface GlobalEventHandlersEventMap {
+    "t-edit": CustomEvent<CellEdit>;
+    "t-role": CustomEvent<string>;
+  }
+}

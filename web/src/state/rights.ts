@@ -1,0 +1,67 @@
+/** What a role or a person may do, as one level for each site and device. Pure. */
+
+import type { Permission, Right } from "../wire/api.js";
+
+/** Stands for every site, or every device of a site. */
+export const ANY = "*";
+
+/** Each includes the ones before it. */
+export const LEVELS = ["none", "view", "use", "admin"] as const;
+export type Level = (typeof LEVELS)[number];
+
+/** A place that a right can be given for. */
+export interface Place {
+  readonly site: string;
+  readonly device: string;
+}
+
+export const EVERYWHERE: Place = { site: ANY, device: ANY };
+
+export function placeKey(place: Place): string {
+  return `${place.site}\n${place.device}`;
+}
+
+export function rank(level: Level): number {
+  return LEVELS.indexOf(level);
+}
+
+export function higher(a: Level, b: Level): Level {
+  return rank(a) >= rank(b) ? a : b;
+}
+
+/** The level that was given for this very place, whatever wider places give. */
+export function ownLevel(permissions: readonly Permission[], place: Place): Level {
+  return permissions
+    .filter(({ site, device }) => site === place.site && device === place.device)
+    .reduce<Level>((level, { right }) => higher(level, right), "none");
+}
+
+/** The level that holds at a place: its own, or a wider place's where that is higher. */
+export function levelAt(permissions: readonly Permission[], place: Place): Level {
+  return higher(ownLevel(permissions, place), inheritedLevel(permissions, place));
+}
+
+/** The level that wider places give; `none` for the whole hub, above which nothing is. */
+export function inheritedLevel(permissions: readonly Permission[], place: Place): Level {
+  return permissions
+    .filter((one) => !(one.site === place.site && one.device === place.device))
+    .filter(({ site, device }) => (site === ANY || site === place.site) && (device === ANY || device === place.device))
+    .reduce<Level>((level, { right }) => higher(level, right), "none");
+}
+
+/** The permissions after one place was given another level. One permission for a place says it all. */
+export function withLevel(permissions: readonly Permission[], place: Place, level: Level): readonly Permission[] {
+  const rest = permissions.filter(({ site, device }) => site !== place.site || device !== place.device);
+  return level === "none" ? rest : [...rest, { right: level satisfies Right, site: place.site, device: place.device }];
+}
+
+/** Whether two lists give the same, in whatever order. */
+export function samePermissions(a: readonly Permission[], b: readonly Permission[]): boolean {
+  const places = [...a, ...b];
+  return places.every((place) => ownLevel(a, place) === ownLevel(b, place));
+}
+
+/** Whether somebody holds no right at all, and so sees what is public only. */
+export function seesOnlyPublic(person: { readonly admin: boolean; readonly permissions: readonly Permission[] }): boolean {
+  return !person.admin && person.permissions.length === 0;
+}

@@ -1,0 +1,28 @@
+/** How long a session still lasts. Pure. Times are µs since the epoch, UTC. */
+
+/**
+ * - `idle`: it ends unless the person does something
+ * - `whole`: it has lasted as long as a session may
+ */
+export type EndKind = "idle" | "whole";
+
+export interface TimeLeft {
+  readonly kind: EndKind;
+  /** Until it ends (s); not below zero. */
+  readonly seconds: number;
+  readonly endsUs: number;
+}
+
+/** A person who holds a device is told this long (s) before. */
+const WARN: Readonly<Record<EndKind, number>> = { idle: 120, whole: 600 };
+
+/** Which end comes first. */
+export function timeLeft(ends: { readonly idle_ends_us: number; readonly ends_us: number }, nowUs: number): TimeLeft {
+  const kind: EndKind = ends.idle_ends_us < ends.ends_us ? "idle" : "whole";
+  const endsUs = Math.min(ends.idle_ends_us, ends.ends_us);
+  return { kind, endsUs, seconds: Math.max(0, (endsUs - nowUs) / 1e6) };
+}
+
+export function isNear(left: TimeLeft): boolean {
+  return left.seconds <= WARN[left.kind];
+}
