@@ -14,6 +14,7 @@ from talaia.hub.api.access import Access
 from talaia.hub.api.accounts import Accounts
 from talaia.hub.api.audit import AuditPages
 from talaia.hub.api.gateways import GatewayPages, Proof
+from talaia.hub.api.history import HistoryPages
 from talaia.hub.api.limits import Limits
 from talaia.hub.api.openapi import ApiDescription
 from talaia.hub.api.own import OwnPages
@@ -159,6 +160,7 @@ class Hub:
         for routes in (
             *self._account_pages(access),
             self._site_pages(),
+            HistoryPages(self._history),
             self._gateway_pages(),
             AuditPages(self._audit),
             ApiDescription(lambda: app),
@@ -218,7 +220,7 @@ class Hub:
         )
 
     def _site_pages(self) -> SitePages:
-        return SitePages(self._sites, self._history, self._audit, self._clock)
+        return SitePages(self._sites, self._audit, self._clock)
 
     def _gateway_pages(self) -> GatewayPages:
         enrolment = Enrolment(self._database, self._clock)

@@ -86,7 +86,12 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/devices"): Need.SESSION,
     ("GET", "/api/sites"): Need.SESSION,
     ("GET", "/api/sites/{site}"): Need.SEE,
+    # Each channel is looked at besides; what may not be seen is as if it were not there.
     ("GET", "/api/sites/{site}/history"): Need.SEE,
+    ("GET", "/api/sites/{site}/last"): Need.SEE,
+    ("GET", "/api/sites/{site}/statistics"): Need.SEE,
+    ("GET", "/api/sites/{site}/stored"): Need.SEE,
+    ("GET", "/api/sites/{site}/export"): Need.SEE,
     ("GET", "/api/sites/{site}/events"): Need.SEE,
     ("GET", "/api/gateways"): Need.ADMIN,
     ("POST", "/api/gateways/codes"): Need.ADMIN,
