@@ -6,7 +6,7 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base.js";
 import type { Chart } from "../../elements/chart/chart.js";
-import type { ChartSeries } from "../../elements/chart/model.js";
+import { indentOf, type ChartSeries, type Indent } from "../../elements/chart/model.js";
 import type { Painter } from "../../elements/chart/painter.js";
 import { momentText, readOut } from "../../elements/chart/read-out.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
@@ -23,6 +23,7 @@ const COLUMNS = 1000;
 /** The cursor finds a value within this part of the window. */
 const REACH = 0.015;
 const TEXTS = 100;
+const AXIS_WIDTH = 60;
 
 @customElement("t-history-chart")
 export class HistoryChart extends LitElement {
@@ -38,6 +39,11 @@ export class HistoryChart extends LitElement {
   /** The first answer has come. */
   @property({ type: Boolean }) loaded = false;
   @property() zone = "UTC";
+  /** Several units in the chart, with an axis for each. */
+  @property({ type: Boolean }) joined = false;
+  /** Room beside the plot, the same for all charts of the page. */
+  @property({ attribute: false }) indent: Indent = indentOf(1, AXIS_WIDTH);
+  @property({ type: Number, attribute: "axis-width" }) axisWidth = AXIS_WIDTH;
 
   @query("t-chart") private readonly chart!: Chart | null;
 
@@ -57,7 +63,9 @@ export class HistoryChart extends LitElement {
         <t-chart
           class=${group.type}
           zoomable
-          axis-width="60"
+          axis-width=${this.axisWidth}
+          ?many-axes=${this.joined}
+          .indent=${this.indent}
           .series=${this.series}
           .span=${this.span}
           .cursorUs=${this.cursorUs}

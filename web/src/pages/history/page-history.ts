@@ -8,7 +8,7 @@ import { LiveValuesController } from "../../controllers/live-values.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
-import type { SpanChange } from "../../elements/chart/model.js";
+import { indentOf, type SpanChange } from "../../elements/chart/model.js";
 import { Painter } from "../../elements/chart/painter.js";
 import { adviceFor } from "../../format/problem.js";
 import { utcSpan } from "../../format/time.js";
@@ -20,7 +20,8 @@ import type { SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
 import { HistoryLoader } from "./loader.js";
 import { readView, spanOf, writeView, type HistoryView } from "./query.js";
-import { firstChoice, rowsOf, together, type Row, type Together } from "./rows.js";
+import { axesFor } from "./axes-for.js";
+import { firstChoice, rowsOf, together, unitsOf, type Row, type Together } from "./rows.js";
 import { historyStyle } from "./style.js";
 import "../../elements/button.js";
 import "../../elements/empty.js";
@@ -29,6 +30,7 @@ import "../../elements/problem.js";
 import "./history-chart.js";
 import "./history-tools.js";
 import "./signal-picker.js";
+import "./view-options.js";
 
 /** While fingers or the wheel are at it, a question is asked only once they rest this long. */
 const DEBOUNCE_MS = 140;
@@ -59,6 +61,8 @@ export class PageHistory extends LitElement {
   private rows: readonly Row[] = [];
   private groups: readonly Together[] = [];
   private groupsKey = "";
+  private axisWidth = 0;
+  private indent = indentOf(1, 0);
   private loader: HistoryLoader | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private resized: ResizeObserver | null = null;
@@ -134,6 +138,7 @@ export class PageHistory extends LitElement {
           <t-signal-picker .rows=${this.rows} .chosen=${chosen} @t-pick=${this.pick}></t-signal-picker>
         </details>
         <div class="charts" aria-busy=${this.loader?.state === "loading" ? "true" : "false"}>
+          <t-view-options .view=${this.view()} @t-view=${this.viewChanged}></t-view-options>
           ${this.chartTrouble()} ${chosen.length === 0 ? this.nothingChosen() : this.chartList(detail)}
         </div>
       </div>
@@ -155,6 +160,9 @@ export class PageHistory extends LitElement {
             .cursorUs=${this.cursorUs}
             .painter=${this.painter}
             .newest=${newest}
+            .indent=${this.indent}
+            axis-width=${this.axisWidth}
+            ?joined=${this.view().joined}
             .loaded=${loader?.state === "ready"}
             zone=${detail.zone}
             @t-span=${this.spanChanged}
@@ -212,10 +220,13 @@ export class PageHistory extends LitElement {
 
   private group(): void {
     const chosen = this.chosen();
-    const key = `${this.detail.value?.catalogue ?? ""}\n${chosen.join("\n")}`;
+    const { most, axisWidth } = axesFor(this.view().joined, this.width);
+    const key = `${this.detail.value?.catalogue ?? ""} ${String(most)}\n${chosen.join("\n")}`;
     if (key === this.groupsKey) return;
     this.groupsKey = key;
-    this.groups = together(this.rows.filter(({ address }) => chosen.includes(address)));
+    this.groups = together(this.rows.filter(({ address }) => chosen.includes(address)), most);
+    this.axisWidth = axisWidth;
+    this.indent = indentOf(Math.max(1, ...this.groups.map(({ rows }) => unitsOf(rows).length)), axisWidth);
   }
 
   private ask(): void {
@@ -237,8 +248,7 @@ export class PageHistory extends LitElement {
   }
 
   private show(view: Partial<HistoryView>): void {
-    const { channels, shown } = this.view();
-    const next = { channels: view.channels ?? channels, shown: view.shown ?? shown };
+    const next: HistoryView = { ...this.view(), ...view };
     this.nowUs = Date.now() * 1000;
     this.router.store?.go(sitePath(this.site, "history") + writeView(next));
     this.follow();
@@ -258,6 +268,10 @@ export class PageHistory extends LitElement {
 
   private readonly showAnother = (event: CustomEvent<HistoryView["shown"]>): void => {
     this.show({ shown: event.detail });
+  };
+
+  private readonly viewChanged = (event: CustomEvent<Partial<HistoryView>>): void => {
+    this.show(event.detail);
   };
 
   private readonly share = (): void => {

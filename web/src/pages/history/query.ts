@@ -8,6 +8,8 @@ export interface HistoryView {
   readonly channels: readonly string[] | null;
   /** The last so many seconds, going on with the time; or a window that stands still. */
   readonly shown: { readonly last: number } | Span;
+  /** Numbers of several units share a chart, with an axis for each unit. */
+  readonly joined: boolean;
 }
 
 export const FIRST_LAST = 900;
@@ -17,7 +19,11 @@ const LONGEST_LAST = 3660 * 86_400;
 export function readView(search: string): HistoryView {
   const query = new URLSearchParams(search);
   const channels = query.has("none") ? [] : query.getAll("c");
-  return { channels: channels.length > 0 || query.has("none") ? [...new Set(channels)] : null, shown: readShown(query) };
+  return {
+    channels: channels.length > 0 || query.has("none") ? [...new Set(channels)] : null,
+    shown: readShown(query),
+    joined: query.has("joined"),
+  };
 }
 
 /** The search part for a view: what `readView` reads back. */
@@ -31,8 +37,9 @@ export function writeView(view: HistoryView): string {
     query.set("from", String(Math.round(view.shown.fromUs)));
     query.set("to", String(Math.round(view.shown.toUs)));
   }
+  if (view.joined) query.set("joined", "");
   // Slashes and commas may stand in a query, and addresses read better with them.
-  return `?${query.toString().replaceAll("%2F", "/")}`;
+  return `?${query.toString().replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll(/=(?=&|$)/g, "")}`;
 }
 
 function readShown(query: URLSearchParams): { last: number } | Span {

@@ -11,17 +11,17 @@ const NOW = Date.parse("2026-11-21T10:00:00Z") * 1000;
 describe("the address of the history page", () => {
   it("reads back what it wrote", () => {
     const views: HistoryView[] = [
-      { channels: ["base/speed", "base/pose.x"], shown: { last: 3600 } },
-      { channels: [], shown: { fromUs: 1_795_000_000_000_001, toUs: 1_795_000_000_500_000 } },
-      { channels: null, shown: { last: 300 } },
-      { channels: ["odd/ä&c=x"], shown: { last: 7 } },
+      { channels: ["base/speed", "base/pose.x"], shown: { last: 3600 }, joined: true },
+      { channels: [], shown: { fromUs: 1_795_000_000_000_001, toUs: 1_795_000_000_500_000 }, joined: false },
+      { channels: null, shown: { last: 300 }, joined: false },
+      { channels: ["odd/ä&c=x"], shown: { last: 7 }, joined: false },
     ];
     for (const view of views) expect(readView(writeView(view))).toEqual(view);
   });
 
   it("is as if empty where it makes no sense", () => {
     for (const search of ["", "?from=5&to=4", "?last=-3", "?last=x", "?from=1e99&to=2e99", "?from=1"]) {
-      expect(readView(search)).toEqual({ channels: null, shown: { last: 900 } });
+      expect(readView(search)).toEqual({ channels: null, shown: { last: 900 }, joined: false });
     }
     expect(readView("?c=a&c=a").channels).toEqual(["a"]);
   });
@@ -71,6 +71,16 @@ describe("rows of the history page", () => {
       ["rad", ["base/pose.yaw"]],
       ["", ["base/count"]],
     ]);
+  });
+
+  it("share a chart with other units when asked to, at most so many units in one", () => {
+    const groups = (axes: number): [string, readonly string[]][] =>
+      together(rowsOf(DETAIL), axes).map(({ title, rows }) => [title, rows.map(({ address }) => address)]);
+    expect(groups(4)).toEqual([
+      ["m, V, rad, no unit", ["base/left", "base/right", "base/pose.x", "base/volt", "base/pose.yaw", "base/count"]],
+      ["mode", ["base/mode"]],
+    ]);
+    expect(groups(2).map(([title]) => title)).toEqual(["m, V", "rad, no unit", "mode"]);
   });
 
   it("begin with the first main numbers", () => {
