@@ -154,7 +154,9 @@ export class ChartView {
       // One grid: several would not meet.
       grid: { ...look.grid, show: index === 0 },
       scale: scaleOf(index),
-      side: (index % 2 === 0 ? LEFT : RIGHT) as UPlotType.Axis.Side,
+      // The engine's names of the sides are gone at run time: 3 is left, 1 is right.
+      // eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
+      side: index % 2 === 0 ? 3 : 1,
       space: 30,
       // uPlot asks once before it has any values, whatever its types say.
       size: (_u, values: string[] | null) => Math.max(axisWidth, ...(values ?? []).map((text) => text.length * CHAR + GAP + 8)),
@@ -231,8 +233,6 @@ export class ChartView {
   }
 }
 
-const LEFT = 3;
-const RIGHT = 1;
 const UNIT: Range = { low: 0, high: 1 };
 
 function scaleOf(index: number): string {
