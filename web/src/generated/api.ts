@@ -47,9 +47,10 @@ export interface DriveShape {
   readonly stop: boolean;
 }
 
-/** The newest events first. */
+/** The newest events first. ``more``: older ones of the window were left out. */
 export interface EventList {
   readonly events: readonly EventShape[];
+  readonly more: boolean;
 }
 
 /** Something that happened. */

@@ -224,6 +224,7 @@ class EventShape(_Shape):
 
 
 class EventList(_Shape):
-    """The newest events first."""
+    """The newest events first. ``more``: older ones of the window were left out."""
 
     events: list[EventShape]
+    more: bool

@@ -97,12 +97,18 @@ class SitePages:
         return Response(body, media_type="application/json")
 
     async def events(
-        self, request: Request, site: str, limit: Annotated[int, Query(ge=1, le=1000)] = 100
+        self,
+        request: Request,
+        site: str,
+        limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+        from_us: Annotated[int, _TIMES] = 0,
+        to_us: Annotated[int, _TIMES] = 2**53,
     ) -> EventList:
-        """List what happened at a site lately, of the devices you may view."""
+        """List what happened at a site, newest first, of the devices you may view."""
         live, grants = live_of(request), who_of(request).grants
-        entries = await self._audit.recent(site, limit)
+        entries = await self._audit.recent(site, limit + 1, from_us, to_us)
         return EventList(
+            more=len(entries) > limit,
             events=[
                 EventShape(
                     time_us=entry.time_us,
@@ -112,7 +118,7 @@ class SitePages:
                     message=entry.message,
                     good=entry.good,
                 )
-                for entry in entries
+                for entry in entries[:limit]
                 if allows(Need.VIEW, grants, live.description, entry.device)
             ]
         )
