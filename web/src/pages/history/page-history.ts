@@ -32,8 +32,6 @@ import "./history-tools.js";
 import "./signal-picker.js";
 import "./view-options.js";
 
-/** While fingers or the wheel are at it, a question is asked only once they rest this long. */
-const DEBOUNCE_MS = 140;
 /** A window that follows is asked for again this often (ms), or each time it has moved two pixels. */
 const FOLLOW_LEAST_MS = 1000;
 const FOLLOW_PIXELS = 2;
@@ -233,7 +231,7 @@ export class PageHistory extends LitElement {
     if (this.width === 0 || this.loader === null) return;
     const channels = this.groups.flatMap(({ rows }) => rows).map(({ address, maxAge }) => ({ address, maxAge }));
     const question = { site: this.site, channels, span: this.span(), width: this.width };
-    this.loader.ask(question, this.moving === null ? 0 : DEBOUNCE_MS);
+    this.loader.ask(question, this.moving !== null);
   }
 
   /** Chosen channels of which nothing has come for this window. */

@@ -1,9 +1,9 @@
-import { describe, expect, it, vi } from "vitest";
-import { HistoryLoader, loadedOf, type Past } from "../../../src/pages/history/loader.js";
+import { describe, expect, it } from "vitest";
+import { loadedOf } from "../../../src/pages/history/loader.js";
 import { quickOf, quickShown, readView, spanOf, writeView, type HistoryView } from "../../../src/pages/history/query.js";
 import { firstChoice, rowsOf, together } from "../../../src/pages/history/rows.js";
 import { ZoneClock } from "../../../src/series/zone.js";
-import type { History, SignalInfo, SiteDetail } from "../../../src/wire/api.js";
+import type { SignalInfo, SiteDetail } from "../../../src/wire/api.js";
 
 const madrid = new ZoneClock("Europe/Madrid");
 const NOW = Date.parse("2026-11-21T10:00:00Z") * 1000;
@@ -89,48 +89,7 @@ describe("rows of the history page", () => {
   });
 });
 
-describe("loading a window", () => {
-  const question = (fromUs: number): Parameters<HistoryLoader["ask"]>[0] => ({
-    site: "agv", channels: [{ address: "a", maxAge: 5 }], span: { fromUs, toUs: fromUs + 1000 }, width: 100,
-  });
-  const one: History = { series: [{ address: "a", t_us: [1, 2], v: [1, 2], kind: "exact", gaps: [] }] };
-
-  it("asks once for what is asked twice, and only the last of a quick row of questions", async () => {
-    vi.useFakeTimers();
-    try {
-      const history = vi.fn<Past["history"]>(() => Promise.resolve(one));
-      const loader = new HistoryLoader({ history }, () => undefined);
-      for (const from of [1000, 2000, 3000, 3000]) loader.ask(question(from), 140);
-      await vi.advanceTimersByTimeAsync(200);
-      expect(history).toHaveBeenCalledTimes(1);
-      expect(history.mock.calls[0]?.[1]).toEqual({ channels: ["a"], fromUs: 2750, toUs: 4250, width: 150 });
-      expect([loader.state, loader.data.get("a")?.count]).toEqual(["ready", 2]);
-    } finally {
-      vi.useRealTimers();
-    }
-  });
-
-  it("keeps the old picture while it loads and when it fails, and asks again when told to", async () => {
-    vi.useFakeTimers();
-    try {
-      let answer = (): Promise<History> => Promise.resolve(one);
-      const loader = new HistoryLoader({ history: () => answer() }, () => undefined);
-      loader.ask(question(0), 0);
-      await vi.advanceTimersByTimeAsync(1);
-      answer = () => Promise.reject(new Error("down"));
-      loader.ask(question(5000), 0);
-      await vi.advanceTimersByTimeAsync(1);
-      expect([loader.state, loader.data.size]).toEqual(["failed", 1]);
-      answer = () => Promise.resolve(one);
-      loader.forget();
-      loader.ask(question(5000), 0);
-      await vi.advanceTimersByTimeAsync(1);
-      expect(loader.state).toBe("ready");
-    } finally {
-      vi.useRealTimers();
-    }
-  });
-
+describe("what was loaded", () => {
   it("lists texts with their times", () => {
     const loaded = loadedOf({ address: "a", t_us: [1, 2], v: [null, null], text: ["docked", "gone"], kind: "exact", gaps: [] }, 5e6);
     expect(loaded.texts).toEqual([{ timeUs: 1, text: "docked" }, { timeUs: 2, text: "gone" }]);
