@@ -14,6 +14,7 @@ import { lengthOf, type Span } from "../../series/window.js";
 import { ZoneClock } from "../../series/zone.js";
 import { base } from "../base.js";
 import { Axes } from "./axes.js";
+import { drawMarks, type ChartMark } from "./draw-marks.js";
 import { drawSeries } from "./draw-series.js";
 import { Gestures } from "./gestures.js";
 import { keyWish } from "./keys.js";
@@ -47,6 +48,8 @@ export class Chart extends LitElement implements Paintable {
   static override styles = [base, chartStyle];
 
   @property({ attribute: false }) series: readonly ChartSeries[] = [];
+  /** Where something happened, in ascending time. */
+  @property({ attribute: false }) marks: readonly ChartMark[] = [];
   /** The window of a chart that stands still. */
   @property({ attribute: false }) span: Span | null = null;
   /** Gives the window of a chart that moves; it wins over `span`. */
@@ -190,6 +193,7 @@ export class Chart extends LitElement implements Paintable {
     const rangeOf = (one: ChartSeries): Range => ranges[this.axes.indexOf(one)] ?? NO_RANGE;
     view.paint(span, ranges, (plot) => {
       drawSeries(plot, this.series, { palette, columnUs, moving: this.follow !== null, rangeOf });
+      drawMarks(plot, this.marks, palette);
     });
     this.placeCursor();
     const tell = window.__talaiaPainted;

@@ -204,8 +204,18 @@ export function drawRuns(plot: Plot, runs: readonly Run[], lookOf: (value: numbe
     ctx.globalAlpha = 1;
     // Where states change faster than pixels, the marks of their beginnings would hide them.
     if (right - left > 8 * ratio) ctx.fillRect(left, top, 3 * ratio, height);
-    if (ctx.measureText(look.word).width + 16 * ratio > right - left) continue;
+    const word = cutTo(ctx, look.word, right - left - 16 * ratio);
     ctx.fillStyle = ink;
-    ctx.fillText(look.word, left + 8 * ratio, top + height / 2);
+    ctx.fillText(word, left + 8 * ratio, top + height / 2);
   }
 }
+
+/** A text cut to a width (canvas pixels); empty where hardly a letter would be left. */
+function cutTo(ctx: CanvasRenderingContext2D, text: string, width: number): string {
+  const full = ctx.measureText(text).width;
+  if (full <= width) return text;
+  const letters = Math.floor((text.length * width) / full) - 1;
+  return letters < LEAST_LETTERS ? "" : `${text.slice(0, letters)}…`;
+}
+
+const LEAST_LETTERS = 4;

@@ -10,6 +10,7 @@ export interface Palette {
   readonly stale: string;
   readonly surface: string;
   readonly raised: string;
+  readonly bad: string;
   readonly font: string;
   readonly series: readonly string[];
 }
@@ -24,6 +25,7 @@ export function readPalette(element: Element): Palette {
     stale: token("stale"),
     surface: token("surface"),
     raised: token("raised"),
+    bad: token("bad"),
     font: token("font") || "sans-serif",
     series: Array.from({ length: SERIES }, (_, i) => token(`series-${String(i + 1)}`)),
   };

@@ -16,9 +16,11 @@ import { lengthOf, notAfter, type Span } from "../../series/window.js";
 import { HOUR_US, SECOND_US } from "../../series/zone.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
-import type { SiteDetail } from "../../wire/api.js";
+import type { EventList, SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
+import { EventsLoader } from "./events-loader.js";
 import { HistoryLoader } from "./loader.js";
+import { marksOf, type Mark, type MarkKind } from "./marks.js";
 import { readView, spanOf, writeView, type HistoryView } from "./query.js";
 import { axesFor } from "./axes-for.js";
 import { firstChoice, rowsOf, together, unitsOf, type Row, type Together } from "./rows.js";
@@ -29,6 +31,7 @@ import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "./history-chart.js";
 import "./history-tools.js";
+import "./marks-lane.js";
 import "./signal-picker.js";
 import "./view-options.js";
 
@@ -62,6 +65,9 @@ export class PageHistory extends LitElement {
   private axisWidth = 0;
   private indent = indentOf(1, 0);
   private loader: HistoryLoader | null = null;
+  private events: EventsLoader | null = null;
+  private marks: readonly Mark[] = [];
+  private markedOf: EventList | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private resized: ResizeObserver | null = null;
   private readonly painter = new Painter();
@@ -88,12 +94,17 @@ export class PageHistory extends LitElement {
     clearTimeout(this.timer);
     this.resized?.disconnect();
     this.loader?.close();
+    this.events?.close();
     this.loader = null;
+    this.events = null;
   }
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     const sites = this.sites.store;
-    if (changed.has("site")) this.loader?.close();
+    if (changed.has("site")) {
+      this.loader?.close();
+      this.events?.close();
+    }
     if (sites === undefined || this.api === undefined || !this.isConnected) return;
     this.detail.ask(this.site, () => sites.detail(this.site));
     const detail = this.detail.value;
@@ -102,8 +113,12 @@ export class PageHistory extends LitElement {
     this.loader ??= new HistoryLoader(this.api, () => {
       this.requestUpdate();
     });
+    this.events ??= new EventsLoader(this.api, () => {
+      this.requestUpdate();
+    });
     this.group();
     this.ask();
+    this.mark(detail);
     this.live.observe(this.site, this.silent());
   }
 
@@ -146,7 +161,20 @@ export class PageHistory extends LitElement {
   private chartList(detail: SiteDetail): TemplateResult {
     const loader = this.loader;
     const newest = new Map(this.silent().map((address) => [address, this.live.reading(address)?.timeUs ?? 0]));
+    const { without } = this.view();
+    const marks = without.length === 0 ? this.marks : this.marks.filter(({ kind }) => !without.includes(kind));
     return html`<div class="progress" ?hidden=${loader?.state !== "loading"}></div>
+      <t-marks-lane
+        .marks=${this.marks}
+        .without=${without}
+        .span=${this.span()}
+        .indent=${this.indent}
+        .more=${this.events?.list.more === true}
+        .failed=${this.events?.failed === true}
+        zone=${detail.zone}
+        @t-hide=${this.hide}
+        @t-cursor=${this.cursorMoved}
+      ></t-marks-lane>
       ${repeat(
         this.groups,
         ({ key }) => key,
@@ -158,6 +186,7 @@ export class PageHistory extends LitElement {
             .cursorUs=${this.cursorUs}
             .painter=${this.painter}
             .newest=${newest}
+            .marks=${marks}
             .indent=${this.indent}
             axis-width=${this.axisWidth}
             ?joined=${this.view().joined}
@@ -234,6 +263,15 @@ export class PageHistory extends LitElement {
     this.loader.ask(question, this.moving !== null);
   }
 
+  private mark(detail: SiteDetail): void {
+    if (this.events === null) return;
+    this.events.ask(this.site, this.span());
+    const { list } = this.events;
+    if (list === this.markedOf) return;
+    this.markedOf = list;
+    this.marks = marksOf(list.events, new Map(detail.devices.map(({ id, name }) => [id, name])));
+  }
+
   /** Chosen channels of which nothing has come for this window. */
   private silent(): string[] {
     const { loader } = this;
@@ -266,6 +304,10 @@ export class PageHistory extends LitElement {
 
   private readonly showAnother = (event: CustomEvent<HistoryView["shown"]>): void => {
     this.show({ shown: event.detail });
+  };
+
+  private readonly hide = (event: CustomEvent<readonly MarkKind[]>): void => {
+    this.show({ without: event.detail });
   };
 
   private readonly viewChanged = (event: CustomEvent<Partial<HistoryView>>): void => {

@@ -1,6 +1,7 @@
 /** What the history page shows, as it stands in the address bar. */
 
 import type { Span } from "../../series/window.js";
+import { KINDS, type MarkKind } from "./marks.js";
 import { SECOND_US, type ZoneClock } from "../../series/zone.js";
 
 export interface HistoryView {
@@ -10,6 +11,8 @@ export interface HistoryView {
   readonly shown: { readonly last: number } | Span;
   /** Numbers of several units share a chart, with an axis for each unit. */
   readonly joined: boolean;
+  /** Kinds of events that are not shown. */
+  readonly without: readonly MarkKind[];
 }
 
 export const FIRST_LAST = 900;
@@ -23,6 +26,7 @@ export function readView(search: string): HistoryView {
     channels: channels.length > 0 || query.has("none") ? [...new Set(channels)] : null,
     shown: readShown(query),
     joined: query.has("joined"),
+    without: KINDS.map(({ kind }) => kind).filter((kind) => (query.get("without") ?? "").split(",").includes(kind)),
   };
 }
 
@@ -37,6 +41,7 @@ export function writeView(view: HistoryView): string {
     query.set("from", String(Math.round(view.shown.fromUs)));
     query.set("to", String(Math.round(view.shown.toUs)));
   }
+  if (view.without.length > 0) query.set("without", view.without.join(","));
   if (view.joined) query.set("joined", "");
   // Slashes and commas may stand in a query, and addresses read better with them.
   return `?${query.toString().replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll(/=(?=&|$)/g, "")}`;

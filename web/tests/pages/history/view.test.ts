@@ -2,6 +2,8 @@ import { describe, expect, it } from "vitest";
 import { loadedOf } from "../../../src/pages/history/loader.js";
 import { quickOf, quickShown, readView, spanOf, writeView, type HistoryView } from "../../../src/pages/history/query.js";
 import { firstChoice, rowsOf, together } from "../../../src/pages/history/rows.js";
+import { textBand } from "../../../src/pages/history/text-band.js";
+import { runs } from "../../../src/series/runs.js";
 import { ZoneClock } from "../../../src/series/zone.js";
 import type { SignalInfo, SiteDetail } from "../../../src/wire/api.js";
 
@@ -11,17 +13,17 @@ const NOW = Date.parse("2026-11-21T10:00:00Z") * 1000;
 describe("the address of the history page", () => {
   it("reads back what it wrote", () => {
     const views: HistoryView[] = [
-      { channels: ["base/speed", "base/pose.x"], shown: { last: 3600 }, joined: true },
-      { channels: [], shown: { fromUs: 1_795_000_000_000_001, toUs: 1_795_000_000_500_000 }, joined: false },
-      { channels: null, shown: { last: 300 }, joined: false },
-      { channels: ["odd/ä&c=x"], shown: { last: 7 }, joined: false },
+      { channels: ["base/speed", "base/pose.x"], shown: { last: 3600 }, joined: true, without: ["stop", "link"] },
+      { channels: [], shown: { fromUs: 1_795_000_000_000_001, toUs: 1_795_000_000_500_000 }, joined: false, without: [] },
+      { channels: null, shown: { last: 300 }, joined: false, without: [] },
+      { channels: ["odd/ä&c=x"], shown: { last: 7 }, joined: false, without: [] },
     ];
     for (const view of views) expect(readView(writeView(view))).toEqual(view);
   });
 
   it("is as if empty where it makes no sense", () => {
-    for (const search of ["", "?from=5&to=4", "?last=-3", "?last=x", "?from=1e99&to=2e99", "?from=1"]) {
-      expect(readView(search)).toEqual({ channels: null, shown: { last: 900 }, joined: false });
+    for (const search of ["", "?from=5&to=4", "?without=nothing", "?last=-3", "?last=x", "?from=1e99&to=2e99", "?from=1"]) {
+      expect(readView(search)).toEqual({ channels: null, shown: { last: 900 }, joined: false, without: [] });
     }
     expect(readView("?c=a&c=a").channels).toEqual(["a"]);
   });
@@ -93,6 +95,19 @@ describe("what was loaded", () => {
   it("lists texts with their times", () => {
     const loaded = loadedOf({ address: "a", t_us: [1, 2], v: [null, null], text: ["docked", "gone"], kind: "exact", gaps: [] }, 5e6);
     expect(loaded.texts).toEqual([{ timeUs: 1, text: "docked" }, { timeUs: 2, text: "gone" }]);
+  });
+
+  it("holds each text until the next, and none across a gap", () => {
+    const texts = ["docked", "gone", "docked"];
+    const gaps = [{ from_us: 4e6, to_us: 6e6, reason: "the spool was full" }];
+    const loaded = loadedOf({ address: "a", t_us: [1e6, 3e6, 7e6], v: [null, null, null], text: texts, kind: "exact", gaps }, 5e6);
+    const { words, samples } = textBand(loaded, 5e6);
+    expect(words).toEqual(["docked", "gone"]);
+    expect(runs(samples.times, samples.values, 8e6, samples.allowedUs)).toEqual([
+      { fromUs: 1e6, toUs: 3e6, value: 0 },
+      { fromUs: 3e6, toUs: 4e6 + 1, value: 1 },
+      { fromUs: 7e6, toUs: 8e6, value: 0 },
+    ]);
   });
 
   it("tells a silence once: with its reason where the hub has one", () => {
