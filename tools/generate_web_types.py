@@ -17,7 +17,7 @@ import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
-from talaia.hub.api import shapes
+from talaia.hub.api import history_shapes, shapes
 from talaia.hub.auth.permissions import Right
 from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
 from talaia.model.unit import UNITS
@@ -203,8 +203,9 @@ def api_type(hint: object, words: list[str] | None) -> str:
 def api_text() -> str:
     """Write api.ts."""
     parts = []
-    for name in shapes.__all__:
-        shape_class: type[BaseModel] = getattr(shapes, name)
+    owners = [(module, name) for module in (shapes, history_shapes) for name in module.__all__]
+    for module, name in owners:
+        shape_class: type[BaseModel] = getattr(module, name)
         lines = [f"/** {first_sentence(shape_class)} */", f"export interface {name} {{"]
         for key, info in shape_class.model_fields.items():
             mark = "" if info.is_required() else "?"

@@ -74,10 +74,17 @@ class MemoryHistory:
             below += 1
         return below
 
-    async def read(self, site, addresses, from_us, to_us, width) -> list[Series]:
+    def knows(self, site, address) -> bool:
+        return any(
+            where == site and row and row[0] == address
+            for (where, _), stored in self.samples.items()
+            for row in stored.values()
+        )
+
+    async def read(self, site, addresses, from_us, to_us, width, steps=()) -> list[Series]:
         return [self._series(site, address, from_us, to_us) for address in addresses]
 
-    async def last(self, site, addresses) -> dict[str, tuple[int, float, str]]:
+    async def last(self, site, addresses, to_us=2**62) -> dict[str, tuple[int, float, str]]:
         found = {}
         for (where, _), stored in self.samples.items():
             for row in stored.values():

@@ -11,6 +11,7 @@ from fastapi import Depends, FastAPI
 
 from talaia.hub.api.access import Access
 from talaia.hub.api.accounts import Accounts
+from talaia.hub.api.history import HistoryPages
 from talaia.hub.api.pages import Pages
 from talaia.hub.api.problems import answer_problems
 from talaia.hub.api.shield import Shield
@@ -121,7 +122,12 @@ class Hub:
         )
         answer_problems(app)
         guarded = [Depends(access.guard)]
-        for routes in (self._accounts(access), self._site_pages(), Pages(static_dir())):
+        for routes in (
+            self._accounts(access),
+            self._site_pages(),
+            HistoryPages(self._history),
+            Pages(static_dir()),
+        ):
             app.include_router(routes.router(), dependencies=guarded)
         app.router.routes[0:0] = self._sockets(access).router().routes
         return app
@@ -139,7 +145,7 @@ class Hub:
         )
 
     def _site_pages(self) -> SitePages:
-        return SitePages(self._sites, self._history, self._audit, self._clock)
+        return SitePages(self._sites, self._audit, self._clock)
 
     def _sockets(self, access: Access) -> Sockets:
         browsers = self.browsers

@@ -60,7 +60,12 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/me"): Need.SESSION,
     ("GET", "/api/sites"): Need.SESSION,
     ("GET", "/api/sites/{site}"): Need.SEE,
+    # Each channel is looked at besides; what may not be seen is as if it were not there.
     ("GET", "/api/sites/{site}/history"): Need.SEE,
+    ("GET", "/api/sites/{site}/last"): Need.SEE,
+    ("GET", "/api/sites/{site}/statistics"): Need.SEE,
+    ("GET", "/api/sites/{site}/stored"): Need.SEE,
+    ("GET", "/api/sites/{site}/export"): Need.SEE,
     ("GET", "/api/sites/{site}/events"): Need.SEE,
     ("GET", "/{path:path}"): Need.OPEN,
 }

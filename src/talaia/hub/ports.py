@@ -5,9 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import AsyncIterator, Collection, Sequence
 
+    from talaia.hub.history.channels import StoredChannel
+    from talaia.hub.history.files import ExportColumn, FileForm
     from talaia.hub.history.series import Series
+    from talaia.hub.history.statistics import Statistics
     from talaia.wire.columns import Columns
 
 __all__ = ["History"]
@@ -47,12 +50,46 @@ class History(Protocol):
         """Give the first sequence number that is neither stored nor in a recorded gap."""
         ...
 
+    def knows(self, site: str, address: str) -> bool:
+        """Tell whether a channel has ever had a sample."""
+        ...
+
     async def read(
-        self, site: str, addresses: Sequence[str], from_us: int, to_us: int, width: int
+        self,
+        site: str,
+        addresses: Sequence[str],
+        from_us: int,
+        to_us: int,
+        width: int,
+        steps: Collection[str] = (),
     ) -> list[Series]:
         """Read a window; at most two points a pixel of ``width``, spikes kept."""
         ...
 
-    async def last(self, site: str, addresses: Sequence[str]) -> dict[str, tuple[int, float, str]]:
-        """Give the newest stored sample of each address: time, value, text."""
+    async def last(
+        self, site: str, addresses: Sequence[str], to_us: int = 2**62
+    ) -> dict[str, tuple[int, float, str]]:
+        """Give the newest stored sample up to ``to_us`` of each address: time, value, text."""
+        ...
+
+    async def statistics(
+        self, site: str, addresses: Sequence[str], from_us: int, to_us: int
+    ) -> list[Statistics]:
+        """Sum up a window of each address."""
+        ...
+
+    async def channels(self, site: str) -> list[StoredChannel]:
+        """List every channel of a site that has history."""
+        ...
+
+    def export(
+        self,
+        site: str,
+        columns: Sequence[ExportColumn],
+        from_us: int,
+        to_us: int,
+        form: FileForm,
+        width: int = 0,
+    ) -> AsyncIterator[bytes]:
+        """Give a window as the bytes of a file, in pieces."""
         ...

@@ -15,7 +15,11 @@ from talaia.hub.store.tables import metadata
 
 from .samples import ALL, batch
 
-step = importlib.import_module("talaia.hub.store.migrations.versions.0002_history")
+VERSIONS = "talaia.hub.store.migrations.versions"
+steps = [
+    importlib.import_module(f"{VERSIONS}.{name}")
+    for name in ("0002_history", "0010_history_squares")
+]
 
 
 def test_migrated_tables_are_the_tables_in_the_program(url) -> None:
@@ -24,11 +28,13 @@ def test_migrated_tables_are_the_tables_in_the_program(url) -> None:
     with engine.begin() as connection:
         context = MigrationContext.configure(connection)
         with Operations.context(context):
-            step.upgrade()
+            for step in steps:
+                step.upgrade()
         differences = compare_metadata(context, metadata)
         assert not [each for each in differences if any(name in repr(each) for name in ours)]
         with Operations.context(context):
-            step.downgrade()
+            for step in reversed(steps):
+                step.downgrade()
         assert not ours & set(sa.inspect(connection).get_table_names())
     engine.dispose()
 

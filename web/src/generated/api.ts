@@ -168,3 +168,56 @@ export interface StreamShape {
   readonly name: string;
   readonly max_rate: number;
 }
+
+/** One sample; ``v`` is null where there is no number. */
+export interface ReadingShape {
+  readonly t_us: number;
+  readonly v: number | null;
+  readonly text?: string | null;
+}
+
+/** One for each channel, in the order asked for. */
+export interface StatisticsList {
+  readonly statistics: readonly StatisticsShape[];
+}
+
+/** A channel over a window. */
+export interface StatisticsShape {
+  readonly address: string;
+  readonly count: number;
+  readonly numbers: number;
+  readonly low: ReadingShape | null;
+  readonly high: ReadingShape | null;
+  readonly mean: number | null;
+  readonly deviation: number | null;
+  readonly first: ReadingShape | null;
+  readonly last: ReadingShape | null;
+  readonly gap_us: number;
+}
+
+/** What of a site has history and is open to you. */
+export interface StoredList {
+  readonly channels: readonly StoredShape[];
+}
+
+/** A channel that has history; ``described``: the site's description has it still. */
+export interface StoredShape {
+  readonly address: string;
+  readonly described: boolean;
+  readonly samples: number;
+  readonly first_us: number;
+  readonly last_us: number;
+}
+
+/** One for each channel that has any, in the order asked for. */
+export interface ValueList {
+  readonly values: readonly ValueShape[];
+}
+
+/** A channel's last sample before a time; ``v`` is null where there is no number. */
+export interface ValueShape {
+  readonly address: string;
+  readonly t_us: number;
+  readonly v: number | null;
+  readonly text?: string | null;
+}

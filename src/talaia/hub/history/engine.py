@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["READERS", "Checkpoints", "address_of", "open_engine"]
 
-READERS = 3
+# Two for charts, one for exports, one that copies SQLite's journal.
+READERS = 4
 # SQLite's journal is copied into the database after so many bytes of bodies.
 _CHECKPOINT_BYTES = 4 * 1024 * 1024
 

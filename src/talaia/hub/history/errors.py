@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from talaia.hub.errors import HubError
 
-__all__ = ["HistoryError"]
+__all__ = ["HistoryBusy", "HistoryError"]
 
 
 class HistoryError(HubError):
@@ -16,3 +16,7 @@ class HistoryError(HubError):
 
     def __str__(self) -> str:
         return f"history: {super().__str__()}"
+
+
+class HistoryBusy(HistoryError):
+    """So much is asked for at once that this has to wait its turn."""

@@ -47,6 +47,8 @@ class Cells(NamedTuple):
         samples: how many there were.
         numbers: how many of them were finite; the mean is ``total / numbers``.
         total: sum of the finite values.
+        squares: sum of the squared distances of the finite values from their mean; NaN in rows
+            that were written before there was such a column.
         low: least value, infinities included; NaN if there was nothing but NaN.
         low_us: when that was.
         high: greatest value.
@@ -60,6 +62,7 @@ class Cells(NamedTuple):
     samples: NDArray[np.int64]
     numbers: NDArray[np.int64]
     total: NDArray[np.float64]
+    squares: NDArray[np.float64]
     low: NDArray[np.float64]
     low_us: NDArray[np.int64]
     high: NDArray[np.float64]
@@ -73,7 +76,7 @@ class Cells(NamedTuple):
 
 
 _INTS, _FLOATS = np.empty(0, np.int64), np.empty(0, np.float64)
-_NONE = Cells(_INTS, _INTS, _INTS, _FLOATS, _FLOATS, _INTS, _FLOATS, _INTS, _FLOATS, _INTS)
+_NONE = Cells(_INTS, _INTS, _INTS, _FLOATS, _FLOATS, _FLOATS, _INTS, _FLOATS, _INTS, _FLOATS, _INTS)
 
 
 def summarise(time_us: NDArray[np.int64], value: NDArray[np.float64], width_us: int) -> Cells:
@@ -85,13 +88,19 @@ def summarise(time_us: NDArray[np.int64], value: NDArray[np.float64], width_us: 
     finite = np.isfinite(value)
     low, high = extremes(value, starts)
     first = time_us[starts]
-    with np.errstate(over="ignore"):  # a sum beyond all floats is infinite, and shown as that
+    sizes = ends - starts
+    numbers = np.add.reduceat(finite.astype(np.int64), starts)
+    # A sum beyond all floats is infinite, and shown as that.
+    with np.errstate(over="ignore", invalid="ignore"):
         total = np.add.reduceat(np.where(finite, value, 0.0), starts)
+        mean = np.repeat(total / np.maximum(numbers, 1), sizes)
+        squares = np.add.reduceat(np.where(finite, value - mean, 0.0) ** 2, starts)
     return Cells(
         bucket_us=first // width_us * width_us if width_us else first,
-        samples=ends - starts,
-        numbers=np.add.reduceat(finite.astype(np.int64), starts),
+        samples=sizes,
+        numbers=numbers,
         total=total,
+        squares=squares,
         low=value[low],
         low_us=time_us[low],
         high=value[high],
@@ -116,13 +125,19 @@ def merge(cells: Cells) -> Cells:
     _, high = extremes(cells.high, starts)
     by_time = np.lexsort((cells.last_us, cells.bucket_us))
     last = by_time[np.append(starts[1:], by_time.size) - 1]
+    sizes = np.diff(np.append(starts, cells.bucket_us.size))
+    numbers = np.add.reduceat(cells.numbers, starts)
     with np.errstate(over="ignore", invalid="ignore"):
         total = np.add.reduceat(cells.total, starts)
+        mean = np.repeat(total / np.maximum(numbers, 1), sizes)
+        apart = cells.total / np.maximum(cells.numbers, 1) - mean
+        squares = np.add.reduceat(cells.squares + cells.numbers * apart**2, starts)
     return Cells(
         bucket_us=cells.bucket_us[starts],
         samples=np.add.reduceat(cells.samples, starts),
-        numbers=np.add.reduceat(cells.numbers, starts),
+        numbers=numbers,
         total=total,
+        squares=squares,
         low=cells.low[low],
         low_us=cells.low_us[low],
         high=cells.high[high],

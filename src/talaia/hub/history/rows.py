@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["SUMMARY", "cells_to_rows", "rows_to_cells", "summary_of", "to_float"]
 
 SUMMARY = Cells._fields[1:]
-_FLOATS = frozenset(("total", "low", "high", "last"))
+_FLOATS = frozenset(("total", "squares", "low", "high", "last"))
 _MAX = sys.float_info.max
 
 

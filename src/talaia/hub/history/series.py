@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
+from talaia.hub.history.block import Samples
+
 __all__ = ["HistoryGap", "Series", "empty_series"]
 
 
@@ -37,6 +39,10 @@ class Series(NamedTuple):
     texts: dict[int, str]
     exact: bool
     gaps: list[HistoryGap]
+
+    def samples(self) -> Samples:
+        """Give the points alone."""
+        return Samples(self.time_us, self.value, self.texts)
 
 
 def empty_series(address: str, gaps: list[HistoryGap]) -> Series:

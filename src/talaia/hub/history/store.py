@@ -8,28 +8,39 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy.exc import SQLAlchemyError
 
+from talaia.hub.history.channels import stored_channels
 from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_engine
-from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.errors import HistoryBusy, HistoryError
+from talaia.hub.history.flow import Stretch, flow
 from talaia.hub.history.jobs import Append, Below, Gap
+from talaia.hub.history.joined import joined
 from talaia.hub.history.ledger import Ledger
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.reader import Reader
+from talaia.hub.history.statistics import read_statistics
+from talaia.hub.history.window import FARTHEST_US
 from talaia.hub.history.writer import Writer
 from talaia.hub.store.history_tables import HISTORY_TABLES
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import AsyncIterator, Callable, Collection, Iterator, Sequence
     from typing import ParamSpec, TypeVar
 
     from talaia.clock import Clock
+    from talaia.hub.history.channels import StoredChannel
+    from talaia.hub.history.files import ExportColumn, FileForm
     from talaia.hub.history.series import Series
+    from talaia.hub.history.statistics import Statistics
     from talaia.wire.columns import Columns
 
     P = ParamSpec("P")
     R = TypeVar("R")
 
 __all__ = ["HistoryStore"]
+
+# Exports that may go on at once; each holds a few megabytes.
+_EXPORTS = 4
 
 
 class HistoryStore:
@@ -50,12 +61,15 @@ class HistoryStore:
         self._address = address_of(url)
         self._writing = open_engine(url, writes=True)
         self._reading = open_engine(url, writes=False)
-        ledger = Ledger(self._writing, clock, limits)
+        self._limits = limits
+        self._ledger = ledger = Ledger(self._writing, clock, limits)
         self._checkpoints = Checkpoints(self._writing, self._reading)
         self._writer = Writer(ledger, self._checkpoints, clock, limits.linger_s)
         self._reader = Reader(self._reading, ledger, limits)
-        # One connection less than the engine has: the checkpoint's is one of them.
-        self._threads = ThreadPoolExecutor(READERS - 1, "history-reader")
+        # Two connections less than the engine has: the checkpoint's and the exports'.
+        self._threads = ThreadPoolExecutor(READERS - 2, "history-reader")
+        self._exporter = ThreadPoolExecutor(1, "history-export")
+        self._exports = 0
 
     async def create_tables(self) -> None:
         """Make the history's tables where no migration does, for tools and tests."""
@@ -119,15 +133,26 @@ class HistoryStore:
         """Give the first sequence number of a boot that is neither stored nor in a gap."""
         return await self._writer.do(Below(site, boot))
 
+    def knows(self, site: str, address: str) -> bool:
+        """Tell whether a channel has ever had a sample."""
+        return (site, address) in self._ledger.names.channels
+
     async def read(
-        self, site: str, addresses: Sequence[str], from_us: int, to_us: int, width: int
+        self,
+        site: str,
+        addresses: Sequence[str],
+        from_us: int,
+        to_us: int,
+        width: int,
+        steps: Collection[str] = (),
     ) -> list[Series]:
         """Read a window, both ends included, for a chart of so many pixels.
 
         A series has at most ``2 * width`` points: all samples if they fit (``exact``), otherwise
         the least and the greatest of each pixel, in order of time and at their own times. Pixels
-        are anchored to the epoch. Of texts, the first and the last of each pixel are kept. An
-        unknown address gives an empty series.
+        are anchored to the epoch. Of texts, the first and the last of each pixel are kept; of
+        ``steps`` (addresses of states), the last and one that differs from it. An unknown address
+        gives an empty series.
 
         Raises:
             HistoryError: the database cannot be read.
@@ -135,23 +160,112 @@ class HistoryStore:
         """
         if width < 1:
             raise HistoryError(f"a chart of {width} pixels cannot be drawn", "ask for 1 or more")
-        return await self._in_thread(self._reader.read, site, addresses, from_us, to_us, width)
+        reading = self._reader.read
+        return await self._in_thread(reading, site, addresses, from_us, to_us, width, steps)
 
-    async def last(self, site: str, addresses: Sequence[str]) -> dict[str, tuple[int, float, str]]:
-        """Give the newest sample of each address that has one: time (µs), value, text.
+    async def last(
+        self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
+    ) -> dict[str, tuple[int, float, str]]:
+        """Give the newest sample up to ``to_us`` of each address that has one.
+
+        It is a time (µs), a value (NaN for a text), and a text.
 
         Raises:
             HistoryError: the database cannot be read.
 
         """
-        return await self._in_thread(self._reader.last, site, addresses)
+        return await self._in_thread(self._reader.last, site, addresses, to_us)
+
+    async def statistics(
+        self, site: str, addresses: Sequence[str], from_us: int, to_us: int
+    ) -> list[Statistics]:
+        """Sum up a window, both ends included, of each address.
+
+        Raises:
+            HistoryError: the database cannot be read.
+
+        """
+        return await self._in_thread(
+            read_statistics, self._reading, self._ledger, self._limits,
+            site, addresses, from_us, to_us,
+        )  # fmt: skip
+
+    async def channels(self, site: str) -> list[StoredChannel]:
+        """List every channel of a site that has history, those of former descriptions too.
+
+        Raises:
+            HistoryError: the database cannot be read.
+
+        """
+        return await self._in_thread(stored_channels, self._reading, self._ledger, site)
+
+    async def export(
+        self,
+        site: str,
+        columns: Sequence[ExportColumn],
+        from_us: int,
+        to_us: int,
+        form: FileForm,
+        width: int = 0,
+    ) -> AsyncIterator[bytes]:
+        """Give the bytes of a file with a window, both ends included, of some channels.
+
+        With a ``width``, it holds what a chart of so many pixels shows, otherwise every sample.
+        What is held at once does not grow with the window.
+
+        Raises:
+            HistoryBusy: too many exports go on already.
+            HistoryError: the database cannot be read.
+
+        """
+        if self._exports >= _EXPORTS:
+            raise HistoryBusy(f"{_EXPORTS} exports go on already", "try again when one has ended")
+        self._exports += 1
+        try:
+            pieces = await self._run(
+                self._exporter,
+                lambda: self._begin_export(site, columns, from_us, to_us, form, width),
+            )
+            while piece := await self._run(self._exporter, lambda: next(pieces, b"")):
+                yield piece
+        finally:
+            self._exports -= 1
+
+    def _begin_export(
+        self,
+        site: str,
+        columns: Sequence[ExportColumn],
+        from_us: int,
+        to_us: int,
+        form: FileForm,
+        width: int,
+    ) -> Iterator[bytes]:
+        # Arrow takes 40 MB of memory, which a hub that exports nothing need not carry.
+        from talaia.hub.history.files import written
+
+        addresses = [column.address for column in columns]
+        if width:
+            steps = {column.address for column in columns if column.states}
+            shown = self._reader.read(site, addresses, from_us, to_us, width, steps)
+            flows = [iter([Stretch(each.samples(), FARTHEST_US + 1)]) for each in shown]
+        else:
+            flows = [
+                flow(self._reading, self._ledger, site, address, from_us, to_us)
+                for address in addresses
+            ]
+        return written(form, list(columns), joined(flows))
 
     async def _in_thread(
-        self, work: Callable[P, R], *args: P.args, **kwargs: P.kwargs
+        self,
+        work: Callable[P, R],
+        *args: P.args,
+        **kwargs: P.kwargs,
     ) -> R:  # fmt: skip
-        loop = asyncio.get_running_loop()
+        return await self._run(self._threads, lambda: work(*args, **kwargs))
+
+    async def _run(self, threads: ThreadPoolExecutor, work: Callable[[], R]) -> R:
         try:
-            return await loop.run_in_executor(self._threads, lambda: work(*args, **kwargs))
+            return await asyncio.get_running_loop().run_in_executor(threads, work)
         except SQLAlchemyError as error:
             reason = getattr(error, "orig", None) or error
             raise HistoryError(
@@ -160,6 +274,7 @@ class HistoryStore:
 
     def _end(self) -> None:
         self._threads.shutdown()
+        self._exporter.shutdown()
         self._checkpoints.close()
         self._reading.dispose()
         self._writing.dispose()

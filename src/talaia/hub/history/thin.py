@@ -14,7 +14,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["edges_of", "extremes", "groups", "pixel_width"]
+__all__ = ["edges_of", "extremes", "groups", "pixel_width", "steps_of"]
 
 
 def pixel_width(span_us: int, width: int, multiple_us: int = 1) -> int:
@@ -76,3 +76,15 @@ def edges_of(starts: NDArray[np.intp], size: int) -> NDArray[np.intp]:
     This is how texts are thinned: they have no least and no greatest.
     """
     return np.unique(np.concatenate((starts, np.append(starts[1:], size) - 1)))
+
+
+def steps_of(value: NDArray[np.float64], starts: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Give the last position of each group, and one with another value if there is any.
+
+    This is how states are thinned: what is drawn up to the next point must be what held last.
+    """
+    last = np.append(starts[1:], value.size) - 1
+    low, high = extremes(value, starts)
+    held = value[last]
+    other = np.where(value[high] != held, high, low)
+    return np.unique(np.concatenate((last, other[value[other] != held])))

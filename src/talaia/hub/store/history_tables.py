@@ -62,6 +62,7 @@ def _summary() -> tuple[Column[Any], ...]:
         Column("samples", BigInteger, nullable=False),
         Column("numbers", BigInteger, nullable=False),
         Column("total", Double, nullable=False),
+        Column("squares", Double),
         Column("low", Double),
         Column("low_us", BigInteger, nullable=False),
         Column("high", Double),

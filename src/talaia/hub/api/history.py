@@ -1,0 +1,251 @@
+"""The history over HTTP: charts, last values, statistics, and files to take away."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import msgspec
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import StreamingResponse
+
+from talaia.hub.api.access import live_of, who_of
+from talaia.hub.api.channels import NoChannel, asked_channels, may_read
+from talaia.hub.api.history_shapes import (
+    ReadingShape,
+    StatisticsList,
+    StatisticsShape,
+    StoredList,
+    StoredShape,
+    ValueList,
+    ValueShape,
+)
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.shapes import HistoryAnswer
+from talaia.hub.history.errors import HistoryBusy
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from talaia.hub.api.channels import Asked
+    from talaia.hub.history.series import Series
+    from talaia.hub.history.statistics import Reading, Statistics
+    from talaia.hub.ports import History
+
+__all__ = ["HistoryPages"]
+
+_MOST_SERIES = 100
+_BUSY_S = 5
+_ARROW = "application/vnd.apache.arrow.stream"
+_Time = Annotated[int, Query(ge=0, le=2**53)]
+_Addresses = Annotated[list[str], Query(max_length=_MOST_SERIES)]
+
+
+class HistoryPages:
+    """The routes of the history.
+
+    Channels are asked for by their own address (``channel=base/pose.x``) or by that of their
+    signal (``signal=base/pose``), which stands for all of its channels; both may be repeated.
+    """
+
+    def __init__(self, history: History) -> None:
+        """Answer from what is stored."""
+        self._history = history
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        router.get("/api/sites/{site}/history", response_model=HistoryAnswer)(self.window)
+        router.get("/api/sites/{site}/last")(self.last)
+        router.get("/api/sites/{site}/statistics")(self.statistics)
+        router.get("/api/sites/{site}/stored")(self.stored)
+        router.get("/api/sites/{site}/export", response_class=StreamingResponse)(self.export)
+        return router
+
+    async def window(
+        self,
+        request: Request,
+        from_us: _Time,
+        to_us: _Time,
+        channel: _Addresses = [],  # noqa: B006 - FastAPI copies it
+        signal: _Addresses = [],  # noqa: B006
+        width: Annotated[int, Query(ge=1, le=10_000)] = 1000,
+        format: Literal["json", "arrow", ""] = "",  # noqa: A002 - the query's name for it
+    ) -> Response:
+        """Read a window of some channels: at most two points for each of ``width`` pixels.
+
+        Spikes are kept and gaps named. It comes as JSON, or as an Arrow stream if ``format`` or
+        the Accept header says so.
+        """
+        asked = self._asked(request, [*channel, *signal])
+        _check(from_us, to_us)
+        site, addresses = live_of(request).name, [each.address for each in asked]
+        steps = frozenset(each.address for each in asked if each.states)
+        found = await self._history.read(site, addresses, from_us, to_us, width, steps)
+        if format == "arrow" or (not format and _ARROW in request.headers.get("accept", "")):
+            # Arrow takes 40 MB of memory, which a hub that is not asked for it need not carry.
+            from talaia.hub.history.arrow import series_to_arrow
+
+            return Response(series_to_arrow(found), media_type=_ARROW)
+        # Encoded by msgspec: whole columns at a time, and NaN becomes null.
+        body = msgspec.json.encode({"series": [_series(each) for each in found]})
+        return Response(body, media_type="application/json")
+
+    async def last(
+        self,
+        request: Request,
+        before_us: _Time,
+        channel: _Addresses = [],  # noqa: B006
+        signal: _Addresses = [],  # noqa: B006
+    ) -> ValueList:
+        """Give the last value of some channels before a time; those that have none are left out."""
+        asked = self._asked(request, [*channel, *signal])
+        addresses = [each.address for each in asked]
+        found = await self._history.last(live_of(request).name, addresses, before_us - 1)
+        return ValueList(
+            values=[
+                ValueShape(address=a, t_us=found[a][0], v=_number(found[a][1]), text=text or None)
+                for a in addresses
+                if a in found
+                for text in [found[a][2]]
+            ]
+        )
+
+    async def statistics(
+        self,
+        request: Request,
+        from_us: _Time,
+        to_us: _Time,
+        channel: _Addresses = [],  # noqa: B006
+        signal: _Addresses = [],  # noqa: B006
+    ) -> StatisticsList:
+        """Sum up a window of some channels."""
+        asked = self._asked(request, [*channel, *signal])
+        _check(from_us, to_us)
+        addresses = [each.address for each in asked]
+        found = await self._history.statistics(live_of(request).name, addresses, from_us, to_us)
+        return StatisticsList(statistics=[_statistics(each) for each in found])
+
+    async def stored(self, request: Request) -> StoredList:
+        """List what has history and is open to you, also what was renamed or removed since."""
+        live, grants = live_of(request), who_of(request).grants
+        described = {channel.address for channel in live.channels}
+        return StoredList(
+            channels=[
+                StoredShape(described=each.address in described, **each._asdict())
+                for each in await self._history.channels(live.name)
+                if may_read(live, grants, each.address)
+            ]
+        )
+
+    async def export(
+        self,
+        request: Request,
+        from_us: _Time,
+        to_us: _Time,
+        format: Literal["csv", "parquet", "arrow"],  # noqa: A002 - the query's name for it
+        channel: _Addresses = [],  # noqa: B006
+        signal: _Addresses = [],  # noqa: B006
+        width: Annotated[int, Query(ge=0, le=10_000)] = 0,
+    ) -> Response:
+        """Take a window of some channels away as a file, streamed.
+
+        One row for each time stamp, one column for each channel. With a ``width``, it holds what
+        a chart of so many pixels shows; without, every sample.
+        """
+        from talaia.hub.history.files import MEDIA_TYPES, SUFFIXES, ExportColumn, FileForm
+
+        asked = self._asked(request, [*channel, *signal])
+        _check(from_us, to_us)
+        site, form = live_of(request).name, FileForm(format)
+        columns = [
+            ExportColumn(each.address, each.unit, each.states, await self._is_text(site, each))
+            for each in asked
+        ]
+        pieces = self._history.export(site, columns, from_us, to_us, form, width)
+        try:
+            # The first piece tells whether it can be done at all, while there is a status to set.
+            first = await anext(pieces, b"")
+        except HistoryBusy as error:
+            raise ApiProblem(429, "busy", str(error), _BUSY_S) from error
+        name = f"{site}-{from_us // 1_000_000}-{to_us // 1_000_000}.{SUFFIXES[form]}"
+        return StreamingResponse(
+            _rest(first, pieces),
+            media_type=MEDIA_TYPES[form],
+            headers={"Content-Disposition": f'attachment; filename="{name}"'},
+        )
+
+    def _asked(self, request: Request, addresses: list[str]) -> list[Asked]:
+        if not addresses:
+            raise ApiProblem(422, "invalid", "name at least one channel or signal")
+        live = live_of(request)
+
+        def stored(address: str) -> bool:
+            return self._history.knows(live.name, address)
+
+        try:
+            asked = asked_channels(live, who_of(request).grants, addresses, stored)
+        except NoChannel as error:
+            raise ApiProblem(404, "unknown", str(error)) from error
+        if len(asked) > _MOST_SERIES:
+            raise ApiProblem(422, "invalid", f"at most {_MOST_SERIES} channels at once")
+        return asked
+
+    async def _is_text(self, site: str, asked: Asked) -> bool:
+        if asked.described:
+            return asked.text
+        found = await self._history.last(site, [asked.address])
+        return any(text for _, _, text in found.values())
+
+
+def _check(from_us: int, to_us: int) -> None:
+    if from_us >= to_us:
+        raise ApiProblem(422, "invalid", "from_us must be before to_us")
+
+
+async def _rest(first: bytes, pieces: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
+    yield first
+    async for piece in pieces:
+        yield piece
+
+
+def _series(series: Series) -> dict[str, object]:
+    texts = series.texts
+    said: dict[str, object] = {
+        "address": series.address,
+        "kind": "exact" if series.exact else "minmax",
+        "t_us": series.time_us.tolist(),
+        "v": series.value.tolist(),
+        "gaps": [
+            {"from_us": gap.from_us, "to_us": gap.to_us, "reason": gap.reason}
+            for gap in series.gaps
+        ],
+    }
+    if texts:
+        said["text"] = [texts.get(at, "") for at in range(len(series.time_us))]
+    return said
+
+
+def _statistics(of: Statistics) -> StatisticsShape:
+    return StatisticsShape(
+        address=of.address,
+        count=of.samples,
+        numbers=of.numbers,
+        low=_reading(of.low),
+        high=_reading(of.high),
+        mean=_number(of.mean),
+        deviation=_number(of.deviation),
+        first=_reading(of.first),
+        last=_reading(of.last),
+        gap_us=of.gap_us,
+    )
+
+
+def _reading(reading: Reading | None) -> ReadingShape | None:
+    if reading is None:
+        return None
+    return ReadingShape(t_us=reading.time_us, v=_number(reading.value), text=reading.text or None)
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,137 @@
+"""Where in the database the samples of a window are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from sqlalchemy import func, literal, or_, select, union_all
+
+from talaia.hub.history.block import Samples, concatenate, decode
+from talaia.hub.history.rows import summary_of
+from talaia.hub.history.series import HistoryGap
+from talaia.hub.store import history_tables as tables
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from sqlalchemy import ColumnElement, Connection
+
+    from talaia.hub.history.ledger import Ledger
+    from talaia.hub.history.rollup import Piece
+
+__all__ = [
+    "FARTHEST_US",
+    "Window",
+    "bodies",
+    "count_in_blocks",
+    "gaps_of",
+    "outside_rollups",
+    "raw",
+    "window_of",
+]
+
+FARTHEST_US = 2**62
+_BODIES_AT_ONCE = 200
+_block = tables.block
+
+
+class Window(NamedTuple):
+    """One channel and one stretch of time, both ends included."""
+
+    channel: int
+    from_us: int
+    to_us: int
+    longest_us: int
+    before_block: int
+
+    def blocks(self) -> list[ColumnElement[bool]]:
+        """Tell the blocks that overlap it."""
+        return [
+            _block.c.channel_id == self.channel,
+            _block.c.first_us <= self.to_us,
+            _block.c.first_us >= max(self.from_us - self.longest_us, -(2**63)),
+            _block.c.last_us >= self.from_us,
+            _block.c.id < self.before_block,
+        ]
+
+
+def window_of(
+    ledger: Ledger, site: str, address: str, from_us: int, to_us: int
+) -> tuple[Window, Samples] | None:
+    """Find a channel's window and what of the channel stands in memory; None if it has none.
+
+    It comes before the database is asked: what is sealed after this look is still in the
+    snapshot, and its blocks stay out of the window. The other way round, samples could be in
+    neither.
+    """
+    names, tails = ledger.names, ledger.tails
+    channel = names.channels.get((site, address))
+    # A driver would take numpy's whole numbers for something else.
+    from_us = max(-FARTHEST_US, min(FARTHEST_US, int(from_us)))
+    to_us = max(-FARTHEST_US, min(FARTHEST_US, int(to_us)))
+    if channel is None or from_us > to_us:
+        return None
+    samples, before = tails.snapshot(channel)
+    return Window(channel, from_us, to_us, names.longest_us[channel], before), samples
+
+
+def count_in_blocks(connection: Connection, window: Window) -> int:
+    """Count the samples of the blocks that overlap a window."""
+    query = select(func.coalesce(func.sum(_block.c.samples), 0)).where(*window.blocks())
+    return int(connection.scalar(query) or 0)
+
+
+def raw(connection: Connection, window: Window, most_texts: int) -> tuple[Samples, int | None]:
+    """Read all blocks of a window, and tell up to when they were not read, if there were too many.
+
+    Samples come in the order of their blocks, which is that in which they came.
+    """
+    query = select(_block.c.id, _block.c.last_us).where(*window.blocks()).order_by(_block.c.last_us)
+    blocks = [(row.id, row.last_us) for row in connection.execute(query)]
+    read: dict[int, Samples] = {}
+    size = 0
+    while blocks and (size < most_texts or not any(part.texts for part in read.values())):
+        ids = [number for number, _ in blocks[-_BODIES_AT_ONCE:]]
+        del blocks[-_BODIES_AT_ONCE:]
+        some = bodies(connection, ids)
+        size += sum(part.time_us.size for part in some.values())
+        read.update(some)
+    unread_us = blocks[-1][1] if blocks else None
+    return concatenate([read[number] for number in sorted(read)]), unread_us
+
+
+def bodies(connection: Connection, ids: Sequence[int]) -> dict[int, Samples]:
+    """Read blocks by their numbers; those that are gone are left out."""
+    table = tables.body
+    found: dict[int, Samples] = {}
+    for at in range(0, len(ids), _BODIES_AT_ONCE):
+        query = select(table).where(table.c.block_id.in_(ids[at : at + _BODIES_AT_ONCE]))
+        found.update({row[0]: decode(row[1]) for row in connection.execute(query)})
+    return found
+
+
+def outside_rollups(
+    connection: Connection, window: Window, pieces: Sequence[Piece]
+) -> list[tuple[int, Any]]:
+    """List the blocks that the rollups of a piece do not hold, with the piece's number."""
+    columns = [_block.c.id, _block.c.first_us, *summary_of(_block)]
+    queries = [
+        select(literal(number).label("piece"), *columns).where(
+            *window._replace(from_us=piece.from_us, to_us=piece.past_us - 1).blocks(),
+            or_(_block.c.finest_us == 0, _block.c.finest_us > piece.width_us),
+        )
+        for number, piece in enumerate(pieces)
+    ]
+    return [(row.piece, row) for row in connection.execute(union_all(*queries))]
+
+
+def gaps_of(connection: Connection, site: str, from_us: int, to_us: int) -> list[HistoryGap]:
+    """List the recorded gaps of a site that touch a window."""
+    gap, boot = tables.gap, tables.boot
+    query = (
+        select(gap.c.from_us, gap.c.to_us, gap.c.reason)
+        .join(boot, boot.c.id == gap.c.boot_id)
+        .where(boot.c.site == site, gap.c.from_us <= to_us, gap.c.to_us >= from_us)
+        .order_by(gap.c.from_us, gap.c.to_us)
+    )
+    return [HistoryGap(*row) for row in connection.execute(query)]
