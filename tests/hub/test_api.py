@@ -175,6 +175,21 @@ async def test_events_are_for_those_who_may_view(hub, gateway) -> None:
     assert guest.json()["events"] == []
 
 
+async def test_events_of_a_window_are_those_and_no_others(hub, gateway) -> None:
+    audit = hub.hub._audit
+    times = [audit.note(kind, site="agv", device="base").time_us for kind in ("a", "b", "c")]
+    await audit.written()
+    client = await hub.client("operator")
+
+    async def ask(**wanted: int) -> tuple[list[str], bool]:
+        said = (await client.get("/api/sites/agv/events", params=wanted)).json()
+        return [event["kind"] for event in said["events"]], said["more"]
+
+    assert await ask(from_us=times[0], to_us=times[2], limit=2) == (["c", "b"], True)
+    assert await ask(from_us=times[0], to_us=times[2], limit=3) == (["c", "b", "a"], False)
+    assert await ask(to_us=times[0] - 10**9) == ([], False)
+
+
 async def test_unknown_site_is_unknown(hub) -> None:
     client = await hub.client("operator")
     assert (await client.get("/api/sites/moon")).status_code == 404

@@ -21,7 +21,7 @@ from described import device_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
 from socket_side import Browser, media
-from world import World, history
+from world import World, events, history
 
 from talaia.model.load import read_site
 
@@ -175,6 +175,10 @@ def build(site: Site) -> FastAPI:
                 for one in ask.getlist("channel")
             ]
         }
+
+    @app.get("/api/sites/{name}/events")
+    async def happened(from_us: int = 0, to_us: int = 2**53, limit: int = 100) -> dict[str, object]:
+        return events(from_us, to_us, limit)
 
     @app.post("/mock")
     async def tamper(

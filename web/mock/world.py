@@ -153,10 +153,44 @@ def history(world: World, address: str, from_us: int, to_us: int, width: int) ->
             spread = (high - low) * 0.4
         times += [at] if exact else [at, at + span // count // 2]
         values += [value] if exact else [value - spread, value + spread]
-    return {
+    said = {
         "address": address,
         "t_us": times,
         "v": values,
         "kind": "exact" if exact else "minmax",
         "gaps": [{"from_us": gap_from, "to_us": gap_to, "reason": "the spool was full"}],
     }
+    device, _, signal = address.partition("/")
+    if world.site.devices[device].signals[signal.partition(".")[0]].type == "text":
+        said["text"] = [WORDS[int(at / 90e6) % 3] for at in times]
+        said["v"] = [None] * len(times)
+    return said
+
+
+WORDS = ("Docked at the charger in the kitchen", "On the way to the hall", "Waiting")
+
+
+HAPPENED = (
+    ("lease taken", "base", "operator", "epoch 4", True),
+    ("command asked", "base", "operator", "wander(active=True) 7f3a", True),
+    ("command succeeded", "base", "operator", "wander 7f3a", True),
+    ("stop pressed", "base", "operator", "", True),
+    ("stop confirmed by the robot", "base", "operator", "", True),
+    ("alarm raised", "power", "", "Battery voltage below 11.7 V for 30 s", False),
+    ("gateway lost", "", "", "", False),
+    ("gateway connected", "", "", "version 0.1", True),
+)
+
+
+def events(from_us: int, to_us: int, limit: int) -> dict[str, object]:
+    """Make up what happened: something every 97 s, and some of it close together."""
+    step = 97_000_000
+    found = [
+        {"time_us": at, "kind": kind, "device": device, "who": who, "message": said, "good": good}
+        for n in range(from_us // step, to_us // step + 1)
+        for kind, device, who, said, good in (HAPPENED[n % 8], HAPPENED[(n + 1) % 8])
+        if from_us <= (at := n * step + (2_000_000 if kind == HAPPENED[n % 8][0] else 0)) <= to_us
+        if at <= time.time() * 1e6
+    ]
+    found.sort(key=lambda event: -int(str(event["time_us"])))
+    return {"events": found[:limit], "more": len(found) > limit}

@@ -129,9 +129,10 @@ export interface EnrolAsk {
   readonly name?: string;
 }
 
-/** The newest events first. */
+/** The newest events first. ``more``: older ones of the window were left out. */
 export interface EventList {
   readonly events: readonly EventShape[];
+  readonly more: boolean;
 }
 
 /** Something that happened. */

@@ -5,6 +5,8 @@ export type {
   CommandShape as CommandInfo,
   DeviceShape as DeviceInfo,
   DriveShape as DriveInfo,
+  EventList,
+  EventShape as EventInfo,
   GapShape as HistoryGap,
   HistoryAnswer as History,
   SeriesShape as HistorySeries,

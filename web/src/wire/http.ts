@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { DeviceRow, History, Person, SiteDetail, SiteRow } from "./api.js";
+import type { DeviceRow, EventList, History, Person, SiteDetail, SiteRow } from "./api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -88,6 +88,12 @@ export class HubApi {
     search.set("width", String(Math.round(query.width)));
     const path = `/api/sites/${encodeURIComponent(site)}/history?${search.toString()}`;
     return this.ask("GET", path, undefined, { signal });
+  }
+
+  /** What happened in a window (µs), newest first. */
+  events(site: string, span: { readonly fromUs: number; readonly toUs: number }, limit: number, signal?: AbortSignal): Promise<EventList> {
+    const search = new URLSearchParams({ from_us: String(Math.round(span.fromUs)), to_us: String(Math.round(span.toUs)), limit: String(limit) });
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/events?${search.toString()}`, undefined, { signal });
   }
 
   /**

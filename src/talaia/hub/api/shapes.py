@@ -266,9 +266,10 @@ class EventShape(Shape):
 
 
 class EventList(Shape):
-    """The newest events first."""
+    """The newest events first. ``more``: older ones of the window were left out."""
 
     events: list[EventShape]
+    more: bool
 
 
 class GatewayShape(Shape):

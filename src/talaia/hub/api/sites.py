@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SitePages"]
 
+_TIMES = Query(ge=0, le=2**53)
+
 
 class SitePages:
     """The routes of sites."""
@@ -72,12 +74,18 @@ class SitePages:
         return describe(live_of(request), who_of(request).grants)
 
     async def events(
-        self, request: Request, site: str, limit: Annotated[int, Query(ge=1, le=1000)] = 100
+        self,
+        request: Request,
+        site: str,
+        limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+        from_us: Annotated[int, _TIMES] = 0,
+        to_us: Annotated[int, _TIMES] = 2**53,
     ) -> EventList:
-        """List what happened at a site lately, of the devices you may view."""
+        """List what happened at a site, newest first, of the devices you may view."""
         live, grants = live_of(request), who_of(request).grants
-        entries = await self._audit.recent(site, limit)
+        entries = await self._audit.recent(site, limit + 1, from_us, to_us)
         return EventList(
+            more=len(entries) > limit,
             events=[
                 EventShape(
                     time_us=entry.time_us,
@@ -87,7 +95,7 @@ class SitePages:
                     message=entry.message,
                     good=entry.good,
                 )
-                for entry in entries
+                for entry in entries[:limit]
                 if allows(Need.VIEW, grants, live.description, entry.device)
             ]
         )

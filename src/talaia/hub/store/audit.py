@@ -198,12 +198,14 @@ class Audit:
         """Wait until everything noted so far is in the database."""
         await self._written.wait()
 
-    async def recent(self, site: str, limit: int) -> list[Entry]:
-        """List the newest entries of a site, newest first."""
+    async def recent(
+        self, site: str, limit: int, from_us: int = 0, to_us: int = 2**53
+    ) -> list[Entry]:
+        """List the newest entries of a site within a window (µs), newest first."""
         async with self._database.read() as connection:
             rows = await connection.execute(
                 select(*_COLUMNS)
-                .where(audit.c.site == site)
+                .where(audit.c.site == site, audit.c.time_us.between(from_us, to_us))
                 .order_by(audit.c.id.desc())
                 .limit(limit)
             )

@@ -8,15 +8,17 @@
 
 import { html, LitElement, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
-import { SteadyRange } from "../../series/range.js";
 import { knownZone } from "../../format/time.js";
+import type { Range } from "../../series/range.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import { ZoneClock } from "../../series/zone.js";
 import { base } from "../base.js";
-import { drawSeries, extent } from "./draw-series.js";
+import { Axes } from "./axes.js";
+import { drawMarks, type ChartMark } from "./draw-marks.js";
+import { drawSeries } from "./draw-series.js";
 import { Gestures } from "./gestures.js";
 import { keyWish } from "./keys.js";
-import type { Axis, ChartSeries, Follow, ReadOut, SpanChange } from "./model.js";
+import { indentOf, type Axis, type ChartSeries, type Follow, type Indent, type ReadOut, type SpanChange } from "./model.js";
 import { Overlay } from "./overlay.js";
 import { Painter, type Paintable } from "./painter.js";
 import { readPalette, watchTheme, type Palette } from "./palette.js";
@@ -33,6 +35,8 @@ declare global {
 const NO_AXIS: Axis = { limits: { minimum: null, maximum: null }, least: 0 };
 /** The cursor finds a value within so many pixels. */
 const REACH = 14;
+const NO_INDENT: Indent = indentOf(0, 0);
+const NO_RANGE: Range = { low: 0, high: 1 };
 
 /**
  * @fires t-span while and after the person zooms or moves the window; detail is `SpanChange`
@@ -44,6 +48,8 @@ export class Chart extends LitElement implements Paintable {
   static override styles = [base, chartStyle];
 
   @property({ attribute: false }) series: readonly ChartSeries[] = [];
+  /** Where something happened, in ascending time. */
+  @property({ attribute: false }) marks: readonly ChartMark[] = [];
   /** The window of a chart that stands still. */
   @property({ attribute: false }) span: Span | null = null;
   /** Gives the window of a chart that moves; it wins over `span`. */
@@ -59,6 +65,10 @@ export class Chart extends LitElement implements Paintable {
   /** The linked cursor of charts that belong together (µs). */
   @property({ attribute: false }) cursorUs: number | null = null;
   @property({ type: Number, attribute: "axis-width" }) axisWidth = 48;
+  /** An axis for each unit among the series, instead of one for all. */
+  @property({ type: Boolean, attribute: "many-axes" }) manyAxes = false;
+  /** Room at the sides, also where no axes take it, so that the plot lines up with others. */
+  @property({ attribute: false }) indent: Indent = NO_INDENT;
 
   @query(".plot") private place!: HTMLElement;
   @query(".cursor") private cursorLine!: HTMLElement;
@@ -69,7 +79,7 @@ export class Chart extends LitElement implements Paintable {
   private view: ChartView | null = null;
   private overlay: Overlay | null = null;
   private palette: Palette | null = null;
-  private range: SteadyRange | null = null;
+  private axes = new Axes([], false, NO_AXIS);
   private shown: Span | null = null;
   private cursorPart: number | null = null;
   private size = { width: 0, height: 0 };
@@ -136,8 +146,12 @@ export class Chart extends LitElement implements Paintable {
   }
 
   protected override willUpdate(changed: PropertyValues<this>): void {
-    if (changed.has("axis") || this.range === null) this.range = new SteadyRange(this.axis.limits, this.axis.least);
-    if ((changed.has("zone") || changed.has("axisWidth")) && this.view !== null) this.remake();
+    const before = this.axes;
+    const axes = changed.has("series") || changed.has("manyAxes") || changed.has("axis") ? new Axes(this.series, this.manyAxes, this.axis) : before;
+    // Axes that are the same keep what they cover, so that they do not jump with every answer.
+    if (axes.key !== before.key || changed.has("axis")) this.axes = axes;
+    const other = axes.key !== before.key || changed.has("zone") || changed.has("axisWidth") || changed.has("indent");
+    if (other && this.view !== null) this.remake();
   }
 
   protected override updated(): void {
@@ -175,9 +189,11 @@ export class Chart extends LitElement implements Paintable {
     this.drawnAt = nowMs;
     this.drawnVersion = this.version();
     const columnUs = this.widthUs(span);
-    const { min, max } = extent(this.series, span, columnUs);
-    view.paint(span, this.range?.next(min, max) ?? { low: 0, high: 1 }, (plot) => {
-      drawSeries(plot, this.series, palette, columnUs, this.follow !== null);
+    const ranges = this.axes.ranges(this.series, span, columnUs);
+    const rangeOf = (one: ChartSeries): Range => ranges[this.axes.indexOf(one)] ?? NO_RANGE;
+    view.paint(span, ranges, (plot) => {
+      drawSeries(plot, this.series, { palette, columnUs, moving: this.follow !== null, rangeOf });
+      drawMarks(plot, this.marks, palette);
     });
     this.placeCursor();
     const tell = window.__talaiaPainted;
@@ -239,7 +255,8 @@ export class Chart extends LitElement implements Paintable {
     this.view = new ChartView(UPlot, this.place, this.size, this.palette, {
       clock: new ZoneClock(knownZone(this.zone)),
       axisWidth: this.axisWidth,
-      bare: this.series.length > 0 && this.series.every(({ states }) => states.length > 0),
+      axes: this.axes.looks,
+      indent: this.indent,
     });
     this.touch();
   }

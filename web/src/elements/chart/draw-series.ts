@@ -3,42 +3,87 @@
 import { stateWord } from "../../format/reading.js";
 import { summary } from "../../series/columns.js";
 import { runs } from "../../series/runs.js";
-import type { Span } from "../../series/window.js";
+import type { Range } from "../../series/range.js";
+import { pan, type Span } from "../../series/window.js";
 import { drawGaps, drawRuns, drawTrace, type Plot, type StateLook } from "./draw.js";
-import type { ChartSeries } from "./model.js";
-import { seriesColour, type Palette } from "./palette.js";
+import type { ChartSeries, Samples } from "./model.js";
+import { seriesColour, seriesDash, type Palette } from "./palette.js";
 
 /** Least and greatest number in the window; infinities where there is none. */
 export function extent(series: readonly ChartSeries[], span: Span, columnUs: number): { min: number; max: number } {
   let min = Infinity;
   let max = -Infinity;
-  for (const { samples, states } of series) {
-    if (states.length > 0) continue;
-    const seen = summary(samples.columnsAt(columnUs), span.fromUs, span.toUs);
+  const see = (samples: Samples, seenUs: Span): void => {
+    const seen = summary(samples.columnsAt(columnUs), seenUs.fromUs, seenUs.toUs);
     min = Math.min(min, seen.min);
     max = Math.max(max, seen.max);
+  };
+  for (const { samples, states, ghost } of series) {
+    if (states.length > 0) continue;
+    see(samples, span);
+    if (ghost !== undefined) see(ghost.samples, pan(span, -ghost.shiftUs));
   }
   return { min, max };
 }
 
-/** @param moving the chart goes with the time: its newest samples are marked, its bands have no outline */
-export function drawSeries(plot: Plot, series: readonly ChartSeries[], palette: Palette, columnUs: number, moving: boolean): void {
+/** How a chart's series are drawn. */
+export interface Manner {
+  readonly palette: Palette;
+  /** Time of one pixel column (µs). */
+  readonly columnUs: number;
+  /** The chart goes with the time: its newest samples are marked, its bands have no outline. */
+  readonly moving: boolean;
+  /** The value axis of a series. */
+  rangeOf(series: ChartSeries): Range;
+}
+
+export function drawSeries(plot: Plot, series: readonly ChartSeries[], manner: Manner): void {
+  const { palette } = manner;
   // Channels that were lost together were lost once.
   const gaps = new Map(series.flatMap((one) => one.gaps).map((gap) => [`${String(gap.from_us)} ${String(gap.to_us)}`, gap]));
   drawGaps(plot, [...gaps.values()], palette.muted);
-  for (const one of series) {
-    const { samples, stale } = one;
-    if (one.states.length > 0) {
-      const found = runs(samples.times, samples.values, plot.span.toUs, samples.allowedUs);
-      drawRuns(plot, found, (value) => lookOf(one, value, palette), palette.text);
-    } else {
-      const colour = stale ? palette.stale : seriesColour(palette, one.colour);
-      drawTrace(plot, samples.columnsAt(columnUs), colour, { dashed: stale, dot: moving, outlined: !moving });
-    }
+  for (const one of series) if (one.states.length > 0) drawStates(plot, one, palette);
+  const numbers = series.filter(({ states }) => states.length === 0).map((one) => ({ one, own: { ...plot, range: manner.rangeOf(one) } }));
+  // What is of another day lies behind all that is of this one.
+  for (const { one, own } of numbers) drawGhost(own, one, manner);
+  for (const { one, own } of numbers) drawNumbers(own, one, manner);
+}
+
+function drawNumbers(plot: Plot, series: ChartSeries, { palette, columnUs, moving }: Manner): void {
+  const { samples, stale } = series;
+  const colour = stale ? palette.stale : seriesColour(palette, series.colour);
+  const dash = stale ? STALE : seriesDash(series.colour);
+  drawTrace(plot, samples.columnsAt(columnUs), colour, { dash, dot: moving, outlined: !moving });
+}
+
+function drawGhost(plot: Plot, { ghost, colour }: ChartSeries, { palette, columnUs }: Manner): void {
+  if (ghost === undefined) return;
+  const then: Plot = { ...plot, span: pan(plot.span, -ghost.shiftUs) };
+  drawTrace(then, ghost.samples.columnsAt(columnUs), seriesColour(palette, colour), { dash: GHOST, dot: false, outlined: false, faint: FAINT });
+}
+
+function drawStates(plot: Plot, series: ChartSeries, palette: Palette): void {
+  const { samples, ghost } = series;
+  const look = (value: number): StateLook => lookOf(series, value, palette);
+  const now = runs(samples.times, samples.values, plot.span.toUs, samples.allowedUs);
+  if (ghost === undefined) {
+    drawRuns(plot, now, look, palette.text);
+    return;
   }
+  const height = plot.height * THEN_PART;
+  drawRuns({ ...plot, height: plot.height - height }, now, look, palette.text);
+  const then: Plot = { ...plot, top: plot.top + plot.height - height, height, span: pan(plot.span, -ghost.shiftUs) };
+  drawRuns(then, runs(ghost.samples.times, ghost.samples.values, then.span.toUs, ghost.samples.allowedUs), look, palette.muted);
 }
 
 function lookOf(series: ChartSeries, value: number, palette: Palette): StateLook {
   const colour = series.stale ? palette.stale : seriesColour(palette, series.colour + Math.max(0, value));
   return { word: stateWord(series.states, value), colour };
 }
+
+/** CSS pixels drawn and left out, in turn. */
+const STALE = [5, 4];
+const GHOST = [3, 3];
+const FAINT = 0.6;
+/** The part of a band's height that another day takes. */
+const THEN_PART = 0.4;

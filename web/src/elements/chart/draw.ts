@@ -45,11 +45,14 @@ export function clipped(plot: Plot, draw: () => void): void {
 }
 
 export interface TraceLook {
-  readonly dashed: boolean;
+  /** CSS pixels drawn and left out, in turn; empty for an unbroken line. */
+  readonly dash: readonly number[];
   /** The newest sample is marked. */
   readonly dot: boolean;
   /** The band has an outline, so that a spike one pixel wide is not overlooked. */
   readonly outlined: boolean;
+  /** How much of the colour is seen; 1 for all. */
+  readonly faint?: number;
 }
 
 /** A line through the means and, where a column holds more than one value, a band from least to greatest. */
@@ -66,22 +69,24 @@ export function drawTrace(plot: Plot, columns: Columns, colour: string, options:
     thick = traceBand(plot, columns, i, last, band) || thick;
     if (last < columns.length && columns.time(last) > plot.span.toUs) break;
   }
+  const faint = options.faint ?? 1;
   if (thick) {
-    ctx.globalAlpha = BAND;
+    ctx.globalAlpha = BAND * faint;
     ctx.fillStyle = colour;
     ctx.fill(band);
-    ctx.globalAlpha = OUTLINE;
+    ctx.globalAlpha = OUTLINE * faint;
     ctx.strokeStyle = colour;
     ctx.lineWidth = plot.ratio;
     if (options.outlined) ctx.stroke(band);
-    ctx.globalAlpha = 1;
   }
+  ctx.globalAlpha = faint;
   ctx.strokeStyle = colour;
   ctx.lineWidth = LINE * plot.ratio;
   ctx.lineJoin = "bevel";
   ctx.lineCap = "round";
-  ctx.setLineDash(options.dashed ? [5 * plot.ratio, 4 * plot.ratio] : []);
+  ctx.setLineDash(options.dash.map((pixels) => pixels * plot.ratio));
   ctx.stroke(line);
+  ctx.globalAlpha = 1;
   if (options.dot && columns.length > 0) drawDot(plot, columns, colour);
 }
 
@@ -199,8 +204,18 @@ export function drawRuns(plot: Plot, runs: readonly Run[], lookOf: (value: numbe
     ctx.globalAlpha = 1;
     // Where states change faster than pixels, the marks of their beginnings would hide them.
     if (right - left > 8 * ratio) ctx.fillRect(left, top, 3 * ratio, height);
-    if (ctx.measureText(look.word).width + 16 * ratio > right - left) continue;
+    const word = cutTo(ctx, look.word, right - left - 16 * ratio);
     ctx.fillStyle = ink;
-    ctx.fillText(look.word, left + 8 * ratio, top + height / 2);
+    ctx.fillText(word, left + 8 * ratio, top + height / 2);
   }
 }
+
+/** A text cut to a width (canvas pixels); empty where hardly a letter would be left. */
+function cutTo(ctx: CanvasRenderingContext2D, text: string, width: number): string {
+  const full = ctx.measureText(text).width;
+  if (full <= width) return text;
+  const letters = Math.floor((text.length * width) / full) - 1;
+  return letters < LEAST_LETTERS ? "" : `${text.slice(0, letters)}…`;
+}
+
+const LEAST_LETTERS = 4;

@@ -33,12 +33,35 @@ export interface ChartSeries {
   readonly gaps: readonly Gap[];
   /** Old values must not look as if they were fresh. */
   readonly stale: boolean;
+  /** The same channel at another time, drawn behind. */
+  readonly ghost?: Ghost;
+}
+
+/** Samples of another time, drawn as if they were of this one. */
+export interface Ghost {
+  readonly samples: Samples;
+  /** They are drawn so much later than they were taken (µs). */
+  readonly shiftUs: number;
 }
 
 export interface Axis {
   readonly limits: Limits;
   /** The axis covers at least this much (in the unit). */
   readonly least: number;
+}
+
+/** Room at the sides of a plot (CSS pixels). */
+export interface Indent {
+  readonly left: number;
+  readonly right: number;
+}
+
+/** Room at a side without an axis (CSS pixels). */
+const SIDE = 10;
+
+/** The room that so many value axes take; they stand in turn left and right. */
+export function indentOf(axes: number, axisWidth: number): Indent {
+  return { left: Math.ceil(axes / 2) * axisWidth || SIDE, right: Math.floor(axes / 2) * axisWidth || SIDE };
 }
 
 /** Gives the window at this moment; for a chart that moves with the time. */

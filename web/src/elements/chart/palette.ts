@@ -1,6 +1,7 @@
 /** Colours and type of the tokens, as a canvas needs them. */
 
 const SERIES = 8;
+const DASHES: readonly (readonly number[])[] = [[], [7, 3], [2, 3]];
 
 export interface Palette {
   readonly text: string;
@@ -9,6 +10,7 @@ export interface Palette {
   readonly stale: string;
   readonly surface: string;
   readonly raised: string;
+  readonly bad: string;
   readonly font: string;
   readonly series: readonly string[];
 }
@@ -23,6 +25,7 @@ export function readPalette(element: Element): Palette {
     stale: token("stale"),
     surface: token("surface"),
     raised: token("raised"),
+    bad: token("bad"),
     font: token("font") || "sans-serif",
     series: Array.from({ length: SERIES }, (_, i) => token(`series-${String(i + 1)}`)),
   };
@@ -31,6 +34,11 @@ export function readPalette(element: Element): Palette {
 /** The colour of a series; they come round again after eight. */
 export function seriesColour(palette: Palette, index: number): string {
   return palette.series[index % SERIES] ?? palette.text;
+}
+
+/** How a series is dashed, in CSS pixels: once round the colours, the next eight must look another way. */
+export function seriesDash(index: number): readonly number[] {
+  return DASHES[Math.floor(index / SERIES) % DASHES.length] ?? [];
 }
 
 /** Calls `changed` when the theme does, by choice or by the machine. Returns the way to end it. */

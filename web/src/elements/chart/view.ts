@@ -7,7 +7,8 @@ import { tickText, timeStep, timeTicks } from "../../series/timeticks.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import type { ZoneClock } from "../../series/zone.js";
 import { clipped, type Plot } from "./draw.js";
-import type { Palette } from "./palette.js";
+import type { Indent } from "./model.js";
+import { seriesColour, type Palette } from "./palette.js";
 
 /** A rectangle in CSS pixels, from the chart's own corner. */
 export interface Box {
@@ -17,12 +18,22 @@ export interface Box {
   readonly height: number;
 }
 
+/** What stands beside a value axis, and in which colour. */
+export interface AxisLook {
+  /** Empty where the chart's surroundings say it. */
+  readonly title: string;
+  /** Place among the colours of series; -1 for the colour of all axes. */
+  readonly colour: number;
+}
+
 export interface ViewOptions {
   readonly clock: ZoneClock;
-  /** Width kept for the value axis (CSS pixels), so that charts below each other line up. */
+  /** Width kept for each value axis (CSS pixels), so that charts below each other line up. */
   readonly axisWidth: number;
-  /** Without a value axis, for states. */
-  readonly bare: boolean;
+  /** The value axes, in turn left and right; none for states alone. */
+  readonly axes: readonly AxisLook[];
+  /** Room kept at the sides, also where no axes take it (CSS pixels). */
+  readonly indent: Indent;
 }
 
 const TICK_APART = 84;
@@ -30,13 +41,14 @@ const LABEL_HALF = 30;
 const TYPE = 12;
 const CHAR = 7;
 const GAP = 6;
+const TITLE = 14;
 
 export class ChartView {
   private readonly plot: UPlotType;
   private readonly ticks = new Map<number, string>();
   private drawInside: (plot: Plot) => void = () => undefined;
   private span: Span = { fromUs: 0, toUs: 1 };
-  private range: Range = { low: 0, high: 1 };
+  private ranges: readonly Range[] = [];
   private step = 0;
 
   constructor(
@@ -64,17 +76,23 @@ export class ChartView {
     this.palette = palette;
   }
 
-  /** Draw all, once, at the end of the running task. */
-  paint(span: Span, range: Range, inside: (plot: Plot) => void): void {
+  /**
+   * Draw all, once, at the end of the running task.
+   *
+   * @param ranges one for each axis; at least one
+   */
+  paint(span: Span, ranges: readonly Range[], inside: (plot: Plot) => void): void {
     this.span = span;
-    this.range = range;
+    this.ranges = ranges;
     this.drawInside = inside;
     const step = timeStep(lengthOf(span), this.box.width / TICK_APART);
     if (step !== this.step) this.ticks.clear();
     this.step = step;
     this.plot.batch(() => {
       this.plot.setScale("x", { min: span.fromUs, max: span.toUs });
-      this.plot.setScale("y", { min: range.low, max: range.high });
+      ranges.forEach(({ low, high }, i) => {
+        this.plot.setScale(scaleOf(i), { min: low, max: high });
+      });
       // A change of colour alone moves no scale, but must be drawn.
       this.plot.redraw(false, false);
     });
@@ -89,15 +107,21 @@ export class ChartView {
   }
 
   private settings(size: { width: number; height: number }): UPlotType.Options {
-    const { bare } = this.options;
+    const { axes, axisWidth, indent } = this.options;
+    const titled = axes.some(({ title }) => title !== "");
+    const left = Math.max(0, indent.left - Math.ceil(axes.length / 2) * axisWidth);
+    const right = Math.max(0, indent.right - Math.floor(axes.length / 2) * axisWidth);
     return {
       ...size,
-      padding: [8, 10, 0, bare ? 10 : 0],
+      padding: [titled ? 8 + TITLE : 8, right, 0, left],
       legend: { show: false },
       cursor: { show: false },
       series: [{}],
-      scales: { x: { time: false, auto: false, range: (_u, min, max) => [min, max] }, y: { auto: false, range: () => [this.range.low, this.range.high] } },
-      axes: [this.timeAxis(), this.valueAxis()],
+      scales: {
+        x: { time: false, auto: false, range: (_u, min, max) => [min, max] },
+        ...Object.fromEntries(Array.from({ length: Math.max(1, axes.length) }, (_, i) => [scaleOf(i), this.valueScale(i)])),
+      },
+      axes: [this.timeAxis(), ...axes.map((look, i) => this.valueAxis(look, i))],
       hooks: { draw: [this.draw] },
     };
   }
@@ -111,12 +135,28 @@ export class ChartView {
     };
   }
 
-  private valueAxis(): UPlotType.Axis {
-    const { axisWidth, bare } = this.options;
+  private valueScale(index: number): UPlotType.Scale {
     return {
-      ...this.look(),
-      show: !bare,
-      scale: "y",
+      auto: false,
+      range: () => {
+        const { low, high } = this.ranges[index] ?? UNIT;
+        return [low, high];
+      },
+    };
+  }
+
+  private valueAxis(axis: AxisLook, index: number): UPlotType.Axis {
+    const { axisWidth } = this.options;
+    const look = this.look();
+    return {
+      ...look,
+      stroke: () => this.inkOf(axis),
+      // One grid: several would not meet.
+      grid: { ...look.grid, show: index === 0 },
+      scale: scaleOf(index),
+      // The engine's names of the sides are gone at run time: 3 is left, 1 is right.
+      // eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
+      side: index % 2 === 0 ? 3 : 1,
       space: 30,
       // uPlot asks once before it has any values, whatever its types say.
       size: (_u, values: string[] | null) => Math.max(axisWidth, ...(values ?? []).map((text) => text.length * CHAR + GAP + 8)),
@@ -125,6 +165,10 @@ export class ChartView {
         return splits.map((value) => formatNumber(value, decimals));
       },
     };
+  }
+
+  private inkOf({ colour }: AxisLook): string {
+    return colour < 0 ? this.palette.muted : seriesColour(this.palette, colour);
   }
 
   private look(): UPlotType.Axis {
@@ -163,12 +207,34 @@ export class ChartView {
       width,
       height,
       span: this.span,
-      range: this.range,
+      range: this.ranges[0] ?? UNIT,
       ratio: this.ratio,
       font: this.palette.font,
     };
+    this.drawTitles(inside);
     clipped(inside, () => {
       this.drawInside(inside);
     });
   };
+
+  /** The unit over each axis, at its outer edge. */
+  private drawTitles({ ctx, left, top, width, ratio }: Plot): void {
+    const { axes, axisWidth } = this.options;
+    ctx.save();
+    ctx.font = `600 ${String(TYPE * ratio)}px ${this.palette.font}`;
+    ctx.textBaseline = "bottom";
+    axes.forEach((axis, i) => {
+      const apart = (Math.floor(i / 2) * axisWidth + GAP) * ratio;
+      ctx.textAlign = i % 2 === 0 ? "right" : "left";
+      ctx.fillStyle = this.inkOf(axis);
+      ctx.fillText(axis.title, i % 2 === 0 ? left - apart : left + width + apart, top - GAP * ratio);
+    });
+    ctx.restore();
+  }
+}
+
+const UNIT: Range = { low: 0, high: 1 };
+
+function scaleOf(index: number): string {
+  return `y${String(index)}`;
 }

@@ -15,7 +15,7 @@ export const historyChartStyle = css`
     block-size: clamp(13rem, 34vh, 22rem);
     margin-inline: calc(-1 * var(--t-space-2));
   }
-  t-chart.state {
+  t-chart.band {
     block-size: 5.5rem;
   }
   .place {
@@ -76,6 +76,17 @@ export const historyChartStyle = css`
     margin-inline-end: var(--t-space-2);
     border-radius: 2px;
     vertical-align: middle;
+  }
+  .why {
+    color: var(--t-muted);
+    font-weight: var(--t-weight);
+  }
+  summary {
+    min-block-size: var(--t-touch);
+    align-content: center;
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+    cursor: pointer;
   }
   ol {
     display: grid;

@@ -6,16 +6,19 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base.js";
 import type { Chart } from "../../elements/chart/chart.js";
-import type { ChartSeries } from "../../elements/chart/model.js";
+import { indentOf, type ChartSeries, type Indent } from "../../elements/chart/model.js";
 import type { Painter } from "../../elements/chart/painter.js";
 import { momentText, readOut } from "../../elements/chart/read-out.js";
-import { decimalsFor, formatNumber } from "../../format/number.js";
+import { decimalsFor, formatNumber, NOTHING } from "../../format/number.js";
 import { knownZone, timeText } from "../../format/time.js";
 import { summary } from "../../series/columns.js";
 import { lengthOf, type Span } from "../../series/window.js";
+import { SECOND_US } from "../../series/zone.js";
 import { historyChartStyle } from "./history-chart-style.js";
 import type { Loaded } from "./loader.js";
+import type { Mark } from "./marks.js";
 import type { Row, Together } from "./rows.js";
+import { textBand } from "./text-band.js";
 import "../../elements/chart/chart.js";
 
 /** Columns for statistics, where the chart has not been drawn yet. */
@@ -23,6 +26,7 @@ const COLUMNS = 1000;
 /** The cursor finds a value within this part of the window. */
 const REACH = 0.015;
 const TEXTS = 100;
+const AXIS_WIDTH = 60;
 
 @customElement("t-history-chart")
 export class HistoryChart extends LitElement {
@@ -32,12 +36,18 @@ export class HistoryChart extends LitElement {
   @property({ attribute: false }) data: ReadonlyMap<string, Loaded> = new Map();
   @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
   @property({ attribute: false }) cursorUs: number | null = null;
+  @property({ attribute: false }) marks: readonly Mark[] = [];
   @property({ attribute: false }) painter: Painter | null = null;
   /** When each channel was heard of last (µs), for a window without samples. */
   @property({ attribute: false }) newest: ReadonlyMap<string, number> = new Map();
   /** The first answer has come. */
   @property({ type: Boolean }) loaded = false;
   @property() zone = "UTC";
+  /** Several units in the chart, with an axis for each. */
+  @property({ type: Boolean }) joined = false;
+  /** Room beside the plot, the same for all charts of the page. */
+  @property({ attribute: false }) indent: Indent = indentOf(1, AXIS_WIDTH);
+  @property({ type: Number, attribute: "axis-width" }) axisWidth = AXIS_WIDTH;
 
   @query("t-chart") private readonly chart!: Chart | null;
 
@@ -50,23 +60,26 @@ export class HistoryChart extends LitElement {
   override render(): TemplateResult | null {
     const { group } = this;
     if (group === null) return null;
-    if (group.type === "text") return this.texts(group);
     return html`
       ${this.table(group)}
       <div class="place">
         <t-chart
-          class=${group.type}
+          class=${group.type === "number" ? "number" : "band"}
           zoomable
-          axis-width="60"
+          axis-width=${this.axisWidth}
+          ?many-axes=${this.joined}
+          .indent=${this.indent}
           .series=${this.series}
           .span=${this.span}
           .cursorUs=${this.cursorUs}
+          .marks=${this.marks}
           .painter=${this.painter}
           zone=${this.zone}
           label=${`History of ${group.rows.map(({ name }) => name).join(", ")}`}
         ></t-chart>
-        ${this.loaded && this.series.every((one) => this.countOf(one.address) === 0) ? this.none(group) : nothing}
+        ${this.loaded && this.series.every((one) => !this.hasAny(one)) ? this.none(group) : nothing}
       </div>
+      ${group.type === "text" ? this.texts(group) : nothing}
     `;
   }
 
@@ -77,7 +90,7 @@ export class HistoryChart extends LitElement {
       <table>
         <thead>
           <tr>
-            <th scope="col">${group.type === "number" ? group.title || "without unit" : "state"}</th>
+            <th scope="col">${group.type === "number" ? group.title || "without unit" : group.type}</th>
             <th scope="col" class="at">
               ${cursorUs === null ? "newest shown" : momentText(cursorUs, knownZone(this.zone), lengthOf(this.span))}
             </th>
@@ -108,8 +121,15 @@ export class HistoryChart extends LitElement {
   private valueAt(series: ChartSeries): unknown {
     const at = this.cursorUs ?? Math.min(this.span.toUs, series.samples.newestUs);
     const { text } = readOut(series, at, this.columnUs(), lengthOf(this.span) * REACH);
-    const spread = text.indexOf(" (");
+    if (text === NOTHING) return this.whyNothing(series, at);
+    const spread = series.states.length > 0 ? -1 : text.indexOf(" (");
     return spread < 0 ? text : html`${text.slice(0, spread)}<span class="spread">${text.slice(spread)}</span>`;
+  }
+
+  /** Where there is no value: the reason, if one is known. */
+  private whyNothing(series: ChartSeries, us: number): unknown {
+    const reason = series.gaps.find(({ from_us, to_us }) => us >= from_us && us <= to_us)?.reason ?? "";
+    return reason === "" ? NOTHING : html`<span class="why">${reason}</span>`;
   }
 
   private statistics(row: Row, series: ChartSeries | undefined): TemplateResult {
@@ -137,37 +157,35 @@ export class HistoryChart extends LitElement {
     </div>`;
   }
 
-  private texts(group: Together): TemplateResult {
-    const row = group.rows[0];
+  /** All texts of the window, to read and to copy: in the band there is no room for long ones. */
+  private texts(group: Together): TemplateResult | null {
     const { fromUs, toUs } = this.span;
-    const texts = (this.data.get(row?.address ?? "")?.texts ?? []).filter(({ timeUs }) => timeUs >= fromUs && timeUs <= toUs);
-    return html`<h3>${group.title} <span class="muted">${row?.device.name}</span></h3>
-      ${
-        texts.length === 0 && this.loaded
-          ? html`<p class="muted">No samples in this window</p>`
-          : html`<ol>
-              ${map(
-                texts.slice(-TEXTS).reverse(),
-                ({ timeUs, text }) =>
-                  html`<li><time>${momentText(timeUs, knownZone(this.zone), lengthOf(this.span))}</time> ${text}</li>`,
-              )}
-            </ol>`
-      }`;
+    const held = this.data.get(group.rows[0]?.address ?? "")?.texts ?? [];
+    const texts = held.filter(({ timeUs }) => timeUs >= fromUs && timeUs <= toUs);
+    if (texts.length === 0) return null;
+    return html`<details>
+      <summary>${texts.length > TEXTS ? `The last ${String(TEXTS)} texts` : "All texts"}</summary>
+      <ol>
+        ${map(
+          texts.slice(-TEXTS).reverse(),
+          ({ timeUs, text }) => html`<li><time>${momentText(timeUs, knownZone(this.zone), lengthOf(this.span))}</time> ${text}</li>`,
+        )}
+      </ol>
+    </details>`;
   }
 
-  private countOf(address: string): number {
-    const held = this.data.get(address);
-    if (held === undefined) return 0;
+  private hasAny({ samples: { times, values } }: ChartSeries): boolean {
     const { fromUs, toUs } = this.span;
-    return held.trace.times.some((time, i) => time >= fromUs && time <= toUs && !Number.isNaN(held.trace.values[i])) ? 1 : 0;
+    return times.some((time, i) => time >= fromUs && time <= toUs && !Number.isNaN(values[i]));
   }
 
   private makeSeries(): ChartSeries[] {
     return (this.group?.rows ?? []).flatMap((row, colour) => {
       const held = this.data.get(row.address);
       if (held === undefined) return [];
-      const { address, name, unit, decimals, states } = row;
-      return [{ address, name, unit, decimals, states, colour, samples: held.trace, gaps: held.gaps, stale: false }];
+      const { address, name, unit, decimals } = row;
+      const { words, samples } = row.type === "text" ? textBand(held, row.maxAge * SECOND_US) : { words: row.states, samples: held.trace };
+      return [{ address, name, unit, decimals, states: words, colour, samples, gaps: held.gaps, stale: false }];
     });
   }
 }

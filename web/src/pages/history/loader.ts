@@ -7,6 +7,7 @@ import { SECOND_US } from "../../series/zone.js";
 import { samplesOf } from "../../tiles/chart/past.js";
 import type { History, HistorySeries } from "../../wire/api.js";
 import type { HistoryQuery } from "../../wire/http.js";
+import { Asker, type AskerState } from "./asker.js";
 
 export interface Past {
   history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History>;
@@ -30,81 +31,89 @@ export interface Question {
   readonly width: number;
 }
 
-export type LoaderState = "idle" | "loading" | "ready" | "failed";
-
 /** So much more is asked for on each side, so that a small move has something to show at once. */
 const MARGIN = 0.25;
 const MOST = 200_000;
+/** While the window moves, what is held does until it is this much coarser than the screen. */
+const COARSE = 1.3;
 
 export class HistoryLoader {
-  state: LoaderState = "idle";
-  error: unknown = null;
   /** What is there, by address. A new map with each answer. */
   data: ReadonlyMap<string, Loaded> = new Map();
-  private asked = "";
-  private timer: ReturnType<typeof setTimeout> | undefined;
-  private asking: AbortController | null = null;
+  private held: Question | null = null;
+  private readonly asker: Asker<Question, History>;
 
   constructor(
     private readonly past: Past,
-    private readonly changed: () => void,
-  ) {}
+    changed: () => void,
+  ) {
+    this.asker = new Asker<Question, History>({
+      fetch: (question, signal) => this.past.history(question.site, queryOf(question), signal),
+      related: (running, next) => sameChannels(running, next) && overlap(running.span, next.span),
+      answered: (answer, question) => {
+        const ages = new Map(question.channels.map(({ address, maxAge }) => [address, maxAge * SECOND_US]));
+        this.data = new Map(answer.series.map((one) => [one.address, loadedOf(one, ages.get(one.address) ?? 0)]));
+        this.held = question;
+      },
+      changed,
+    });
+  }
 
-  /** Ask, unless this was the last question. @param afterMs a newer question within this replaces it */
-  ask(question: Question, afterMs: number): void {
-    const key = JSON.stringify(question);
-    if (key === this.asked) return;
-    this.asked = key;
-    clearTimeout(this.timer);
+  get state(): AskerState {
+    return this.asker.state;
+  }
+
+  get error(): unknown {
+    return this.asker.error;
+  }
+
+  /** Ask, unless this was the last question. @param moving what is held does for as long as it is fine enough */
+  ask(question: Question, moving: boolean): void {
     if (question.channels.length === 0) {
-      this.asking?.abort();
-      this.become("ready", null, new Map());
-      return;
+      this.asker.drop("ready");
+      this.data = new Map();
+      this.held = null;
+    } else if (!moving || this.held === null || !covers(this.held, question)) {
+      this.asker.ask(question);
     }
-    this.timer = setTimeout(() => void this.load(question), afterMs);
   }
 
   /** The next `ask` asks, also when the question is the same. */
   forget(): void {
-    this.asked = "";
+    this.asker.forget();
   }
 
+  /** Forget what is held: the next site may have signals of the same names. */
   close(): void {
-    clearTimeout(this.timer);
-    this.asking?.abort();
-    this.asked = "";
+    this.asker.drop();
+    this.data = new Map();
+    this.held = null;
   }
+}
 
-  private async load(question: Question): Promise<void> {
-    this.asking?.abort();
-    const asking = new AbortController();
-    this.asking = asking;
-    this.become("loading", null, this.data);
-    const more = lengthOf(question.span) * MARGIN;
-    try {
-      const answer = await this.past.history(
-        question.site,
-        {
-          channels: question.channels.map(({ address }) => address),
-          fromUs: question.span.fromUs - more,
-          toUs: question.span.toUs + more,
-          width: Math.ceil(question.width * (1 + 2 * MARGIN)),
-        },
-        asking.signal,
-      );
-      const ages = new Map(question.channels.map(({ address, maxAge }) => [address, maxAge * SECOND_US]));
-      this.become("ready", null, new Map(answer.series.map((one) => [one.address, loadedOf(one, ages.get(one.address) ?? 0)])));
-    } catch (error) {
-      if (!asking.signal.aborted) this.become("failed", error, this.data);
-    }
-  }
+function queryOf({ channels, span, width }: Question): HistoryQuery {
+  const { fromUs, toUs } = withMargin(span);
+  return { channels: channels.map(({ address }) => address), fromUs, toUs, width: Math.ceil(width * (1 + 2 * MARGIN)) };
+}
 
-  private become(state: LoaderState, error: unknown, data: ReadonlyMap<string, Loaded>): void {
-    this.state = state;
-    this.error = error;
-    this.data = data;
-    this.changed();
-  }
+function withMargin(span: Span): Span {
+  const more = lengthOf(span) * MARGIN;
+  return { fromUs: span.fromUs - more, toUs: span.toUs + more };
+}
+
+function sameChannels(a: Question, b: Question): boolean {
+  return a.site === b.site && a.channels.length === b.channels.length && a.channels.every(({ address }, i) => address === b.channels[i]?.address);
+}
+
+function overlap(a: Span, b: Span): boolean {
+  return a.fromUs < b.toUs && b.fromUs < a.toUs;
+}
+
+function covers(held: Question, wanted: Question): boolean {
+  const { fromUs, toUs } = withMargin(held.span);
+  const inside = wanted.span.fromUs >= fromUs && wanted.span.toUs <= toUs;
+  const fine = lengthOf(held.span) / held.width <= (COARSE * lengthOf(wanted.span)) / wanted.width;
+  return inside && fine && sameChannels(held, wanted);
 }
 
 /** @param maxAgeUs the signal's limit of age (µs) */

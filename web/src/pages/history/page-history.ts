@@ -8,7 +8,7 @@ import { LiveValuesController } from "../../controllers/live-values.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
-import type { SpanChange } from "../../elements/chart/model.js";
+import { indentOf, type SpanChange } from "../../elements/chart/model.js";
 import { Painter } from "../../elements/chart/painter.js";
 import { adviceFor } from "../../format/problem.js";
 import { utcSpan } from "../../format/time.js";
@@ -16,11 +16,14 @@ import { lengthOf, notAfter, type Span } from "../../series/window.js";
 import { HOUR_US, SECOND_US } from "../../series/zone.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
-import type { SiteDetail } from "../../wire/api.js";
+import type { EventList, SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
+import { EventsLoader } from "./events-loader.js";
 import { HistoryLoader } from "./loader.js";
+import { marksOf, type Mark, type MarkKind } from "./marks.js";
 import { readView, spanOf, writeView, type HistoryView } from "./query.js";
-import { firstChoice, rowsOf, together, type Row, type Together } from "./rows.js";
+import { axesFor } from "./axes-for.js";
+import { firstChoice, rowsOf, together, unitsOf, type Row, type Together } from "./rows.js";
 import { historyStyle } from "./style.js";
 import "../../elements/button.js";
 import "../../elements/empty.js";
@@ -28,10 +31,10 @@ import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "./history-chart.js";
 import "./history-tools.js";
+import "./marks-lane.js";
 import "./signal-picker.js";
+import "./view-options.js";
 
-/** While fingers or the wheel are at it, a question is asked only once they rest this long. */
-const DEBOUNCE_MS = 140;
 /** A window that follows is asked for again this often (ms), or each time it has moved two pixels. */
 const FOLLOW_LEAST_MS = 1000;
 const FOLLOW_PIXELS = 2;
@@ -59,7 +62,12 @@ export class PageHistory extends LitElement {
   private rows: readonly Row[] = [];
   private groups: readonly Together[] = [];
   private groupsKey = "";
+  private axisWidth = 0;
+  private indent = indentOf(1, 0);
   private loader: HistoryLoader | null = null;
+  private events: EventsLoader | null = null;
+  private marks: readonly Mark[] = [];
+  private markedOf: EventList | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private resized: ResizeObserver | null = null;
   private readonly painter = new Painter();
@@ -86,12 +94,17 @@ export class PageHistory extends LitElement {
     clearTimeout(this.timer);
     this.resized?.disconnect();
     this.loader?.close();
+    this.events?.close();
     this.loader = null;
+    this.events = null;
   }
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     const sites = this.sites.store;
-    if (changed.has("site")) this.loader?.close();
+    if (changed.has("site")) {
+      this.loader?.close();
+      this.events?.close();
+    }
     if (sites === undefined || this.api === undefined || !this.isConnected) return;
     this.detail.ask(this.site, () => sites.detail(this.site));
     const detail = this.detail.value;
@@ -100,8 +113,12 @@ export class PageHistory extends LitElement {
     this.loader ??= new HistoryLoader(this.api, () => {
       this.requestUpdate();
     });
+    this.events ??= new EventsLoader(this.api, () => {
+      this.requestUpdate();
+    });
     this.group();
     this.ask();
+    this.mark(detail);
     this.live.observe(this.site, this.silent());
   }
 
@@ -134,6 +151,7 @@ export class PageHistory extends LitElement {
           <t-signal-picker .rows=${this.rows} .chosen=${chosen} @t-pick=${this.pick}></t-signal-picker>
         </details>
         <div class="charts" aria-busy=${this.loader?.state === "loading" ? "true" : "false"}>
+          <t-view-options .view=${this.view()} @t-view=${this.viewChanged}></t-view-options>
           ${this.chartTrouble()} ${chosen.length === 0 ? this.nothingChosen() : this.chartList(detail)}
         </div>
       </div>
@@ -143,7 +161,20 @@ export class PageHistory extends LitElement {
   private chartList(detail: SiteDetail): TemplateResult {
     const loader = this.loader;
     const newest = new Map(this.silent().map((address) => [address, this.live.reading(address)?.timeUs ?? 0]));
+    const { without } = this.view();
+    const marks = without.length === 0 ? this.marks : this.marks.filter(({ kind }) => !without.includes(kind));
     return html`<div class="progress" ?hidden=${loader?.state !== "loading"}></div>
+      <t-marks-lane
+        .marks=${this.marks}
+        .without=${without}
+        .span=${this.span()}
+        .indent=${this.indent}
+        .more=${this.events?.list.more === true}
+        .failed=${this.events?.failed === true}
+        zone=${detail.zone}
+        @t-hide=${this.hide}
+        @t-cursor=${this.cursorMoved}
+      ></t-marks-lane>
       ${repeat(
         this.groups,
         ({ key }) => key,
@@ -155,6 +186,10 @@ export class PageHistory extends LitElement {
             .cursorUs=${this.cursorUs}
             .painter=${this.painter}
             .newest=${newest}
+            .marks=${marks}
+            .indent=${this.indent}
+            axis-width=${this.axisWidth}
+            ?joined=${this.view().joined}
             .loaded=${loader?.state === "ready"}
             zone=${detail.zone}
             @t-span=${this.spanChanged}
@@ -212,17 +247,29 @@ export class PageHistory extends LitElement {
 
   private group(): void {
     const chosen = this.chosen();
-    const key = `${this.detail.value?.catalogue ?? ""}\n${chosen.join("\n")}`;
+    const { most, axisWidth } = axesFor(this.view().joined, this.width);
+    const key = `${this.detail.value?.catalogue ?? ""} ${String(most)}\n${chosen.join("\n")}`;
     if (key === this.groupsKey) return;
     this.groupsKey = key;
-    this.groups = together(this.rows.filter(({ address }) => chosen.includes(address)));
+    this.groups = together(this.rows.filter(({ address }) => chosen.includes(address)), most);
+    this.axisWidth = axisWidth;
+    this.indent = indentOf(Math.max(1, ...this.groups.map(({ rows }) => unitsOf(rows).length)), axisWidth);
   }
 
   private ask(): void {
     if (this.width === 0 || this.loader === null) return;
     const channels = this.groups.flatMap(({ rows }) => rows).map(({ address, maxAge }) => ({ address, maxAge }));
     const question = { site: this.site, channels, span: this.span(), width: this.width };
-    this.loader.ask(question, this.moving === null ? 0 : DEBOUNCE_MS);
+    this.loader.ask(question, this.moving !== null);
+  }
+
+  private mark(detail: SiteDetail): void {
+    if (this.events === null) return;
+    this.events.ask(this.site, this.span());
+    const { list } = this.events;
+    if (list === this.markedOf) return;
+    this.markedOf = list;
+    this.marks = marksOf(list.events, new Map(detail.devices.map(({ id, name }) => [id, name])));
   }
 
   /** Chosen channels of which nothing has come for this window. */
@@ -237,8 +284,7 @@ export class PageHistory extends LitElement {
   }
 
   private show(view: Partial<HistoryView>): void {
-    const { channels, shown } = this.view();
-    const next = { channels: view.channels ?? channels, shown: view.shown ?? shown };
+    const next: HistoryView = { ...this.view(), ...view };
     this.nowUs = Date.now() * 1000;
     this.router.store?.go(sitePath(this.site, "history") + writeView(next));
     this.follow();
@@ -258,6 +304,14 @@ export class PageHistory extends LitElement {
 
   private readonly showAnother = (event: CustomEvent<HistoryView["shown"]>): void => {
     this.show({ shown: event.detail });
+  };
+
+  private readonly hide = (event: CustomEvent<readonly MarkKind[]>): void => {
+    this.show({ without: event.detail });
+  };
+
+  private readonly viewChanged = (event: CustomEvent<Partial<HistoryView>>): void => {
+    this.show(event.detail);
   };
 
   private readonly share = (): void => {

@@ -1,6 +1,7 @@
 /** What the history page shows, as it stands in the address bar. */
 
 import type { Span } from "../../series/window.js";
+import { KINDS, type MarkKind } from "./marks.js";
 import { SECOND_US, type ZoneClock } from "../../series/zone.js";
 
 export interface HistoryView {
@@ -8,6 +9,10 @@ export interface HistoryView {
   readonly channels: readonly string[] | null;
   /** The last so many seconds, going on with the time; or a window that stands still. */
   readonly shown: { readonly last: number } | Span;
+  /** Numbers of several units share a chart, with an axis for each unit. */
+  readonly joined: boolean;
+  /** Kinds of events that are not shown. */
+  readonly without: readonly MarkKind[];
 }
 
 export const FIRST_LAST = 900;
@@ -17,7 +22,12 @@ const LONGEST_LAST = 3660 * 86_400;
 export function readView(search: string): HistoryView {
   const query = new URLSearchParams(search);
   const channels = query.has("none") ? [] : query.getAll("c");
-  return { channels: channels.length > 0 || query.has("none") ? [...new Set(channels)] : null, shown: readShown(query) };
+  return {
+    channels: channels.length > 0 || query.has("none") ? [...new Set(channels)] : null,
+    shown: readShown(query),
+    joined: query.has("joined"),
+    without: KINDS.map(({ kind }) => kind).filter((kind) => (query.get("without") ?? "").split(",").includes(kind)),
+  };
 }
 
 /** The search part for a view: what `readView` reads back. */
@@ -31,8 +41,10 @@ export function writeView(view: HistoryView): string {
     query.set("from", String(Math.round(view.shown.fromUs)));
     query.set("to", String(Math.round(view.shown.toUs)));
   }
+  if (view.without.length > 0) query.set("without", view.without.join(","));
+  if (view.joined) query.set("joined", "");
   // Slashes and commas may stand in a query, and addresses read better with them.
-  return `?${query.toString().replaceAll("%2F", "/")}`;
+  return `?${query.toString().replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll(/=(?=&|$)/g, "")}`;
 }
 
 function readShown(query: URLSearchParams): { last: number } | Span {

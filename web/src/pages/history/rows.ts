@@ -16,7 +16,7 @@ export interface Row {
   readonly primary: boolean;
 }
 
-/** Rows that are drawn in one chart: one unit, or one state, or one text. */
+/** Rows that are drawn in one chart: numbers of a unit or a few, or one state, or one text. */
 export interface Together {
   readonly key: string;
   readonly title: string;
@@ -40,8 +40,12 @@ export function firstChoice(rows: readonly Row[]): string[] {
   return (main.length > 0 ? main : numbers).slice(0, FIRST_CHOICE).map(({ address }) => address);
 }
 
-/** Puts numbers of one unit together, in the order of the description. */
-export function together(rows: readonly Row[]): Together[] {
+/**
+ * Puts numbers of one unit together, in the order of the description.
+ *
+ * @param axes so many units may share a chart
+ */
+export function together(rows: readonly Row[], axes = 1): Together[] {
   const found = new Map<string, { title: string; type: Row["type"]; rows: Row[] }>();
   for (const row of rows) {
     const key = row.type === "number" && row.unit !== "" ? `unit ${row.unit}` : row.address;
@@ -49,7 +53,25 @@ export function together(rows: readonly Row[]): Together[] {
     found.set(key, group);
     group.rows.push(row);
   }
-  return [...found].map(([key, group]) => ({ key, ...group }));
+  const groups = [...found].map(([key, group]) => ({ key, ...group }));
+  return axes > 1 ? joined(groups, axes) : groups;
+}
+
+/** The units among some rows. */
+export function unitsOf(rows: readonly Row[]): string[] {
+  return [...new Set(rows.filter(({ type }) => type === "number").map(({ unit }) => unit))];
+}
+
+// Numbers first, since what is joined may have stood anywhere; numbers without a unit are one unit here.
+function joined(groups: readonly Together[], axes: number): Together[] {
+  const numbers = groups.filter(({ type }) => type === "number").flatMap(({ rows }) => rows);
+  const units = unitsOf(numbers);
+  const charts = Array.from({ length: Math.ceil(units.length / axes) }, (_, i): Together => {
+    const own = units.slice(i * axes, (i + 1) * axes);
+    const rows = numbers.filter(({ unit }) => own.includes(unit));
+    return { key: `units ${own.join(" ")}`, title: own.map((unit) => unit || "no unit").join(", "), type: "number", rows };
+  });
+  return [...charts, ...groups.filter(({ type }) => type !== "number")];
 }
 
 function rowOf(device: DeviceInfo, signal: SignalInfo, channel: string): Row {

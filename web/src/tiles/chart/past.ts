@@ -10,11 +10,11 @@ export interface PastSamples {
   readonly intervalUs: number;
 }
 
-/** Ascending times and values; "not a number" stands in each gap, so that no line is drawn across. */
+/** Ascending times and values; "not a number" stands where a gap begins, so that no line or state goes on across. */
 export function samplesOf(series: HistorySeries): PastSamples {
   const points = series.t_us.map((timeUs, i) => ({ timeUs, value: series.v[i] ?? NaN }));
   const typical = typicalInterval([...series.t_us].sort((a, b) => a - b));
-  for (const gap of series.gaps) points.push({ timeUs: (gap.from_us + gap.to_us) / 2, value: NaN });
+  for (const gap of series.gaps) points.push({ timeUs: gap.from_us + 1, value: NaN });
   points.sort((a, b) => a.timeUs - b.timeUs);
   return {
     times: Float64Array.from(points, ({ timeUs }) => timeUs),

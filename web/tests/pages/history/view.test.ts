@@ -1,9 +1,11 @@
-import { describe, expect, it, vi } from "vitest";
-import { HistoryLoader, loadedOf, type Past } from "../../../src/pages/history/loader.js";
+import { describe, expect, it } from "vitest";
+import { loadedOf } from "../../../src/pages/history/loader.js";
 import { quickOf, quickShown, readView, spanOf, writeView, type HistoryView } from "../../../src/pages/history/query.js";
 import { firstChoice, rowsOf, together } from "../../../src/pages/history/rows.js";
+import { textBand } from "../../../src/pages/history/text-band.js";
+import { runs } from "../../../src/series/runs.js";
 import { ZoneClock } from "../../../src/series/zone.js";
-import type { History, SignalInfo, SiteDetail } from "../../../src/wire/api.js";
+import type { SignalInfo, SiteDetail } from "../../../src/wire/api.js";
 
 const madrid = new ZoneClock("Europe/Madrid");
 const NOW = Date.parse("2026-11-21T10:00:00Z") * 1000;
@@ -11,17 +13,17 @@ const NOW = Date.parse("2026-11-21T10:00:00Z") * 1000;
 describe("the address of the history page", () => {
   it("reads back what it wrote", () => {
     const views: HistoryView[] = [
-      { channels: ["base/speed", "base/pose.x"], shown: { last: 3600 } },
-      { channels: [], shown: { fromUs: 1_795_000_000_000_001, toUs: 1_795_000_000_500_000 } },
-      { channels: null, shown: { last: 300 } },
-      { channels: ["odd/ä&c=x"], shown: { last: 7 } },
+      { channels: ["base/speed", "base/pose.x"], shown: { last: 3600 }, joined: true, without: ["stop", "link"] },
+      { channels: [], shown: { fromUs: 1_795_000_000_000_001, toUs: 1_795_000_000_500_000 }, joined: false, without: [] },
+      { channels: null, shown: { last: 300 }, joined: false, without: [] },
+      { channels: ["odd/ä&c=x"], shown: { last: 7 }, joined: false, without: [] },
     ];
     for (const view of views) expect(readView(writeView(view))).toEqual(view);
   });
 
   it("is as if empty where it makes no sense", () => {
-    for (const search of ["", "?from=5&to=4", "?last=-3", "?last=x", "?from=1e99&to=2e99", "?from=1"]) {
-      expect(readView(search)).toEqual({ channels: null, shown: { last: 900 } });
+    for (const search of ["", "?from=5&to=4", "?without=nothing", "?last=-3", "?last=x", "?from=1e99&to=2e99", "?from=1"]) {
+      expect(readView(search)).toEqual({ channels: null, shown: { last: 900 }, joined: false, without: [] });
     }
     expect(readView("?c=a&c=a").channels).toEqual(["a"]);
   });
@@ -73,57 +75,39 @@ describe("rows of the history page", () => {
     ]);
   });
 
+  it("share a chart with other units when asked to, at most so many units in one", () => {
+    const groups = (axes: number): [string, readonly string[]][] =>
+      together(rowsOf(DETAIL), axes).map(({ title, rows }) => [title, rows.map(({ address }) => address)]);
+    expect(groups(4)).toEqual([
+      ["m, V, rad, no unit", ["base/left", "base/right", "base/pose.x", "base/volt", "base/pose.yaw", "base/count"]],
+      ["mode", ["base/mode"]],
+    ]);
+    expect(groups(2).map(([title]) => title)).toEqual(["m, V", "rad, no unit", "mode"]);
+  });
+
   it("begin with the first main numbers", () => {
     expect(firstChoice(rowsOf(DETAIL))).toEqual(["base/left", "base/right"]);
     expect(firstChoice([])).toEqual([]);
   });
 });
 
-describe("loading a window", () => {
-  const question = (fromUs: number): Parameters<HistoryLoader["ask"]>[0] => ({
-    site: "agv", channels: [{ address: "a", maxAge: 5 }], span: { fromUs, toUs: fromUs + 1000 }, width: 100,
-  });
-  const one: History = { series: [{ address: "a", t_us: [1, 2], v: [1, 2], kind: "exact", gaps: [] }] };
-
-  it("asks once for what is asked twice, and only the last of a quick row of questions", async () => {
-    vi.useFakeTimers();
-    try {
-      const history = vi.fn<Past["history"]>(() => Promise.resolve(one));
-      const loader = new HistoryLoader({ history }, () => undefined);
-      for (const from of [1000, 2000, 3000, 3000]) loader.ask(question(from), 140);
-      await vi.advanceTimersByTimeAsync(200);
-      expect(history).toHaveBeenCalledTimes(1);
-      expect(history.mock.calls[0]?.[1]).toEqual({ channels: ["a"], fromUs: 2750, toUs: 4250, width: 150 });
-      expect([loader.state, loader.data.get("a")?.count]).toEqual(["ready", 2]);
-    } finally {
-      vi.useRealTimers();
-    }
-  });
-
-  it("keeps the old picture while it loads and when it fails, and asks again when told to", async () => {
-    vi.useFakeTimers();
-    try {
-      let answer = (): Promise<History> => Promise.resolve(one);
-      const loader = new HistoryLoader({ history: () => answer() }, () => undefined);
-      loader.ask(question(0), 0);
-      await vi.advanceTimersByTimeAsync(1);
-      answer = () => Promise.reject(new Error("down"));
-      loader.ask(question(5000), 0);
-      await vi.advanceTimersByTimeAsync(1);
-      expect([loader.state, loader.data.size]).toEqual(["failed", 1]);
-      answer = () => Promise.resolve(one);
-      loader.forget();
-      loader.ask(question(5000), 0);
-      await vi.advanceTimersByTimeAsync(1);
-      expect(loader.state).toBe("ready");
-    } finally {
-      vi.useRealTimers();
-    }
-  });
-
+describe("what was loaded", () => {
   it("lists texts with their times", () => {
     const loaded = loadedOf({ address: "a", t_us: [1, 2], v: [null, null], text: ["docked", "gone"], kind: "exact", gaps: [] }, 5e6);
     expect(loaded.texts).toEqual([{ timeUs: 1, text: "docked" }, { timeUs: 2, text: "gone" }]);
+  });
+
+  it("holds each text until the next, and none across a gap", () => {
+    const texts = ["docked", "gone", "docked"];
+    const gaps = [{ from_us: 4e6, to_us: 6e6, reason: "the spool was full" }];
+    const loaded = loadedOf({ address: "a", t_us: [1e6, 3e6, 7e6], v: [null, null, null], text: texts, kind: "exact", gaps }, 5e6);
+    const { words, samples } = textBand(loaded, 5e6);
+    expect(words).toEqual(["docked", "gone"]);
+    expect(runs(samples.times, samples.values, 8e6, samples.allowedUs)).toEqual([
+      { fromUs: 1e6, toUs: 3e6, value: 0 },
+      { fromUs: 3e6, toUs: 4e6 + 1, value: 1 },
+      { fromUs: 7e6, toUs: 8e6, value: 0 },
+    ]);
   });
 
   it("tells a silence once: with its reason where the hub has one", () => {

@@ -134,7 +134,7 @@ describe("a series of the past", () => {
     const past = samplesOf({
       address: "a", t_us: [30, 10, 20, 90], v: [3, 1, null, 9], kind: "exact", gaps: [{ from_us: 40, to_us: 80, reason: "r" }],
     });
-    expect([...past.times]).toEqual([10, 20, 30, 60, 90]);
+    expect([...past.times]).toEqual([10, 20, 30, 41, 90]);
     expect([...past.values]).toEqual([1, NaN, 3, NaN, 9]);
   });
 

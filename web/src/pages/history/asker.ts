@@ -1,0 +1,80 @@
+/**
+ * One question at a time, always the newest: what is asked while an answer is on its way waits, and
+ * of several that wait only the last is asked. So a window that is dragged is filled again and again
+ * while it moves, and the hub never gets more than one question ahead of what is seen.
+ */
+
+export type AskerState = "idle" | "loading" | "ready" | "failed";
+
+export interface Errand<Q, A> {
+  fetch(question: Q, signal: AbortSignal): Promise<A>;
+  /** An answer to `running` would still be worth something to who asks `next`; otherwise it is cancelled. */
+  related(running: Q, next: Q): boolean;
+  answered(answer: A, question: Q): void;
+  changed(): void;
+}
+
+export class Asker<Q, A> {
+  state: AskerState = "idle";
+  error: unknown = null;
+  private asked = "";
+  private running: { readonly question: Q; readonly stop: AbortController } | null = null;
+  private waiting: Q | null = null;
+
+  constructor(private readonly errand: Errand<Q, A>) {}
+
+  /** Ask, unless this was the last question. */
+  ask(question: Q): void {
+    const key = JSON.stringify(question);
+    if (key === this.asked) return;
+    this.asked = key;
+    if (this.running !== null && this.errand.related(this.running.question, question)) {
+      this.waiting = question;
+      return;
+    }
+    this.running?.stop.abort();
+    void this.run(question);
+  }
+
+  /** Nothing is wanted any more; what is under way is cancelled. */
+  drop(state: AskerState = "idle"): void {
+    this.asked = "";
+    this.waiting = null;
+    this.running?.stop.abort();
+    this.running = null;
+    this.state = state;
+    this.error = null;
+  }
+
+  /** The next `ask` asks, also when the question is the same. */
+  forget(): void {
+    this.asked = "";
+  }
+
+  private async run(question: Q): Promise<void> {
+    const stop = new AbortController();
+    this.running = { question, stop };
+    this.waiting = null;
+    this.become("loading", null);
+    let said: { readonly answer: A } | { readonly error: unknown };
+    try {
+      said = { answer: await this.errand.fetch(question, stop.signal) };
+    } catch (error) {
+      said = { error };
+    }
+    // Cancelled: somebody else has gone on already.
+    if (stop.signal.aborted) return;
+    this.running = null;
+    if ("answer" in said) this.errand.answered(said.answer, question);
+    const next = this.waiting as Q | null;
+    if (next !== null) void this.run(next);
+    else if ("answer" in said) this.become("ready", null);
+    else this.become("failed", said.error);
+  }
+
+  private become(state: AskerState, error: unknown): void {
+    this.state = state;
+    this.error = error;
+    this.errand.changed();
+  }
+}

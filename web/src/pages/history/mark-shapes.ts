@@ -1,0 +1,18 @@
+/** The shape of each kind of mark, 16 by 16: told apart without colour. */
+
+import { svg, type SVGTemplateResult } from "lit";
+import type { MarkKind } from "./marks.js";
+
+const SHAPES: Readonly<Record<MarkKind, string>> = {
+  alarm: "M8 1.5 15 14.5H1z",
+  stop: "M5.3 1.5h5.4l3.8 3.8v5.4l-3.8 3.8H5.3l-3.8-3.8V5.3z",
+  command: "M8 1 15 8 8 15 1 8z",
+  driving: "M8 1.5a6.5 6.5 0 1 1 0 13a6.5 6.5 0 0 1 0-13z",
+  link: "M2 2h12v12H2z",
+  other: "M8 4.5a3.5 3.5 0 1 1 0 7a3.5 3.5 0 0 1 0-7z",
+};
+
+/** The inside of an `<svg viewBox="0 0 16 16">`. */
+export function markShape(kind: MarkKind): SVGTemplateResult {
+  return svg`<path d=${SHAPES[kind]} fill="currentColor"></path>`;
+}
