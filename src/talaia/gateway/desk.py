@@ -12,6 +12,7 @@ from talaia.wire.frames import (
     Drive,
     Event,
     LeaseAsk,
+    LeaseForce,
     ResetAsk,
     StopAsk,
     Watch,
@@ -168,7 +169,7 @@ class FrontDesk:
                 latched = self._control.stop(message)
                 if latched is not None:
                     self._spawn(self._control.keep_stop(message.device, latched))
-            case LeaseAsk():
+            case LeaseAsk() | LeaseForce():
                 self._control.lease(message)
             case ResetAsk():
                 self._spawn(self._control.reset(message))

@@ -77,6 +77,7 @@ FROM_BROWSER: Mapping[type[Message], Need] = {
     browser.Subscribe: Need.SEE,
     browser.Unsubscribe: Need.SESSION,
     browser.Lease: Need.USE,
+    browser.LeaseForce: Need.ADMIN,
     browser.Drive: Need.USE,
     # Whoever may look at a device may stop it.
     browser.Stop: Need.VIEW,
@@ -132,6 +133,7 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.Welcome,
         frames.Ack,
         frames.LeaseAsk,
+        frames.LeaseForce,
         frames.Drive,
         frames.StopAsk,
         frames.ResetAsk,
