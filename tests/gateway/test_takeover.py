@@ -77,7 +77,9 @@ def test_a_new_driver_moves_nothing_before_the_vehicle_had_time_to_stand(bench: 
     zeros = bench.robot.driven[before:-1]
     assert len(zeros) >= 8
     assert {linear for _, linear, _ in zeros} == {0.0}
-    assert any("between two drivers" in x.why for x in bench.robot.sent if isinstance(x, DriveState))
+    assert any(
+        "between two drivers" in x.why for x in bench.robot.sent if isinstance(x, DriveState)
+    )
 
 
 def test_zero_is_said_even_when_the_former_driver_had_let_go(bench: Bench) -> None:
@@ -197,7 +199,9 @@ def test_accept_on_a_full_disk_changes_nothing(
 
 ACTS = ["take", "ask", "accept", "deny", "force", "renew", "free", "pass_on", "drop"]
 steps = st.tuples(
-    st.sampled_from(ACTS), st.sampled_from(["a", "b", "c"]), st.integers(0, 7).map(lambda s: s * SECOND)
+    st.sampled_from(ACTS),
+    st.sampled_from(["a", "b", "c"]),
+    st.integers(0, 7).map(lambda s: s * SECOND),
 )
 
 

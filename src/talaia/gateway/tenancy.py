@@ -77,9 +77,7 @@ class Tenancy:
             return refused or self._given(now_ns, "control was taken by force")
         match ask.op:
             case LeaseOp.TAKE:
-                return lease.take(ask.session, ask.who, now_ns) or self._given(
-                    now_ns, "taken anew"
-                )
+                return lease.take(ask.session, ask.who, now_ns) or self._given(now_ns, "taken anew")
             case LeaseOp.ASK:
                 return lease.ask(ask.session, ask.who, now_ns) or self._asked(now_ns)
             case LeaseOp.ACCEPT:

@@ -323,9 +323,7 @@ class Shown(Message, frozen=True, kw_only=True, tag="shown"):
     seq: Count
 
 
-FromBrowser = (
-    Subscribe | Unsubscribe | Lease | LeaseForce | Drive | Stop | Reset | Command | Ping
-)
+FromBrowser = Subscribe | Unsubscribe | Lease | LeaseForce | Drive | Stop | Reset | Command | Ping
 ToBrowser = (
     Greeting
     | SiteNews

@@ -137,8 +137,9 @@ export class LeaseDesk {
     // Late news of a lease that I freed: the free is already on its way.
     const other = word.holder !== "" && !word.yours;
     const before = this.now_;
-    if (word.refused === "" && other && before.kind === "other" && before.holder === word.holder) {
-      // The same as before, said to all: why my ask was in vain stays to be read.
+    if (!word.forceable && other && before.kind === "other" && before.holder === word.holder) {
+      // The same as before, said to all, or to a renewal that crossed the loss: what happened
+      // stays to be read.
       return null;
     }
     this.trouble = word.refused;

@@ -59,8 +59,15 @@ export class LeaseLine extends LitElement {
       .answers + t-button {
         min-inline-size: 0;
       }
+      .who {
+        min-inline-size: 0;
+      }
       .asked {
+        overflow: hidden;
+        text-overflow: ellipsis;
+        white-space: nowrap;
         color: var(--t-warn);
+        font-size: var(--t-size-s);
         font-weight: var(--t-weight-strong);
       }
     `,

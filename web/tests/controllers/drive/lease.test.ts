@@ -146,6 +146,7 @@ test("an ask for mine is answered once, and handing over says to whom", () => {
   expect(desk.answer(true)).toBe("accept");
   expect(desk.answer(true)).toBeNull();
   expect(desk.news(THEIRS, 60)).toBe("lease lost");
+  desk.news({ ...THEIRS, refused: "Grace is driving" }, 70);
   expect(desk.trouble).toBe("You handed control to Grace.");
 });
 

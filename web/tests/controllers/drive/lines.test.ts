@@ -175,7 +175,7 @@ describe("the seat", () => {
   test("starts with what was said of the lease before", () => {
     const late = new DriveSeat(line, { ...AT, limits: LIMITS }, true);
     late.open(lease({ holder: "Grace", yours: false, epoch: 0 }));
-    expect(late.lease.state).toEqual({ kind: "other", holder: "Grace" });
+    expect(late.lease.state).toEqual({ kind: "other", holder: "Grace", forceable: false });
     late.close();
   });
 });
