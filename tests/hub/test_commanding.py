@@ -324,3 +324,73 @@ async def test_twenty_viewers_that_never_answer_do_not_hold_up_one_that_does(hub
         assert shot.seq == seq
         await viewer.say(page_wire.Shown(seq=seq))
     await asyncio.gather(*(each.close() for each in idle))
+
+
+ASK = page_wire.Lease(site="agv", device="base", op=LeaseOp.ASK)
+FORCE = page_wire.LeaseForce(site="agv", device="base")
+
+
+def asked_of(holder: frames.LeaseAsk, asker: frames.LeaseAsk) -> frames.LeaseState:
+    return frames.LeaseState(
+        device="base",
+        session=holder.session,
+        who=holder.who,
+        epoch=7,
+        remains_ms=3000,
+        rival=asker.session,
+        rival_who=asker.who,
+        rival_ms=5000,
+        asked=asker.session,
+    )
+
+
+async def test_an_ask_is_shown_to_the_holder_and_to_the_asker_as_theirs(hub, gateway) -> None:
+    holder, asker = await hub.page("operator"), await hub.page("admin")
+    held = await take_lease(holder, gateway)
+    await asker.say(ASK)
+    ask = await gateway.hear(frames.LeaseAsk, lambda ask: ask.op is LeaseOp.ASK)
+    await gateway.say(asked_of(held, ask))
+    seen = await holder.hear(page_wire.LeaseNews, lambda news: news.rival)
+    mine = await asker.hear(page_wire.LeaseNews, lambda news: news.rival)
+    assert (seen.yours, seen.rival, seen.asking) == (True, "admin", False)
+    assert (mine.yours, mine.rival, mine.asking) == (False, "admin", True)
+    assert 4000 <= seen.answer_ms <= 5000
+
+
+async def test_a_no_is_told_to_the_asker_alone(hub, gateway) -> None:
+    holder, asker = await hub.page("operator"), await hub.page("admin")
+    held = await take_lease(holder, gateway)
+    await holder.hear(page_wire.LeaseNews)
+    await asker.say(ASK)
+    ask = await gateway.hear(frames.LeaseAsk, lambda ask: ask.op is LeaseOp.ASK)
+    await gateway.say(
+        frames.LeaseState(
+            device="base", session=held.session, who=held.who, epoch=7,
+            asked=ask.session, refused="operator keeps control", forceable=True,
+        )
+    )  # fmt: skip
+    news = await asker.hear(page_wire.LeaseNews, lambda news: news.refused)
+    assert news.forceable
+    await gateway.say(frames.DriveState(device="base", linear=0.0, angular=0.0, cap=1.0))
+    await holder.hear(page_wire.DriveNews)
+    told = [each for each in holder.heard if isinstance(each, page_wire.LeaseNews)]
+    assert not any(each.refused or each.forceable for each in told)
+
+
+async def test_only_an_admin_may_force(hub, gateway) -> None:
+    operator, admin = await hub.page("operator"), await hub.page("admin")
+    await operator.say(FORCE)
+    assert (await operator.hear(page_wire.Problem)).code == "forbidden"
+    await admin.say(FORCE)
+    forced = await gateway.hear(frames.LeaseForce)
+    assert (forced.device, forced.who) == ("base", "admin")
+
+
+async def test_an_asker_who_closes_the_page_withdraws(hub, gateway) -> None:
+    holder, asker = await hub.page("operator"), await hub.page("admin")
+    await take_lease(holder, gateway)
+    await asker.say(ASK)
+    ask = await gateway.hear(frames.LeaseAsk, lambda ask: ask.op is LeaseOp.ASK)
+    await asker.close()
+    free = await gateway.hear(frames.LeaseAsk, lambda ask: ask.op is LeaseOp.FREE)
+    assert free.session == ask.session

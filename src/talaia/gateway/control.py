@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import Readings
     from talaia.gateway.seat import Mouth
     from talaia.model.site import Site
-    from talaia.wire.frames import Drive, LeaseAsk, ResetAsk, StopAsk
+    from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, ResetAsk, StopAsk
 
 __all__ = ["Control", "Ticks"]
 
@@ -100,8 +100,8 @@ class Control:
 
     # ── from the hub ──
 
-    def lease(self, ask: LeaseAsk) -> None:
-        """Take, renew or free a lease."""
+    def lease(self, ask: LeaseAsk | LeaseForce) -> None:
+        """Take, renew, free, ask for, hand over or force a lease."""
         now = self._clock.monotonic_ns()
         seat = self.seats.get(ask.device)
         if seat is None:
@@ -109,6 +109,7 @@ class Control:
                 "lease_refused", "", f"no such driven device: {ask.device}", ask.who, good=False
             )
             return
+        before = seat.lease.holder(now)
         try:
             seat.on_lease(ask, now)
         except OSError as error:
@@ -117,7 +118,7 @@ class Control:
             self._mouth.send(seat.lease_state(now, ask.session, refused))
             return
         held = seat.lease.holder(now)
-        if held is not None and held.session == ask.session and ask.op is ask.op.TAKE:
+        if held is not None and (before is None or before.epoch != held.epoch):
             # So that the new driver need not wait for a tick to echo.
             self._tick(now)
 

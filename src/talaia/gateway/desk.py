@@ -13,6 +13,7 @@ from talaia.wire.frames import (
     Drive,
     Event,
     LeaseAsk,
+    LeaseForce,
     Reconnect,
     ResetAsk,
     StopAsk,
@@ -180,7 +181,7 @@ class FrontDesk:
                 latched = self._control.stop(message)
                 if latched is not None:
                     self._spawn(self._control.keep_stop(message.device, latched))
-            case LeaseAsk():
+            case LeaseAsk() | LeaseForce():
                 self._control.lease(message)
             case ResetAsk():
                 self._spawn(self._control.reset(message))

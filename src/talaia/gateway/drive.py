@@ -89,6 +89,7 @@ class Driving:
         self._seq = -1
         self._epoch = -1
         self._rest = False
+        self._pause_until_ns = 0
         self._offered_ns = 0
         self.cap = 1.0
         self.loop_ms = 0.0
@@ -164,6 +165,8 @@ class Driving:
 
     def _restless(self, frame: DriveFrame, now_ns: int) -> str:
         let_go = frame.linear == 0.0 and frame.angular == 0.0
+        if now_ns < self._pause_until_ns and not let_go:
+            return "the vehicle comes to rest between two drivers"
         paused = now_ns - self._offered_ns > 2 * self._ttl_ns
         if self._rest and not let_go and not paused:
             return "let go first, then press anew"
@@ -173,6 +176,10 @@ class Driving:
     def demand_rest(self, now_ns: int) -> None:
         """Let nothing move before the driver has let go: a reset of STOP starts no motion."""
         self._rest, self._offered_ns = True, now_ns
+
+    def demand_pause(self, until_ns: int) -> None:
+        """Let nothing move before this time, whoever drives: another takes over."""
+        self._pause_until_ns = until_ns
 
     def halt(self, now_ns: int) -> None:
         """End the hold now: zeros for the stated time, then silence. Nothing is ramped."""

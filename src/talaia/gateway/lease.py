@@ -1,13 +1,24 @@
-"""Who may drive a device: one holder at a time, each grant with a higher epoch. Pure."""
+"""Who may drive a device: one holder at a time, each grant with a higher epoch. Pure.
+
+Somebody else gets it by asking the holder, who has five seconds to say yes or no. Only after a no,
+or no answer, may it be forced; that whoever forces has the right to is the hub's matter.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.clock import SECOND
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Holder", "Lease"]
+__all__ = ["ANSWER_NS", "FORCE_NS", "Holder", "Lease", "Rival"]
+
+# The holder's time to answer an ask.
+ANSWER_NS = 5 * SECOND
+# An ask that was in vain may be followed by force for so long; after that, ask again.
+FORCE_NS = 30 * SECOND
 
 
 class Holder(NamedTuple):
@@ -19,11 +30,20 @@ class Holder(NamedTuple):
     until_ns: int
 
 
+class Rival(NamedTuple):
+    """Who asks the holder for it, and until when the holder may answer (ns, monotonic)."""
+
+    session: str
+    who: str
+    until_ns: int
+
+
 class Lease:
     """The lease of one device.
 
     Every question takes the time, and an overdue lease is gone by that alone: no timer has to
-    run for it to end.
+    run for it to end. It passes to who asks for it only inside a call that says so (`take`,
+    `accept`, `force`, `pass_on`), so that nobody becomes the driver by a mere look.
     """
 
     def __init__(self, duration_ns: int, next_epoch: Callable[[], int]) -> None:
@@ -37,24 +57,117 @@ class Lease:
         self._duration_ns = duration_ns
         self._next_epoch = next_epoch
         self._holder: Holder | None = None
+        self._rival: Rival | None = None
+        # Sessions whose ask of the present holder was in vain, and until when they may force it.
+        self._in_vain: dict[str, int] = {}
 
     def holder(self, now_ns: int) -> Holder | None:
         """Give the holder, or none."""
         if self._holder is not None and now_ns >= self._holder.until_ns:
             self._holder = None
+            self._in_vain.clear()
         return self._holder
+
+    def rival(self, now_ns: int) -> Rival | None:
+        """Give who asks the holder for it, or none."""
+        rival = self._rival
+        if rival is not None and now_ns >= rival.until_ns:
+            self._rival = None
+            if self.holder(now_ns) is not None:
+                self._in_vain[rival.session] = rival.until_ns + FORCE_NS
+        return self._rival
+
+    def may_force(self, session: str, now_ns: int) -> bool:
+        """Tell whether ``session`` asked the present holder in vain, not long ago."""
+        self.rival(now_ns)
+        return self.holder(now_ns) is not None and now_ns < self._in_vain.get(session, now_ns)
 
     def take(self, session: str, who: str, now_ns: int) -> str:
         """Grant it, or give the reason why not (empty when granted).
 
         A holder that asks again gets a new epoch: it may be a page that was loaded anew, whose
         frames count from zero, and the frames of its former life must not pass any more.
+
+        Raises:
+            OSError: no new epoch can be had; all is as it was.
+
         """
-        held = self.holder(now_ns)
+        held, rival = self.holder(now_ns), self.rival(now_ns)
         if held is not None and held.session != session:
             return f"{held.who} is driving"
-        self._holder = Holder(session, who, self._next_epoch(), now_ns + self._duration_ns)
+        if held is None and rival is not None and rival.session != session:
+            return f"{rival.who} has asked for it first"
+        self._grant(session, who, now_ns)
         return ""
+
+    def ask(self, session: str, who: str, now_ns: int) -> str:
+        """Ask the holder for it (or take it, if it is free); give the reason why not.
+
+        Raises:
+            OSError: as `take`.
+
+        """
+        held, rival = self.holder(now_ns), self.rival(now_ns)
+        if held is None or held.session == session:
+            return self.take(session, who, now_ns)
+        if rival is not None and rival.session != session:
+            return f"{rival.who} has asked for it already"
+        if rival is None:
+            self._in_vain.pop(session, None)
+            self._rival = Rival(session, who, now_ns + ANSWER_NS)
+        return ""
+
+    def accept(self, session: str, now_ns: int) -> str:
+        """Let the holder hand it to who asks; give the reason why not.
+
+        Raises:
+            OSError: as `take`.
+
+        """
+        held, rival = self.holder(now_ns), self.rival(now_ns)
+        if held is None or held.session != session:
+            return "only who has control can hand it over"
+        if rival is None:
+            return "nobody asks for it any more"
+        self._grant(rival.session, rival.who, now_ns)
+        return ""
+
+    def deny(self, session: str, now_ns: int) -> Rival | None:
+        """Let the holder say no; give who was refused, or none when there was nobody to refuse."""
+        held, rival = self.holder(now_ns), self.rival(now_ns)
+        if held is None or held.session != session or rival is None:
+            return None
+        self._rival = None
+        self._in_vain[rival.session] = now_ns + FORCE_NS
+        return rival
+
+    def force(self, session: str, who: str, now_ns: int) -> str:
+        """Take it from the holder, whom ``session`` asked in vain; give the reason why not.
+
+        Raises:
+            OSError: as `take`.
+
+        """
+        held = self.holder(now_ns)
+        if held is None or held.session == session:
+            return self.take(session, who, now_ns)
+        if not self.may_force(session, now_ns):
+            return f"ask {held.who} first; it can be forced after a no, or 5 s without an answer"
+        self._grant(session, who, now_ns)
+        return ""
+
+    def pass_on(self, now_ns: int) -> bool:
+        """Give a lease that has become free to who asks for it; tell whether that was so.
+
+        Raises:
+            OSError: as `take`.
+
+        """
+        held, rival = self.holder(now_ns), self.rival(now_ns)
+        if held is not None or rival is None:
+            return False
+        self._grant(rival.session, rival.who, now_ns)
+        return True
 
     def renew(self, session: str, now_ns: int) -> str:
         """Prolong it, or give the reason why not. Too late is too late: ask anew."""
@@ -67,18 +180,40 @@ class Lease:
         return ""
 
     def free(self, session: str, now_ns: int) -> bool:
-        """Give it up; tell whether ``session`` had it."""
-        held = self.holder(now_ns)
+        """Give it up, or no longer ask for it; tell whether ``session`` had it."""
+        held, rival = self.holder(now_ns), self.rival(now_ns)
+        self._in_vain.pop(session, None)
+        if rival is not None and rival.session == session:
+            self._rival = None
         if held is None or held.session != session:
             return False
         self._holder = None
+        self._in_vain.clear()
         return True
 
     def until_ns(self) -> int | None:
-        """Give when it ends by itself, or none while free."""
-        return None if self._holder is None else self._holder.until_ns
+        """Give when it, or an ask for it, ends by itself; none while free."""
+        times = [each.until_ns for each in (self._holder, self._rival) if each is not None]
+        return min(times, default=None)
 
     def drop(self) -> Holder | None:
-        """End it whoever holds it, and give who did."""
-        held, self._holder = self._holder, None
+        """End it whoever holds it or asks for it, and give who held it."""
+        held, self._holder, self._rival = self._holder, None, None
+        self._in_vain.clear()
         return held
+
+    def withdraw(self) -> None:
+        """Forget who asks."""
+        self._rival = None
+
+    def _grant(self, session: str, who: str, now_ns: int) -> None:
+        before, epoch = self._holder, self._next_epoch()
+        self._holder = Holder(session, who, epoch, now_ns + self._duration_ns)
+        if self._rival is not None and self._rival.session == session:
+            self._rival = None
+        if before is not None and before.session == session:
+            return
+        # Another holder was asked nothing yet: who still waits asks this one, with all its time.
+        self._in_vain.clear()
+        if self._rival is not None:
+            self._rival = self._rival._replace(until_ns=now_ns + ANSWER_NS)

@@ -10,22 +10,25 @@ from typing import TYPE_CHECKING, Protocol
 
 from talaia.clock import MS, SECOND
 from talaia.gateway.drive import STILL, Demand, Driving
-from talaia.gateway.lease import Lease
 from talaia.gateway.stop import Latched, StopLatch
-from talaia.wire.frames import DriveState, LeaseState, StopState
+from talaia.gateway.tenancy import Tenancy
+from talaia.wire.frames import DriveState, StopState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.stop import Proof
     from talaia.model.site import Drive as DriveRule
-    from talaia.wire.frames import Drive, FromGateway, LeaseAsk
+    from talaia.gateway.lease import Lease
+    from talaia.wire.frames import Drive, FromGateway, LeaseAsk, LeaseForce, LeaseState
 
 __all__ = ["Mouth", "Seat"]
 
 REPORT_NS = 100 * MS
 STOP_OFTEN_NS = SECOND
 STOP_SELDOM_NS = SECOND
+# As long as robots wait before they stop by themselves: the vehicle stands between two drivers.
+BETWEEN_DRIVERS_NS = SECOND // 2
 
 
 class Mouth(Protocol):
@@ -63,7 +66,8 @@ class Seat:
         self.device = device
         self.rule = rule
         self._mouth = mouth
-        self.lease = Lease(round(rule.lease * SECOND), next_epoch)
+        lease_ns = round(rule.lease * SECOND)
+        self.tenancy = Tenancy(device, lease_ns, next_epoch, mouth, self._changed)
         self.driving = Driving(rule)
         self.latch = StopLatch(rule.stop.below, stopped)
         self._period_ns = round(SECOND / rule.rate)
@@ -75,52 +79,36 @@ class Seat:
         self._reported_ns = -REPORT_NS
         self._why = ""
         self._noted_refusal = False
-        self._had: tuple[str, str] | None = None
+
+    @property
+    def lease(self) -> Lease:
+        """Who may drive it."""
+        return self.tenancy.lease
 
     # ── lease ──
 
-    def on_lease(self, ask: LeaseAsk, now_ns: int) -> None:
-        """Take, renew or free, and answer."""
-        before = self.lease.holder(now_ns)
-        refused = ""
-        match ask.op:
-            case ask.op.TAKE:
-                refused = self.lease.take(ask.session, ask.who, now_ns)
-                if not refused:
-                    # A take-over, even from oneself, passes through zero.
-                    self._end(now_ns, "taken anew")
-                    self._why = ""
-                    self._noted_refusal = False
-                    self._mouth.note("lease_granted", self.device, "", ask.who, good=True)
-            case ask.op.RENEW:
-                refused = self.lease.renew(ask.session, now_ns)
-            case ask.op.FREE:
-                if self.lease.free(ask.session, now_ns):
-                    self._end(now_ns, "lease given back")
-                    self._mouth.note("lease_freed", self.device, "", ask.who, good=True)
-        if refused and before is not None and ask.op is ask.op.TAKE:
-            self._mouth.note("lease_refused", self.device, refused, ask.who, good=True)
-        self._remember(now_ns)
-        self._mouth.send(self.lease_state(now_ns, ask.session, refused))
+    def on_lease(self, ask: LeaseAsk | LeaseForce, now_ns: int) -> None:
+        """Take, renew, free, ask for, hand over or force the lease, and answer.
+
+        Raises:
+            OSError: a new epoch could not be kept on disk; nobody has got anything.
+
+        """
+        self.tenancy.on_ask(ask, now_ns)
 
     def lease_state(self, now_ns: int, asked: str = "", refused: str = "") -> LeaseState:
         """Say who holds the device."""
-        held = self.lease.holder(now_ns)
-        if held is None:
-            return LeaseState(device=self.device, asked=asked, refused=refused)
-        return LeaseState(
-            device=self.device,
-            session=held.session,
-            who=held.who,
-            epoch=held.epoch,
-            remains_ms=max(0, (held.until_ns - now_ns) // MS),
-            asked=asked,
-            refused=refused,
-        )
+        return self.tenancy.state(now_ns, asked, refused)
 
-    def _remember(self, now_ns: int) -> None:
-        held = self.lease.holder(now_ns)
-        self._had = None if held is None else (held.session, held.who)
+    def _changed(self, now_ns: int, why: str, *, over: bool) -> None:
+        """Pass through zero: no driver, not even the same one anew, goes on from another's hold."""
+        self._end(now_ns, why)
+        self._why = ""
+        self._noted_refusal = False
+        if over and self.latch.latched is None:
+            self.driving.halt(now_ns)
+            self.driving.demand_pause(now_ns + BETWEEN_DRIVERS_NS)
+            self._publish(now_ns)
 
     # ── driving ──
 
@@ -250,8 +238,7 @@ class Seat:
 
     def vacate(self, now_ns: int, why: str, *, stop_robot: bool) -> None:
         """End lease and hold; where the description says so, zeros even if nobody drove."""
-        self.lease.drop()
-        self._had = None
+        self.tenancy.vacate()
         was_moving = self.driving.moving
         self._end(now_ns, why)
         if stop_robot and not was_moving:
@@ -273,11 +260,7 @@ class Seat:
 
     def step(self, now_ns: int, proofs: Callable[[], list[Proof | None]]) -> None:
         """Do what is due: lease that ends, zeros, STOP repeated and judged, reports."""
-        if self._had is not None and self.lease.holder(now_ns) is None:
-            self._mouth.note("lease_ended", self.device, "not renewed", self._had[1], good=True)
-            self._end(now_ns, "lease ended")
-            self._had = None
-            self._mouth.send(self.lease_state(now_ns))
+        self.tenancy.settle(now_ns)
         if self.latch.latched is not None:
             self._step_stopped(now_ns, proofs)
         else:

@@ -118,6 +118,7 @@ FROM_BROWSER: Mapping[type[Message], Need] = {
     browser.Subscribe: Need.SEE,
     browser.Unsubscribe: Need.SESSION,
     browser.Lease: Need.USE,
+    browser.LeaseForce: Need.ADMIN,
     browser.Drive: Need.USE,
     # Whoever may look at a device may stop it.
     browser.Stop: Need.VIEW,
@@ -175,6 +176,7 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.Welcome,
         frames.Ack,
         frames.LeaseAsk,
+        frames.LeaseForce,
         frames.Drive,
         frames.StopAsk,
         frames.ResetAsk,

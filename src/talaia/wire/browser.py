@@ -30,6 +30,7 @@ __all__ = [
     "FromBrowser",
     "Greeting",
     "Lease",
+    "LeaseForce",
     "LeaseNews",
     "Ping",
     "Pong",
@@ -77,11 +78,18 @@ class Unsubscribe(Message, frozen=True, kw_only=True, tag="unsubscribe"):
 
 
 class Lease(Message, frozen=True, kw_only=True, tag="lease"):
-    """Take, renew or free the lease of a device."""
+    """Take, renew or free the lease of a device; ask its holder for it, or answer an ask."""
 
     site: Name
     device: Name
     op: LeaseOp
+
+
+class LeaseForce(Message, frozen=True, kw_only=True, tag="lease_force"):
+    """Take the lease from its holder, who said no or nothing to your ask."""
+
+    site: Name
+    device: Name
 
 
 class Drive(Message, frozen=True, kw_only=True, tag="drive"):
@@ -188,7 +196,14 @@ class Values(Message, frozen=True, kw_only=True, tag="values"):
 
 
 class LeaseNews(Message, frozen=True, kw_only=True, tag="lease_news"):
-    """Who holds a device. ``epoch`` is not 0 only when it is you (``yours``)."""
+    """Who holds a device. ``epoch`` is not 0 only when it is you (``yours``).
+
+    Attributes:
+        rival: who asks the holder for it; ``asking`` when that is you.
+        answer_ms: the holder may answer for so long yet.
+        refused: why you did not get it; ``forceable`` when an admin may force it now.
+
+    """
 
     site: str
     device: str
@@ -196,7 +211,11 @@ class LeaseNews(Message, frozen=True, kw_only=True, tag="lease_news"):
     yours: bool = False
     epoch: int = 0
     remains_ms: int = 0
+    rival: str = ""
+    asking: bool = False
+    answer_ms: int = 0
     refused: str = ""
+    forceable: bool = False
 
 
 class TickNews(Message, frozen=True, kw_only=True, tag="tick"):
@@ -326,7 +345,7 @@ class Shown(Message, frozen=True, kw_only=True, tag="shown"):
     seq: Count
 
 
-FromBrowser = Subscribe | Unsubscribe | Lease | Drive | Stop | Reset | Command | Ping
+FromBrowser = Subscribe | Unsubscribe | Lease | LeaseForce | Drive | Stop | Reset | Command | Ping
 ToBrowser = (
     Greeting
     | SiteNews

@@ -39,6 +39,7 @@ __all__ = [
     "Gap",
     "Hello",
     "LeaseAsk",
+    "LeaseForce",
     "LeaseOp",
     "LeaseState",
     "Picture",
@@ -68,6 +69,11 @@ class LeaseOp(StrEnum):
     TAKE = "take"
     RENEW = "renew"
     FREE = "free"
+    # Who has none asks the holder for it (or takes it, if it is free); `FREE` ends the ask.
+    ASK = "ask"
+    # The holder's answer to an ask.
+    ACCEPT = "accept"
+    DENY = "deny"
 
 
 class CommandPhase(StrEnum):
@@ -139,8 +145,11 @@ class LeaseState(Message, frozen=True, kw_only=True, tag="lease"):
 
     Attributes:
         session: the holder's session, empty while nobody holds it.
+        rival: the session that asks the holder for it, empty when none does.
+        rival_ms: the holder may answer for so long yet.
         asked: the session that this answers, empty when it answers nobody.
         refused: why ``asked`` did not get it.
+        forceable: it was denied, or not answered in time, and may be forced now.
 
     """
 
@@ -149,8 +158,12 @@ class LeaseState(Message, frozen=True, kw_only=True, tag="lease"):
     who: Sentence = ""
     epoch: Count = 0
     remains_ms: int = 0
+    rival: str = ""
+    rival_who: Sentence = ""
+    rival_ms: int = 0
     asked: str = ""
     refused: Sentence = ""
+    forceable: bool = False
 
 
 class Tick(Message, frozen=True, kw_only=True, tag="tick"):
@@ -259,12 +272,20 @@ class Ack(Message, frozen=True, kw_only=True, tag="ack"):
 
 
 class LeaseAsk(Message, frozen=True, kw_only=True, tag="lease_ask"):
-    """Take, renew or free the lease of a device for a session."""
+    """Take, renew or free the lease of a device for a session; ask for it, or answer an ask."""
 
     device: Name
     session: Name
     who: Name
     op: LeaseOp
+
+
+class LeaseForce(Message, frozen=True, kw_only=True, tag="lease_force"):
+    """Take the lease from its holder, who said no or nothing. The hub has seen to the right."""
+
+    device: Name
+    session: Name
+    who: Name
 
 
 class Drive(Message, frozen=True, kw_only=True, tag="drive"):
@@ -369,6 +390,7 @@ FromHub = (
     Welcome
     | Ack
     | LeaseAsk
+    | LeaseForce
     | Drive
     | StopAsk
     | ResetAsk

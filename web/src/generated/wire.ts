@@ -3,7 +3,7 @@
 export const PROTOCOL = 1;
 
 /** What is asked of the lease. */
-export type LeaseOp = "take" | "renew" | "free";
+export type LeaseOp = "take" | "renew" | "free" | "ask" | "accept" | "deny";
 
 /** Where a one-shot command stands. The last five are final. */
 export type CommandPhase = "accepted" | "running" | "succeeded" | "failed" | "refused" | "cancelled" | "unknown";
@@ -23,12 +23,19 @@ export interface Unsubscribe {
   readonly sub: number;
 }
 
-/** Take, renew or free the lease of a device. */
+/** Take, renew or free the lease of a device; ask its holder for it, or answer an ask. */
 export interface Lease {
   readonly t: "lease";
   readonly site: string;
   readonly device: string;
   readonly op: LeaseOp;
+}
+
+/** Take the lease from its holder, who said no or nothing to your ask. */
+export interface LeaseForce {
+  readonly t: "lease_force";
+  readonly site: string;
+  readonly device: string;
 }
 
 /** A driving frame; the fields are those of `frames.Drive`. */
@@ -130,7 +137,11 @@ export interface LeaseNews {
   readonly yours: boolean;
   readonly epoch: number;
   readonly remains_ms: number;
+  readonly rival: string;
+  readonly asking: boolean;
+  readonly answer_ms: number;
   readonly refused: string;
+  readonly forceable: boolean;
 }
 
 /** The gateway's newest time mark; echo it in `Drive`. */
@@ -251,6 +262,7 @@ export type FromBrowser =
   | Subscribe
   | Unsubscribe
   | Lease
+  | LeaseForce
   | Drive
   | Stop
   | Reset
@@ -312,6 +324,7 @@ export const DEFAULTS = {
   subscribe: { every_ms: 50 },
   unsubscribe: {},
   lease: {},
+  lease_force: {},
   drive: { held_ms: 0.0, picture_ms: -1.0 },
   stop: {},
   reset: { token: "" },
@@ -321,7 +334,7 @@ export const DEFAULTS = {
   site: { catalogue: "", loop_ms: 0.0, skew_ms: 0.0, why: "" },
   subscribed: { refused: [] },
   values: { texts: {}, age_ms: [] },
-  lease_news: { holder: "", yours: false, epoch: 0, remains_ms: 0, refused: "" },
+  lease_news: { holder: "", yours: false, epoch: 0, remains_ms: 0, rival: "", asking: false, answer_ms: 0, refused: "", forceable: false },
   tick: {},
   drive_news: { loop_ms: 0.0, accepted: 0, refused: 0, why: "" },
   stop_news: { confirmed: false, who: "", time_us: 0, id: "" },

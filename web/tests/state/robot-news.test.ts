@@ -8,7 +8,8 @@ function told(): { line: FakeLine; news: RobotNews } {
   const line = new FakeLine();
   const news = new RobotNews(line);
   line.say({ t: "stop_news", ...at, latched: true, confirmed: true, who: "Ada", time_us: 1, id: "x" });
-  line.say({ t: "lease_news", ...at, holder: "Ada", yours: false, epoch: 0, remains_ms: 1, refused: "" });
+  const nobodyAsks = { rival: "", asking: false, answer_ms: 0, refused: "", forceable: false };
+  line.say({ t: "lease_news", ...at, holder: "Ada", yours: false, epoch: 0, remains_ms: 1, ...nobodyAsks });
   return { line, news };
 }
 

@@ -22,7 +22,7 @@ __all__ = ["Commanding"]
 
 _MOST_PENDING = 1000
 
-Asked = page.Lease | page.Drive | page.Stop | page.Reset | page.Command
+Asked = page.Lease | page.LeaseForce | page.Drive | page.Stop | page.Reset | page.Command
 
 
 class Commanding:
@@ -46,6 +46,14 @@ class Commanding:
                 if asked.op is not LeaseOp.FREE:
                     self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
                 live.link.send(_lease_ask(browser, asked.device, asked.op))
+            case page.LeaseForce():
+                self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
+                live.link.send(
+                    frames.LeaseForce(
+                        device=asked.device, session=browser.key, who=browser.who.name
+                    )
+                )
+                self._note(live, "lease force asked", browser.who.name, asked.device)
             case page.Drive():
                 self._drive(browser, live, asked)
             case page.Stop():

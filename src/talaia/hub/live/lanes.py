@@ -10,6 +10,7 @@ from talaia.wire.frames import (
     CommandAsk,
     Drive,
     LeaseAsk,
+    LeaseForce,
     ResetAsk,
     StopAsk,
 )
@@ -82,7 +83,7 @@ def _lane_of(message: FromHub) -> int:
     match message:
         case StopAsk():
             return 0
-        case Drive() | LeaseAsk() | ResetAsk():
+        case Drive() | LeaseAsk() | LeaseForce() | ResetAsk():
             return 1
         case CommandAsk():
             return 2

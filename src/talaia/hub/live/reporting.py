@@ -145,7 +145,7 @@ class Reporting:
         if state.refused:
             browser = self._browsers.get(state.asked)
             if browser is not None:
-                browser.tell(self._lease_news(live, state.device, browser, state.refused))
+                browser.tell(self._lease_news(live, state.device, browser, answer=True))
         else:
             for browser in self._browsers:
                 browser.tell(self._lease_news(live, state.device, browser))
@@ -156,11 +156,12 @@ class Reporting:
             self._note(live, kind, who, state.device, f"epoch {state.epoch or held[1]}")
 
     def _lease_news(
-        self, live: LiveSite, device: str, browser: Browser, refused: str = ""
+        self, live: LiveSite, device: str, browser: Browser, *, answer: bool = False
     ) -> page.LeaseNews:
         state, heard_ns = live.leases[device]
         yours = state.session == browser.key
         passed_ms = (self._clock.monotonic_ns() - heard_ns) // MS
+        answer_ms = max(0, state.rival_ms - passed_ms) if state.rival else 0
         return page.LeaseNews(
             site=live.name,
             device=device,
@@ -168,7 +169,11 @@ class Reporting:
             yours=yours,
             epoch=state.epoch if yours else 0,
             remains_ms=max(0, state.remains_ms - passed_ms) if state.session else 0,
-            refused=refused,
+            rival=state.rival_who if answer_ms else "",
+            asking=bool(answer_ms) and state.rival == browser.key,
+            answer_ms=answer_ms,
+            refused=state.refused if answer else "",
+            forceable=answer and state.forceable,
         )
 
     def _stop(self, live: LiveSite, state: frames.StopState) -> None:

@@ -59,6 +59,11 @@ export class DriveSeat extends Store {
     return this.lease.remains(this.now());
   }
 
+  /** How long the one who is asked for control may answer (ms). */
+  get answerRemains(): number {
+    return this.lease.answerRemains(this.now());
+  }
+
   /** What the driver should know: why a hold or the lease ended; empty when all is well. */
   get trouble(): string {
     return this.lease.trouble || haltWords(this.machine.why);
@@ -89,7 +94,7 @@ export class DriveSeat extends Store {
         this.follow();
       }),
       this.line.on("problem", (news) => {
-        if (news.about !== "lease") return;
+        if (news.about !== "lease" && news.about !== "lease_force") return;
         this.lease.lose(news.message);
         this.machine.revoke("lease lost");
         this.settle();
@@ -110,6 +115,20 @@ export class DriveSeat extends Store {
     this.stops = [];
     clearTimeout(this.frameTimer);
     clearInterval(this.leaseTimer);
+  }
+
+  /** Answers who asks for control: hand it over, through rest, or keep it. */
+  answer(yes: boolean): void {
+    if (yes) this.run(this.machine.halt("freed", this.now(), true), false);
+    this.ask(this.lease.answer(yes));
+    this.settle();
+  }
+
+  /** Takes control from a holder who was asked in vain; the hub sees to the right. */
+  force(): void {
+    if (!this.online) return;
+    this.ask(this.lease.force(this.now()));
+    this.settle();
   }
 
   take(): void {
@@ -168,7 +187,7 @@ export class DriveSeat extends Store {
   /** The page is out of sight: nobody watches the robot. */
   hide(): void {
     this.run(this.machine.bar("hidden", this.now()));
-    if (this.lease.state.kind === "mine" || this.lease.state.kind === "asking") this.free("hidden");
+    if (this.lease.wanted) this.free("hidden");
   }
 
   setLevel(level: number): void {
@@ -195,7 +214,8 @@ export class DriveSeat extends Store {
 
   private ask(op: LeaseAsk | null): void {
     const { site, device } = this.seated;
-    if (op !== null) this.line.send({ t: "lease", site, device, op });
+    if (op === "force") this.line.send({ t: "lease_force", site, device });
+    else if (op !== null) this.line.send({ t: "lease", site, device, op });
   }
 
   private run(frames: readonly Frame[], tell = true): void {
@@ -222,8 +242,7 @@ export class DriveSeat extends Store {
   }
 
   private settle(): void {
-    const busy = this.lease.state.kind === "mine" || this.lease.state.kind === "asking";
-    if (busy) this.leaseTimer ??= setInterval(this.beat, LEASE_BEAT_MS);
+    if (this.lease.wanted) this.leaseTimer ??= setInterval(this.beat, LEASE_BEAT_MS);
     else {
       clearInterval(this.leaseTimer);
       this.leaseTimer = undefined;

@@ -155,6 +155,12 @@ export const entries: readonly GalleryEntry[] = [
       { name: "asking", show: () => html`<t-lease kind="asking"></t-lease>` },
       { name: "mine", show: () => html`<t-lease kind="mine" .remains=${2400}></t-lease>` },
       { name: "mine, STOP on", show: () => html`<t-lease kind="mine" .remains=${2400} stopped></t-lease>` },
+      {
+        name: "asked for",
+        show: () => html`<t-lease kind="mine" rival="Grace" .answer=${4200} .remains=${2400}></t-lease>`,
+      },
+      { name: "waiting", show: () => html`<t-lease kind="waiting" holder="Grace" .answer=${4200}></t-lease>` },
+      { name: "may be forced", show: () => html`<t-lease kind="other" holder="Grace" forceable></t-lease>` },
       { name: "somebody else's", show: () => html`<t-lease kind="other" holder="Grace"></t-lease>` },
       { name: "offline", show: () => html`<t-lease kind="unknown" .online=${false}></t-lease>` },
     ],

@@ -113,12 +113,17 @@ export class DrivePad extends LitElement {
     return html`
       <t-lease
         .kind=${state.kind}
-        .holder=${state.kind === "other" ? state.holder : ""}
+        .holder=${state.kind === "other" || state.kind === "waiting" ? state.holder : ""}
+        .rival=${state.kind === "mine" ? (state.rival?.who ?? "") : ""}
+        .answer=${seat.answerRemains}
+        .forceable=${state.kind === "other" && state.forceable && (this.device?.rights.includes("admin") ?? false)}
         .remains=${seat.remains}
         .online=${seat.online}
         .stopped=${this.stopped}
         @t-take=${this.take}
         @t-free=${this.free}
+        @t-answer=${this.answer}
+        @t-force=${this.force}
       ></t-lease>
       <div class="hands" @t-hold=${this.hold} @t-halt=${this.halt}>
         <t-pad ?disabled=${idle} .stickOf=${padStick}></t-pad>
@@ -218,6 +223,14 @@ export class DrivePad extends LitElement {
 
   private readonly free = (): void => {
     this.seat?.free();
+  };
+
+  private readonly answer = (event: CustomEvent<boolean>): void => {
+    this.seat?.answer(event.detail);
+  };
+
+  private readonly force = (): void => {
+    this.seat?.force();
   };
 }
 

@@ -2,7 +2,10 @@ import { beforeEach, expect, test } from "vitest";
 import { ANSWER_MS, LeaseDesk, RENEW_MS, type LeaseWord } from "../../../src/controllers/drive/lease.js";
 
 function word(more: Partial<LeaseWord> = {}): LeaseWord {
-  return { holder: "", yours: false, epoch: 0, remains_ms: 0, refused: "", ...more };
+  return {
+    holder: "", yours: false, epoch: 0, remains_ms: 0, rival: "", asking: false, answer_ms: 0, refused: "",
+    forceable: false, ...more,
+  };
 }
 const MINE = word({ holder: "Ada", yours: true, epoch: 3, remains_ms: 3000 });
 
@@ -15,7 +18,7 @@ test("taking asks once, and the answer makes it mine", () => {
   expect(desk.take(0)).toBe("take");
   expect(desk.take(10)).toBeNull();
   expect(desk.news(MINE, 20)).toBeNull();
-  expect(desk.state).toEqual({ kind: "mine", epoch: 3, until: 3020 });
+  expect(desk.state).toEqual({ kind: "mine", epoch: 3, until: 3020, rival: null });
   expect(desk.epoch).toBe(3);
 });
 
@@ -41,7 +44,7 @@ test("a renewal without an answer loses it when its time is out", () => {
 test("somebody else who has it is named, and a refusal says why", () => {
   desk.take(0);
   desk.news(word({ holder: "Grace", remains_ms: 2000, refused: "Grace is driving." }), 5);
-  expect(desk.state).toEqual({ kind: "other", holder: "Grace" });
+  expect(desk.state).toEqual({ kind: "other", holder: "Grace", forceable: false });
   expect(desk.trouble).toBe("Grace is driving.");
 });
 
@@ -100,4 +103,72 @@ test("a lost link ends it without asking, and says so only to a holder", () => {
 
 test("freeing what is not mine asks nothing", () => {
   expect(desk.free()).toBeNull();
+});
+
+const THEIRS = word({ holder: "Grace", remains_ms: 3000 });
+const WAITING = word({ holder: "Grace", rival: "Ada", asking: true, answer_ms: 5000 });
+const DENIED = word({ holder: "Grace", refused: "Grace keeps control", forceable: true });
+
+test("somebody else who has it is asked, and the time to answer is counted down", () => {
+  desk.news(THEIRS, 0);
+  expect(desk.take(0)).toBe("ask");
+  desk.news(WAITING, 10);
+  expect(desk.state).toEqual({ kind: "waiting", holder: "Grace", until: 5010 });
+  expect(desk.answerRemains(2010)).toBe(3000);
+  expect(desk.news({ ...MINE, epoch: 4 }, 3000)).toBeNull();
+  expect(desk.epoch).toBe(4);
+});
+
+test.each([
+  ["said to me first", [DENIED, THEIRS]],
+  ["said to all first", [THEIRS, DENIED]],
+])("a no is told and may be forced, %s", (_, words) => {
+  desk.news(THEIRS, 0);
+  desk.take(0);
+  desk.news(WAITING, 0);
+  for (const each of words) desk.news(each, 100);
+  expect(desk.trouble).toBe("Grace keeps control");
+  expect(desk.state).toEqual({ kind: "other", holder: "Grace", forceable: true });
+  expect(desk.force(200)).toBe("force");
+});
+
+test("nothing can be forced that was not asked in vain", () => {
+  desk.news(THEIRS, 0);
+  expect(desk.force(0)).toBeNull();
+});
+
+test("an ask for mine is answered once, and handing over says to whom", () => {
+  desk.take(0);
+  desk.news(MINE, 0);
+  expect(desk.answer(true)).toBeNull();
+  desk.news({ ...MINE, rival: "Grace", answer_ms: 5000 }, 10);
+  expect(desk.answerRemains(1010)).toBe(4000);
+  expect(desk.answer(true)).toBe("accept");
+  expect(desk.answer(true)).toBeNull();
+  expect(desk.news(THEIRS, 60)).toBe("lease lost");
+  desk.news({ ...THEIRS, refused: "Grace is driving" }, 70);
+  expect(desk.trouble).toBe("You handed control to Grace.");
+});
+
+test("an ask that is withdrawn is not shown any more, and one that is denied is not either", () => {
+  desk.take(0);
+  desk.news(MINE, 0);
+  desk.news({ ...MINE, rival: "Grace", answer_ms: 5000 }, 10);
+  desk.news(MINE, 20);
+  expect(desk.answer(false)).toBeNull();
+  desk.news({ ...MINE, rival: "Grace", answer_ms: 5000 }, 30);
+  expect(desk.answer(false)).toBe("deny");
+  expect(desk.answerRemains(40)).toBe(0);
+});
+
+test("whoever no longer waits withdraws the ask, and a silent gateway ends the wait", () => {
+  desk.news(THEIRS, 0);
+  desk.take(0);
+  desk.news(WAITING, 0);
+  expect(desk.free()).toBe("free");
+  desk.take(10);
+  desk.news(WAITING, 10);
+  expect(desk.beat(5010).ask).toBeNull();
+  expect(desk.beat(5010 + 1500).ask).toBe("free");
+  expect(desk.state.kind).toBe("other");
 });

@@ -10,7 +10,10 @@ const LIMITS = { maxSpeed: 0.2, maxReverse: 0.2, maxTurn: 2 };
 const AT = { site: "agv", device: "base" } as const;
 
 function lease(more: Partial<LeaseNews> = {}): LeaseNews {
-  return { t: "lease_news", ...AT, holder: "Ada", yours: true, epoch: 4, remains_ms: 3000, refused: "", ...more };
+  const nobodyAsks = { rival: "", asking: false, answer_ms: 0, forceable: false };
+  return {
+    t: "lease_news", ...AT, holder: "Ada", yours: true, epoch: 4, remains_ms: 3000, ...nobodyAsks, refused: "", ...more,
+  };
 }
 function stopNews(more: Partial<StopNews> = {}): StopNews {
   return { t: "stop_news", ...AT, latched: true, confirmed: false, who: "Ada", time_us: 1, id: "", ...more };
@@ -172,7 +175,7 @@ describe("the seat", () => {
   test("starts with what was said of the lease before", () => {
     const late = new DriveSeat(line, { ...AT, limits: LIMITS }, true);
     late.open(lease({ holder: "Grace", yours: false, epoch: 0 }));
-    expect(late.lease.state).toEqual({ kind: "other", holder: "Grace" });
+    expect(late.lease.state).toEqual({ kind: "other", holder: "Grace", forceable: false });
     late.close();
   });
 });
