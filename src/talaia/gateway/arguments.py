@@ -40,9 +40,24 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
     trust.add_argument("--ca", type=Path, metavar="FILE", help="certificate authorities (PEM)")
     parser.add_argument("--allow-plain", action="store_true", help="permit ws:// on loopback")
     parser.add_argument("--data", type=Path, metavar="DIR", help="what must survive a restart")
+    parser.add_argument(
+        "--spool-mb", type=_positive, default=1024, metavar="N",
+        help="most disk for samples that wait for the hub (MB; the oldest give way)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--spool-days", type=_positive, default=14, metavar="N",
+        help="longest that samples wait for the hub",
+    )  # fmt: skip
     parser.add_argument("--ros-domain", type=int, metavar="N", help="overrides the description's")
     parser.add_argument("--verbose", action="store_true", help="log more")
     return parser.parse_args(argv)
+
+
+def _positive(text: str) -> float:
+    number = float(text)
+    if not 0 < number < 1e9:
+        raise argparse.ArgumentTypeError(f"{text} is not a number over 0")
+    return number
 
 
 def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
@@ -68,6 +83,8 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
         key=kept.key,
         data=arguments.data or Path(state) / "talaia" / "gateway" / site.site,
         domain=arguments.ros_domain,
+        spool_bytes=round(arguments.spool_mb * 1024 * 1024),
+        spool_age_s=arguments.spool_days * 86400.0,
     )
 
 

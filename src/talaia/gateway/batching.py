@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.gateway.spool.segment import Record
-from talaia.wire.columns import MAX_SAMPLES, Columns, pack
+from talaia.wire.columns import MAX_SAMPLES, Columns, pack, part
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 if TYPE_CHECKING:
@@ -79,16 +79,9 @@ def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[
             return [Record(first, count, low, high, LINK_FROM_GATEWAY.encode(frame))]
     middle = count // 2
     return [
-        *records_of(_part(columns, 0, middle), boot, catalogue, first),
-        *records_of(_part(columns, middle, count), boot, catalogue, first + middle),
+        *records_of(part(columns, 0, middle), boot, catalogue, first),
+        *records_of(part(columns, middle, count), boot, catalogue, first + middle),
     ]
-
-
-def _part(columns: Columns, begin: int, end: int) -> Columns:
-    texts = {at - begin: text for at, text in columns.texts.items() if begin <= at < end}
-    return Columns(
-        columns.channel[begin:end], columns.time_us[begin:end], columns.value[begin:end], texts
-    )
 
 
 class Batcher:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import logging
 import os
 from typing import TYPE_CHECKING
@@ -108,7 +109,9 @@ class Commanding:
         try:
             journal.compact(self._book.states())
         except OSError as error:
-            raise SpoolError(f"the journal of commands cannot be written: {error}") from error
+            if error.errno != errno.ENOSPC:
+                raise SpoolError(f"the journal of commands cannot be written: {error}") from error
+            log.warning("the journal of commands stays as long as it is: %s", error)
 
     def report(self) -> None:
         """Tell a new link of the commands that a restart interrupted; once."""

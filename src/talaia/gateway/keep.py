@@ -1,10 +1,14 @@
 """The little that must survive a restart, on disk: epochs and STOP latches.
 
 A file is written beside, forced to disk and moved into place, so it is old or new, never half.
+It is as large as it will ever be: where the disk is full it is written in its own place instead,
+for STOP and driving must not wait for room.
 """
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import fcntl
 import os
 from typing import TYPE_CHECKING, TypeVar
@@ -22,6 +26,9 @@ __all__ = ["Epochs", "KeptStops", "locked", "write_whole"]
 
 T = TypeVar("T")
 _BLOCK = 1000
+# A file system's block: what lies in one is written by one blow when this process dies.
+_ROOM = 4096
+_NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT})
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -42,6 +49,28 @@ def write_whole(path: Path, data: bytes) -> None:
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def _write_roomy(path: Path, data: bytes) -> None:
+    """Do as `write_whole`; while the disk is full, in the file's own place.
+
+    Raises:
+        OSError: it could not be written; the old content stands.
+
+    """
+    padded = data + b" " * (-len(data) % _ROOM)
+    try:
+        write_whole(path, padded)
+    except OSError as error:
+        path.with_name(path.name + ".new").unlink(missing_ok=True)
+        if error.errno not in _NO_ROOM or not path.exists() or path.stat().st_size < len(padded):
+            raise
+        file = os.open(path, os.O_WRONLY | os.O_CLOEXEC)
+        try:
+            os.pwrite(file, padded + b" " * (path.stat().st_size - len(padded)), 0)
+            os.fsync(file)
+        finally:
+            os.close(file)
 
 
 def _read(path: Path, kind: type[T], otherwise: Callable[[], T]) -> T:
@@ -79,7 +108,7 @@ class Epochs:
             raise SpoolError(f"{path} cannot be written: {error}") from error
 
     def _reserve(self) -> None:
-        write_whole(self._path, msgspec.json.encode(self._reserved + _BLOCK))
+        _write_roomy(self._path, msgspec.json.encode(self._reserved + _BLOCK))
         self._reserved += _BLOCK
 
     def next(self) -> int:
@@ -107,6 +136,10 @@ class KeptStops:
         """
         self._path = path
         self._stops: dict[str, Latched] = _read(path, dict[str, Latched], dict)
+        if not path.exists():
+            # So that there is room for the first STOP even when the disk is full by then.
+            with contextlib.suppress(OSError):
+                _write_roomy(path, msgspec.json.encode(self._stops))
 
     def get(self, device: str) -> Latched | None:
         """Give who stopped a device, or none."""
@@ -124,7 +157,7 @@ class KeptStops:
             stops.pop(device, None)
         else:
             stops[device] = latched
-        write_whole(self._path, msgspec.json.encode(stops))
+        _write_roomy(self._path, msgspec.json.encode(stops))
         self._stops = stops
 
 

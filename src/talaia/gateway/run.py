@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import uvloop
 
 from talaia import __version__
-from talaia.clock import SystemClock
+from talaia.clock import SECOND, SystemClock
 from talaia.errors import TalaiaError
 from talaia.gateway import enrol
 from talaia.gateway.adapters.nobody import Nobody
@@ -91,7 +91,15 @@ class Gateway:
         self._voice = Voice(loop, clock, self._lanes)
         self._pictures = Pictures(loop)
         head = Head(self._boot, self._catalogue, [each.address for each in site.channels()])
-        self._keeper = Keeper(Spool(data / "spool", head, settings.spool_bytes))
+        spool = Spool(
+            data / "spool",
+            head,
+            settings.spool_bytes,
+            age_s=settings.spool_age_s,
+            spare=settings.spare_bytes,
+            now=lambda: clock.monotonic_ns() / SECOND,
+        )
+        self._keeper = Keeper(spool)
         self._batcher = Batcher(
             loop, self._boot, self._catalogue, settings.flush, self._on_batch, self._keeper.lose
         )

@@ -71,6 +71,10 @@ class Settings:
         key: proves the gateway to the hub; never logged.
         data: folder of spool, journal, epochs and STOP latches.
         spool_bytes: most that may wait on disk; the oldest gives way.
+        spool_age_s: what has waited for longer gives way too; only time in which a gateway runs
+            counts, so that a wrong clock makes nothing old.
+        spare_bytes: so much of the disk the spool leaves free for STOP, commands and the rest of
+            the machine, or a twentieth of the disk if that is less.
         flush: samples are batched about so often (s).
         sync: the spool is forced to disk so often (s); a power cut loses no more than this.
         backfill_bytes: old samples go out at this rate beside the live ones (bytes/s).
@@ -81,7 +85,9 @@ class Settings:
     key: str = field(repr=False)
     data: Path = Path("talaia-gateway")
     domain: int | None = None
-    spool_bytes: int = 256 * 1024 * 1024
+    spool_bytes: int = 1024 * 1024 * 1024
+    spool_age_s: float = 14 * 86400.0
+    spare_bytes: int = 64 * 1024 * 1024
     flush: float = 0.02
     sync: float = 1.0
     backfill_bytes: int = 512 * 1024

@@ -14,7 +14,7 @@ from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run tim
 
 from talaia.wire.errors import PeerError
 
-__all__ = ["MAX_SAMPLES", "Columns", "pack", "unpack"]
+__all__ = ["MAX_SAMPLES", "Columns", "pack", "part", "unpack"]
 
 MAX_SAMPLES = 65_536
 MAX_SPAN_US = 2**31 - 1
@@ -39,6 +39,16 @@ class Columns(NamedTuple):
     def __len__(self) -> int:
         """Count the samples, not the columns."""
         return int(self.channel.size)
+
+
+def part(columns: Columns, begin: int, end: int) -> Columns:
+    """Give the samples from position ``begin`` to, not including, ``end``."""
+    return Columns(
+        columns.channel[begin:end],
+        columns.time_us[begin:end],
+        columns.value[begin:end],
+        {at - begin: text for at, text in columns.texts.items() if begin <= at < end},
+    )
 
 
 def pack(columns: Columns) -> tuple[int, bytes, bytes, bytes]:

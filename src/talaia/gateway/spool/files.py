@@ -1,4 +1,4 @@
-"""Segment files: what is known of one, and how one from an earlier run is read back."""
+"""Segment files: what is known of one, how one from an earlier run is read back or set aside."""
 
 from __future__ import annotations
 
@@ -8,20 +8,32 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.gateway.spool.packing import unpacked
 from talaia.gateway.spool.segment import Kind, Record, records
+from talaia.wire.errors import PeerError
+from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Head", "Segment", "scan", "write_all"]
+__all__ = ["Head", "Segment", "boot_of", "ranges_of", "scan", "set_aside", "write_all"]
+
+# What cannot be read is kept for whoever wants to look, but not for ever.
+ASIDE = ".bad"
+MOST_ASIDE = 4
 
 
 class Head(msgspec.Struct, frozen=True):
-    """What all records of a segment share."""
+    """What all records of a segment share.
+
+    ``ran_s`` is for how long this spool had been running when the segment began, over all its
+    runs: by it a segment's age is told, and a wall clock that jumps makes nothing old.
+    """
 
     boot: str
     catalogue: str
     addresses: list[str]
+    ran_s: float = 0.0
 
 
 @dataclass(slots=True)
@@ -73,6 +85,33 @@ def scan(path: Path, data: bytes) -> tuple[Segment, list[tuple[int, int, int, in
         return None
     segment.size = whole
     return segment, holes, whole
+
+
+def ranges_of(data: bytes) -> list[Record]:
+    """Give the records of samples in a segment whose head is gone."""
+    return [record for _, record in records(data) if record.kind != Kind.SEGMENT]
+
+
+def boot_of(record: Record) -> str:
+    """Tell whose samples a record holds, from the record itself; empty when it does not say."""
+    try:
+        batches = unpacked(record)
+        frame = LINK_FROM_GATEWAY.decode(batches[0].body)
+    except PeerError:
+        return ""
+    return frame.boot if isinstance(frame, Samples) else ""
+
+
+def set_aside(path: Path) -> None:
+    """Keep a file that cannot be used under another name; of more than a few the oldest go.
+
+    Raises:
+        OSError: it cannot even be renamed.
+
+    """
+    path.replace(path.with_suffix(ASIDE))
+    for old in sorted(path.parent.glob(f"*{ASIDE}"))[:-MOST_ASIDE]:
+        old.unlink(missing_ok=True)
 
 
 def write_all(file: int, data: bytes) -> None:

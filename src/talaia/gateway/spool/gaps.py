@@ -48,6 +48,9 @@ class Gaps:
         log.warning("samples %d to %d of %s are lost: %s", first, last, boot, reason)
         self._dirty = True
         for index, gap in enumerate(self._gaps):
+            if (gap.boot, gap.first, gap.last) == (boot, first, last):
+                del self._gaps[index]
+                break
             if gap.boot == boot and gap.last + 1 == first and gap.reason == reason:
                 first, from_us = gap.first, min(gap.from_us, from_us)
                 del self._gaps[index]
@@ -55,6 +58,18 @@ class Gaps:
         self._gaps.append(
             Gap(boot=boot, first=first, last=last, from_us=from_us, to_us=to_us, reason=reason)
         )
+
+    def add_unknown(
+        self, boot: str, first: int, last: int, from_us: int, to_us: int, reason: str
+    ) -> None:
+        """Record what of a range is in no gap yet."""
+        for gap in sorted(self._gaps, key=lambda each: each.first):
+            if gap.boot == boot and gap.last >= first and gap.first <= last:
+                if gap.first > first:
+                    self.add(boot, first, gap.first - 1, from_us, to_us, reason)
+                first = max(first, gap.last + 1)
+        if first <= last:
+            self.add(boot, first, last, from_us, to_us, reason)
 
     def forget(self, acked: Mapping[str, int]) -> None:
         """Drop those that the hub has acknowledged past, by boot."""

@@ -1,4 +1,4 @@
-"""What the hub has not stored yet: segments on disk, bounded in bytes, trimmed by acks.
+"""What the hub has not stored yet: segments on disk, bounded in bytes and age, trimmed by acks.
 
 Guarantees: records come back in the order they went in; a record is gone only when it was
 acknowledged or when a recorded gap tells of it; after a crash at any point what was written
@@ -8,7 +8,10 @@ come from one thread.
 Forcing every batch to disk (50 a second) would cost more than all the rest of the gateway and
 wear out the SD cards robots run on. What the process has written survives its own death without
 that; only a power cut needs it. So `sync` is called once a second, and does nothing while the
-hub keeps up: then there is nothing here that is not stored elsewhere.
+hub keeps up: then there is nothing here that is not stored elsewhere. A segment that is full
+while the hub is away is packed.
+
+Long, because all that touches the files stands in one place.
 """
 
 from __future__ import annotations
@@ -21,11 +24,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.gateway.errors import SpoolError
-from talaia.gateway.spool.files import Head, Segment, scan, write_all
+from talaia.gateway.spool.files import Head, Segment, set_aside, write_all
 from talaia.gateway.spool.gaps import Gaps
+from talaia.gateway.spool.opening import DAMAGED, take_up
+from talaia.gateway.spool.packing import packed, unpacked
 from talaia.gateway.spool.segment import Kind, Record, pack_record, records
+from talaia.wire.errors import PeerError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from talaia.wire.frames import Gap
@@ -37,6 +44,11 @@ SEGMENT_BYTES = 4 * 1024 * 1024
 TRIM_BYTES = 512 * 1024
 MEMORY_BYTES = 4 * 1024 * 1024
 FULL = "the gateway's disk space for unsent samples was full"
+OLD = "it waited in the gateway for longer than it is kept"
+# Of the whole disk, where that is less than what is to stay free.
+MOST_SPARE = 0.05
+# A segment is closed at the latest after this part of the age at which it would be dropped.
+TURNS = 24
 
 
 class Stored(NamedTuple):
@@ -47,85 +59,91 @@ class Stored(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a reader stands; `Place()` is the oldest."""
+    """Where a reader stands; `Place()` is the oldest. ``end`` is one past the last it was given."""
 
     number: int = 0
     turn: int = 0
     offset: int = 0
+    end: int = -1
 
 
 class Spool:
     """See the module."""
 
-    def __init__(self, folder: Path, head: Head, bound: int) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        head: Head,
+        bound: int,
+        *,
+        age_s: float = float("inf"),
+        spare: int = 0,
+        now: Callable[[], float] = lambda: 0.0,
+    ) -> None:
         """Take up what an earlier run left and begin a segment of this boot.
+
+        Args:
+            folder: where the segments are.
+            head: of this boot.
+            bound: bytes that may wait; the oldest gives way.
+            age_s: a segment that has waited for longer gives way too. Time in which no gateway
+                runs does not count.
+            spare: so much of the disk stays free for what matters more (STOP, commands).
+            now: a clock that never jumps (s).
 
         Raises:
             SpoolError: the folder cannot be used.
 
         """
         self._folder = folder
-        self._head = head
         self._bound = bound
+        self._age_s, self._spare, self._now = age_s, spare, now
         self._acked: dict[str, int] = {}
         self._synced_end = 0
         self._dirty = False
         self._memory: deque[Record] = deque()
         self._memory_bytes = 0
-        self._segments: list[Segment] = []
+        self._file = -1
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._gaps = Gaps(folder / "gaps.json")
-            self._load()
-            self._next_number = 1 + max((each.number for each in self._segments), default=0)
-            self._current = self._begin()
+            self._segments = take_up(folder, self._gaps)
         except OSError as error:
             raise SpoolError(f"the data folder {folder} cannot be used: {error}") from error
-
-    # ── opening ──
-
-    def _load(self) -> None:
-        ends: dict[str, tuple[int, int]] = {}
-        for path in sorted(self._folder.glob("*.seg")):
-            data = path.read_bytes()
-            found = scan(path, data)
-            if found is None:
-                log.warning("%s holds no whole record; removed", path)
-                path.unlink()
-                continue
-            segment, holes, whole = found
-            if whole < len(data):
-                os.truncate(path, whole)
-            for first, last, from_us, to_us in holes:
-                self._gaps.add(segment.head.boot, first, last, from_us, to_us, "damaged on disk")
-            if segment.first < 0:
-                path.unlink()
-                continue
-            # Segments of one boot follow each other; the oldest may be gone, none between.
-            end, end_us = ends.get(segment.head.boot, (segment.first, 0))
-            if segment.first > end:
-                lost = (end, segment.first - 1, end_us, segment.from_us)
-                self._gaps.add(segment.head.boot, *lost, "damaged on disk")
-            ends[segment.head.boot] = (segment.end, segment.to_us)
-            self._segments.append(segment)
-
-    def _begin(self) -> Segment:
-        number = self._next_number
-        path = self._folder / f"{number:010d}.seg"
-        head = pack_record(Record(0, 0, 0, 0, msgspec.msgpack.encode(self._head), Kind.SEGMENT))
-        self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
-        try:
-            write_all(self._file, head)
-        except OSError:
-            os.close(self._file)
-            path.unlink(missing_ok=True)
-            raise
-        self._next_number += 1
-        segment = Segment(number, path, self._head, len(head), len(head))
-        self._segments.append(segment)
-        return segment
+        self._next_number = 1 + max((each.number for each in self._segments), default=0)
+        self._ran_s = max((each.head.ran_s for each in self._segments), default=0.0) - now()
+        self._head = head
+        self._current = self._begin()
 
     # ── writing ──
+
+    def _begin(self) -> Segment:
+        """Begin a segment; while the disk has no room for it, the file is not there yet."""
+        number = self._next_number
+        self._next_number += 1
+        head = msgspec.structs.replace(self._head, ran_s=self._ran_s + self._now())
+        segment = Segment(number, self._folder / f"{number:010d}.seg", head, 0, 0)
+        self._segments.append(segment)
+        self._current, self._file = segment, -1
+        while not self._open(segment) and self._drop_oldest(FULL):
+            pass
+        return segment
+
+    def _open(self, segment: Segment) -> bool:
+        data = pack_record(Record(0, 0, 0, 0, msgspec.msgpack.encode(segment.head), Kind.SEGMENT))
+        file = -1
+        try:
+            file = os.open(segment.path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
+            write_all(file, data)
+        except OSError as error:
+            log.debug("spool: %s", error)
+            if file >= 0:
+                os.close(file)
+                segment.path.unlink(missing_ok=True)
+            return False
+        self._file = file
+        segment.size = segment.start = len(data)
+        return True
 
     @property
     def kept(self) -> int:
@@ -136,22 +154,42 @@ class Spool:
         """Keep a record of this boot. Never raises for a full disk: the oldest gives way."""
         self._trim()
         data = pack_record(record)
-        while self.kept + len(data) > self._bound and self._drop_oldest():
+        while self.kept + len(data) > self._bound and self._drop_oldest(FULL):
             pass
-        while not self._write(data, record):
-            if not self._drop_oldest():
-                self._keep_in_memory(record)
-                return
+        # In order: what waits in memory comes first.
+        while self._memory and self._place(pack_record(self._memory[0]), self._memory[0]):
+            self._memory_bytes -= len(self._memory.popleft().body)
+        if self._memory or not self._place(data, record):
+            self._keep_in_memory(record)
+
+    def _place(self, data: bytes, record: Record) -> bool:
+        while not (self._has_room(len(data)) and self._write(data, record)):
+            if not self._drop_oldest(FULL):
+                return False
+        return True
+
+    def _has_room(self, size: int) -> bool:
+        if not self._spare:
+            return True
+        disk = os.statvfs(self._folder)
+        spare = min(self._spare, disk.f_blocks * disk.f_frsize * MOST_SPARE)
+        return disk.f_bavail * disk.f_frsize - size >= spare
 
     def _write(self, data: bytes, record: Record) -> bool:
         segment = self._current
         # Quarter of the bound: dropping the oldest must not mean dropping nearly all.
         largest = min(SEGMENT_BYTES, max(self._bound // 4, len(data)))
+        waited_s = self._ran_s + self._now() - segment.head.ran_s
+        if segment.first >= 0 and (
+            segment.size + len(data) > largest or waited_s > self._age_s / TURNS
+        ):
+            old, closed = self._file, segment
+            segment = self._begin()
+            os.close(old)
+            self._pack(closed)
+        if self._file < 0 and not self._open(segment):
+            return False
         try:
-            if segment.first >= 0 and segment.size + len(data) > largest:
-                old = self._file
-                segment = self._current = self._begin()
-                os.close(old)
             write_all(self._file, data)
         except OSError as error:
             log.debug("spool: %s", error)
@@ -163,30 +201,51 @@ class Spool:
         self._dirty = True
         return True
 
+    def _pack(self, segment: Segment) -> None:
+        """Write a closed segment anew, smaller; a crash leaves the old or the new."""
+        if segment.end <= self._acked.get(segment.head.boot, 0) or segment not in self._segments:
+            return
+        beside = segment.path.with_suffix(".new")
+        try:
+            kept = [record for _, record in records(segment.path.read_bytes())]
+            whole = b"".join(pack_record(each) for each in [kept[0], *packed(kept[1:])])
+            with beside.open("wb") as file:
+                file.write(whole)
+                file.flush()
+                os.fdatasync(file.fileno())
+            beside.replace(segment.path)
+        except (OSError, IndexError) as error:
+            log.debug("%s stays as it is: %s", segment.path, error)
+            beside.unlink(missing_ok=True)
+            return
+        segment.size = len(whole)
+        segment.turn += 1
+
     def _keep_in_memory(self, record: Record) -> None:
         self._memory.append(record)
         self._memory_bytes += len(record.body)
         while self._memory_bytes > MEMORY_BYTES:
             lost = self._memory.popleft()
             self._memory_bytes -= len(lost.body)
-            self._gaps.add(
-                self._head.boot, lost.first, lost.end - 1, lost.from_us, lost.to_us, FULL
-            )
+            self.lose(lost, FULL)
 
-    def _drop_oldest(self) -> bool:
+    def _drop_oldest(self, why: str) -> bool:
         """Let the oldest segment give way; tell whether there was one besides the current."""
         if len(self._segments) < 2:
             return False
-        oldest = self._segments[0]
-        first = max(oldest.first, self._acked.get(oldest.head.boot, 0))
-        if first < oldest.end:
-            # The gap is on record before the file goes: a crash between leaves both, not neither.
-            self._gaps.add(
-                oldest.head.boot, first, oldest.end - 1, oldest.from_us, oldest.to_us, FULL
-            )
-            self._gaps.write()
-        self._remove(oldest)
+        self._drop(self._segments[0], why)
         return True
+
+    def _drop(self, segment: Segment, why: str) -> None:
+        first = max(segment.first, self._acked.get(segment.head.boot, 0))
+        if first < segment.end:
+            # The gap is on record before the file goes: a crash between leaves both, not neither.
+            span = (first, segment.end - 1, segment.from_us, segment.to_us)
+            self._gaps.add(segment.head.boot, *span, why)
+            self._gaps.write()
+        self._remove(segment)
+        # Where the disk was too full for the gap, there is room now.
+        self._gaps.write()
 
     def _remove(self, segment: Segment) -> None:
         self._segments.remove(segment)
@@ -194,14 +253,8 @@ class Spool:
 
     def lose(self, record: Record, reason: str, boot: str = "") -> None:
         """Record that a batch is gone; of this boot when none is named."""
-        self._gaps.add(
-            boot or self._head.boot,
-            record.first,
-            record.end - 1,
-            record.from_us,
-            record.to_us,
-            reason,
-        )
+        span = (record.first, record.end - 1, record.from_us, record.to_us)
+        self._gaps.add(boot or self._head.boot, *span, reason)
 
     def gaps(self) -> list[Gap]:
         """Give the gaps that the hub has not acknowledged past."""
@@ -221,6 +274,11 @@ class Spool:
             if each.end <= self._acked.get(each.head.boot, 0) and each is not self._current
         ]:
             self._remove(segment)
+        while (
+            len(self._segments) > 1
+            and self._ran_s + self._now() - self._segments[0].head.ran_s > self._age_s
+        ):
+            self._drop_oldest(OLD)
         current, acked = self._current, self._acked.get(self._head.boot, 0)
         if current.end <= acked and current.size > TRIM_BYTES:
             # Emptied in place: with a hub that keeps up, the pages never reach the disk at all.
@@ -238,7 +296,7 @@ class Spool:
         self._gaps.write()
         settled = self._acked.get(self._head.boot, 0) >= self._synced_end
         self._synced_end = self._current.end
-        if not self._dirty or settled:
+        if not self._dirty or settled or self._file < 0:
             return
         self._dirty = False
         try:
@@ -251,13 +309,17 @@ class Spool:
     def read(self, place: Place, most: int) -> tuple[list[Stored], Place]:
         """Give the next records not yet acknowledged, about ``most`` bytes; none at the end."""
         self._trim()
-        for segment in self._segments:
-            if segment.number < place.number:
+        for segment in [*self._segments]:
+            if segment.number < place.number or segment.first < 0:
                 continue
             same = segment.number == place.number and segment.turn == place.turn
-            offset = place.offset if same else segment.start
-            found, offset = self._read_segment(segment, offset, most)
-            place = Place(segment.number, segment.turn, offset)
+            if not same:
+                place = Place(segment.number, segment.turn, segment.start)
+            try:
+                found, place = self._read_segment(segment, place, most)
+            except OSError as error:
+                self._give_up(segment, error)
+                continue
             if found:
                 return found, place
         last = self._segments[-1].number + 1
@@ -265,9 +327,11 @@ class Spool:
             return [Stored(self._head, each) for each in self._memory], Place(last, 0, 0)
         return [], place
 
-    def _read_segment(self, segment: Segment, offset: int, most: int) -> tuple[list[Stored], int]:
+    def _read_segment(
+        self, segment: Segment, place: Place, most: int
+    ) -> tuple[list[Stored], Place]:
         found: list[Stored] = []
-        acked = self._acked.get(segment.head.boot, 0)
+        offset, expected = place.offset, place.end
         file = os.open(segment.path, os.O_RDONLY | os.O_CLOEXEC)
         try:
             while not found and offset < segment.size:
@@ -275,26 +339,69 @@ class Spool:
                 data = os.pread(file, min(most * 2, segment.size - offset), offset)
                 end = 0
                 for end, record in records(data):
-                    if record.kind == Kind.SAMPLES and record.end > acked:
-                        found.append(Stored(segment.head, record))
+                    if record.kind == Kind.SEGMENT:
+                        continue
+                    self._see_hole(segment, expected, record)
+                    expected = record.end
+                    found += self._batches(segment, record)
                     if end >= most:
                         break
                 if end == 0:
                     most = segment.size - offset if len(data) < segment.size - offset else 0
                     if most == 0:
-                        return found, segment.size
+                        # Nothing whole up to the end: what should be there has been damaged.
+                        self._see_hole(segment, expected, None)
+                        offset = segment.size
+                        break
                 offset += end
         finally:
             os.close(file)
-        return found, offset
+        return found, Place(segment.number, segment.turn, offset, expected)
+
+    def _batches(self, segment: Segment, record: Record) -> list[Stored]:
+        acked = self._acked.get(segment.head.boot, 0)
+        if record.end <= acked:
+            return []
+        try:
+            return [Stored(segment.head, each) for each in unpacked(record) if each.end > acked]
+        except PeerError as error:
+            self.lose(record, str(error), segment.head.boot)
+            return []
+
+    def _see_hole(self, segment: Segment, expected: int, record: Record | None) -> None:
+        """Tell of records that were whole when they were written and are not there now."""
+        first = max(segment.first if expected < 0 else expected, 0)
+        past = segment.end if record is None else record.first
+        first = max(first, self._acked.get(segment.head.boot, 0))
+        if first < past:
+            times = (segment.from_us, segment.to_us if record is None else record.from_us)
+            self._gaps.add_unknown(segment.head.boot, first, past - 1, *times, DAMAGED)
+
+    def _give_up(self, segment: Segment, error: OSError) -> None:
+        """Set a segment aside that the disk no longer gives back; the link goes on without it."""
+        log.warning("%s cannot be read and is set aside: %s", segment.path, error)
+        if segment is self._current:
+            if self._file >= 0:
+                os.close(self._file)
+            self._begin()
+        try:
+            set_aside(segment.path)
+        except OSError as failure:
+            log.warning("%s cannot be set aside: %s", segment.path, failure)
+        first = max(segment.first, self._acked.get(segment.head.boot, 0))
+        if first < segment.end:
+            span = (first, segment.end - 1, segment.from_us, segment.to_us)
+            self._gaps.add(segment.head.boot, *span, DAMAGED)
+        self._segments.remove(segment)
 
     def close(self) -> None:
         """Force to disk and close; an empty current segment is removed."""
         self._trim()
         self._gaps.write()
-        try:
-            os.fdatasync(self._file)
-        finally:
-            os.close(self._file)
+        if self._file >= 0:
+            try:
+                os.fdatasync(self._file)
+            finally:
+                os.close(self._file)
         if self._current.first < 0:
             self._current.path.unlink(missing_ok=True)

@@ -25,10 +25,11 @@ _MAX_BODY = 16 * 1024 * 1024
 
 
 class Kind:
-    """What a record holds: the segment's own head, or a batch of samples."""
+    """What a record holds: the segment's own head, a batch of samples, or several, deflated."""
 
     SEGMENT = 0
     SAMPLES = 1
+    PACKED = 2
 
 
 class Record(NamedTuple):

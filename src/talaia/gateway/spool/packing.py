@@ -1,0 +1,183 @@
+"""A segment that must wait for long takes less room: batches joined, columns deflated. Pure.
+
+Bytes of equal weight are put side by side before they are deflated, since the high bytes of
+neighbouring times and values are alike. A packed record holds several frames, each small enough
+not to stand before a driving frame on a slow uplink.
+"""
+
+from __future__ import annotations
+
+import zlib
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from talaia.gateway.spool.segment import Kind, Record
+from talaia.wire.columns import Columns, pack, part, unpack
+from talaia.wire.errors import PeerError
+from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+__all__ = ["FRAME_SAMPLES", "GROUP_SAMPLES", "packed", "unpacked"]
+
+FRAME_SAMPLES = 1024
+GROUP_SAMPLES = 16 * FRAME_SAMPLES
+# The fastest: the bytes that carry noise stay as they are at any level.
+_LEVEL = 1
+_MOST_BYTES = 16 * 1024 * 1024
+
+
+class _Group(msgspec.Struct, frozen=True, array_like=True):
+    """Columns of the samples from ``first`` on, each shuffled; ``delta`` are steps in time."""
+
+    boot: str
+    catalogue: str
+    first: int
+    base_us: int
+    channel: bytes
+    delta: bytes
+    value: bytes
+    texts: dict[int, str]
+
+
+_encoder = msgspec.msgpack.Encoder()
+_decoder = msgspec.msgpack.Decoder(_Group)
+
+
+def packed(kept: Iterable[Record]) -> Iterator[Record]:
+    """Pack batches of samples that follow each other; others start a new group.
+
+    A batch that cannot be read is passed on as it is.
+    """
+    group: list[tuple[Samples, Columns]] = []
+    count = 0
+    for record in kept:
+        frame = _frame_of(record)
+        if frame is None:
+            yield from _close(group)
+            group, count = [], 0
+            yield record
+            continue
+        samples, columns = frame
+        if group and (not _follows(group[-1], samples) or count + len(columns) > GROUP_SAMPLES):
+            yield from _close(group)
+            group, count = [], 0
+        group.append((samples, columns))
+        count += len(columns)
+    yield from _close(group)
+
+
+def _frame_of(record: Record) -> tuple[Samples, Columns] | None:
+    if record.kind != Kind.SAMPLES:
+        return None
+    try:
+        frame = LINK_FROM_GATEWAY.decode(record.body)
+        if not isinstance(frame, Samples) or frame.addresses:
+            return None
+        columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+    except PeerError:
+        return None
+    return (frame, columns) if frame.first == record.first and len(columns) else None
+
+
+def _follows(last: tuple[Samples, Columns], frame: Samples) -> bool:
+    before, columns = last
+    return (before.boot, before.catalogue, before.first + len(columns)) == (
+        frame.boot, frame.catalogue, frame.first
+    )  # fmt: skip
+
+
+def _close(group: list[tuple[Samples, Columns]]) -> Iterator[Record]:
+    if not group:
+        return
+    first = group[0][0]
+    time_us = np.concatenate([columns.time_us for _, columns in group])
+    texts: dict[int, str] = {}
+    at = 0
+    for _, columns in group:
+        texts.update({at + position: text for position, text in columns.texts.items()})
+        at += len(columns)
+    body = _Group(
+        first.boot,
+        first.catalogue,
+        first.first,
+        int(time_us[0]),
+        _shuffled(np.concatenate([columns.channel for _, columns in group]).astype("<u2")),
+        _shuffled(np.diff(time_us, prepend=time_us[0]).astype("<i8")),
+        _shuffled(np.concatenate([columns.value for _, columns in group]).astype("<f8")),
+        texts,
+    )
+    yield Record(
+        first.first,
+        at,
+        int(time_us.min()),
+        int(time_us.max()),
+        zlib.compress(_encoder.encode(body), _LEVEL),
+        Kind.PACKED,
+    )
+
+
+def unpacked(record: Record) -> list[Record]:
+    """Give a packed record's batches, and any other as it is.
+
+    Raises:
+        PeerError: it cannot be read.
+
+    """
+    if record.kind != Kind.PACKED:
+        return [record]
+    inflate = zlib.decompressobj()
+    try:
+        group = _decoder.decode(inflate.decompress(record.body, _MOST_BYTES))
+    except (zlib.error, msgspec.DecodeError) as error:
+        raise PeerError(f"a packed record that cannot be read: {error}") from error
+    count = record.samples
+    channel = _in_order(group.channel, "<u2", count)
+    time_us = group.base_us + np.cumsum(_in_order(group.delta, "<i8", count))
+    value = _in_order(group.value, "<f8", count)
+    columns = Columns(channel, time_us, value, group.texts)
+    return [
+        batch
+        for begin in range(0, count, FRAME_SAMPLES)
+        for batch in _batches(
+            group,
+            group.first + begin,
+            part(columns, begin, begin + FRAME_SAMPLES),
+        )
+    ]
+
+
+def _batches(group: _Group, first: int, columns: Columns) -> list[Record]:
+    """Encode columns as one frame, or as two where the wall clock jumped within them."""
+    try:
+        base, channel, offset, value = pack(columns)
+    except ValueError:
+        middle = len(columns) // 2
+        head, tail = part(columns, 0, middle), part(columns, middle, len(columns))
+        return [*_batches(group, first, head), *_batches(group, first + middle, tail)]
+    frame = Samples(
+        boot=group.boot,
+        first=first,
+        catalogue=group.catalogue,
+        base_us=base,
+        channel=channel,
+        offset=offset,
+        value=value,
+        texts=columns.texts,
+    )
+    low, high = int(columns.time_us.min()), int(columns.time_us.max())
+    return [Record(first, len(columns), low, high, LINK_FROM_GATEWAY.encode(frame))]
+
+
+def _shuffled(column: np.ndarray) -> bytes:
+    return column.view(np.uint8).reshape(-1, column.itemsize).T.tobytes()
+
+
+def _in_order(data: bytes, kind: str, count: int) -> np.ndarray:
+    size = np.dtype(kind).itemsize
+    if len(data) != count * size:
+        raise PeerError(f"a packed column of {len(data)} bytes for {count} samples")
+    return np.frombuffer(data, np.uint8).reshape(size, count).T.copy().view(kind).ravel()

@@ -1,0 +1,81 @@
+"""Run one word of ``talaia`` so that it dies at a named point, as if by ``kill -9``.
+
+    TALAIA_CRASH_AT=POINT python crashing.py WORD …
+
+The product knows nothing of this: no hook, no variable, nothing to be switched on by mistake or
+by malice. This starter replaces a function by one that kills the process before it, after it, or
+in its middle, and then calls the command line as always. A point that is no longer there fails
+loudly.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import signal
+import sys
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+
+class Point(NamedTuple):
+    """A place in the code: module, dotted name, before or after, and at which call."""
+
+    module: str
+    name: str
+    after: bool = False
+    call: int = 1
+
+
+POINTS = {
+    "hub-before-commit": Point("talaia.hub.history.ledger", "Ledger._write", call=10),
+    "hub-in-commit": Point("talaia.hub.history.ledger", "Ledger._write", after=True, call=10),
+    "hub-after-commit": Point("talaia.hub.history.ledger", "Ledger.store", after=True, call=10),
+    "hub-mid-migration": Point("alembic.runtime.migration", "HeadMaintainer.update_to_step", call=2),
+    "hub-before-description": Point("talaia.hub.store.sites", "SiteRegistry.said_hello"),
+    "hub-after-description": Point("talaia.hub.live.ingest", "Ingest.start"),
+    "spool-before-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", call=2),
+    "spool-mid-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", after=True, call=2),
+    "spool-before-removal": Point("talaia.gateway.spool.journal", "Spool._remove"),
+    "spool-after-removal": Point("talaia.gateway.spool.journal", "Spool._remove", after=True),
+}  # fmt: skip
+
+
+def arm(point: Point) -> None:
+    """Replace the function.
+
+    Raises:
+        AttributeError: the code has no such place any more.
+
+    """
+    holder: Any = importlib.import_module(point.module)
+    *path, last = point.name.split(".")
+    for each in path:
+        holder = getattr(holder, each)
+    original: Callable[..., Any] = getattr(holder, last)
+    calls = 0
+
+    def dying(*args: Any, **kwargs: Any) -> Any:
+        nonlocal calls
+        calls += 1
+        if calls == point.call and not point.after:
+            os.kill(os.getpid(), signal.SIGKILL)
+        result = original(*args, **kwargs)
+        if calls == point.call:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return result
+
+    setattr(holder, last, dying)
+
+
+def main() -> int:
+    """Arm and run."""
+    arm(POINTS[os.environ["TALAIA_CRASH_AT"]])
+    from talaia.cli.main import main as talaia
+
+    sys.argv[0] = "talaia"
+    return int(talaia() or 0)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

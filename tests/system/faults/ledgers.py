@@ -1,0 +1,141 @@
+"""The judge: ledgers of what was said, stored and done, held against the invariants. Pure.
+
+All moments are nanoseconds of this machine's monotonic clock unless a name says otherwise.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+MS = 1_000_000
+TTL_MS = 250.0
+STOP_MS = 500.0
+# From the gateway's publication to the robot's log, on a machine whose cores others use too.
+HOP_MS = 100.0
+BACK_S = 30.0
+# What a gateway has taken but not yet written when it is killed: one flush, on a busy machine.
+UNWRITTEN_NS = 250 * MS
+# Between DDS telling of a subscription and sending to it.
+MATCHING_NS = 50 * MS
+
+
+class Said(NamedTuple):
+    """A value the robot published: value, moment, subscriptions ever known just before."""
+
+    value: int
+    at: int
+    known: int
+
+
+class Told(NamedTuple):
+    """A velocity that reached the robot."""
+
+    at: int
+    linear: float
+    angular: float
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is not zero."""
+        return (self.linear, self.angular) != (0.0, 0.0)
+
+
+@dataclass
+class Findings:
+    """What one run of a row found."""
+
+    violations: list[str] = field(default_factory=list)
+    stops_ms: list[float] = field(default_factory=list)
+    back_s: list[float] = field(default_factory=list)
+    counted: Counter[str] = field(default_factory=Counter)
+
+    def breach(self, invariant: str, what: str) -> None:
+        """Write a violation down."""
+        self.violations.append(f"{invariant}: {what}")
+
+
+def excused(said: Sequence[Said], killed: int | None) -> set[int]:
+    """Values nobody can be asked for: said while no gateway listened, or dead unwritten with it.
+
+    From a moment after the robot knew of the new subscription, none is excused.
+    """
+    if killed is None:
+        return set()
+    before = [each for each in said if each.at < killed - UNWRITTEN_NS]
+    after = [each for each in said if each.at >= killed]
+    knew = before[-1].known if before else 0
+    came = next((each.at for each in after if each.known > knew), None)
+    end = after[-1].value + 1 if after else 0
+    if came is not None:
+        end = next((each.value for each in after if each.at >= came + MATCHING_NS), end)
+    return set(range(before[-1].value + 1 if before else said[0].value, end))
+
+
+def lost(
+    said: Iterable[Said],
+    stored: Iterable[int],
+    spared: set[int],
+    gaps_us: Iterable[tuple[int, int]] = (),
+    wall_us: Mapping[int, int] | None = None,
+) -> set[int]:
+    """I1: values that are neither stored nor excused nor in a recorded gap (from, to)."""
+    missing = {each.value for each in said} - {*stored} - spared
+    times, spans = wall_us or {}, [*gaps_us]
+    # A gap tells the robot's times; publishing and taking lie a little apart.
+    slack = 1_000_000
+    return {
+        value
+        for value in missing
+        if not any(a - slack <= times.get(value, -slack) <= b + slack for a, b in spans)
+    }
+
+
+def doubled(stored: Iterable[int]) -> set[int]:
+    """I2: values that are in the database more than once."""
+    return {value for value, times in Counter(stored).items() if times > 1}
+
+
+def repeated(acted: Iterable[object]) -> set[object]:
+    """I3: commands that reached the robot more than once."""
+    return {each for each, times in Counter(acted).items() if times > 1}
+
+
+def stale(told: Iterable[Told], pressed: Mapping[float, int]) -> list[tuple[Told, float]]:
+    """I4: motions older than their time to live, with their age (ms); infinite for no press.
+
+    Args:
+        told: what reached the robot.
+        pressed: the moment of each press by its velocity, which no other press has.
+
+    """
+    found = []
+    for each in told:
+        if each.moves:
+            at = pressed.get(round(each.linear, 7))
+            age = float("inf") if at is None else (each.at - at) / MS
+            if age > TTL_MS + HOP_MS:
+                found.append((each, age))
+    return found
+
+
+def moved_after(told: Iterable[Told], end: int) -> list[Told]:
+    """I4: motions after something that ends all motion (lease end, STOP, restart)."""
+    return [each for each in told if each.moves and each.at > end]
+
+
+def stop_ms(told: Sequence[Told], fault: int) -> float:
+    """I5: how long after ``fault`` the robot was told zero for good; infinite when it never was."""
+    last = max((each.at for each in told if each.moves), default=fault)
+    zero = next((each.at for each in told if not each.moves and each.at > max(last, fault)), None)
+    return float("inf") if zero is None else (zero - fault) / MS
+
+
+def spread(values: Iterable[float]) -> tuple[float, float, float] | None:
+    """Give least, median and most; none of nothing."""
+    ordered = sorted(values)
+    if not ordered:
+        return None
+    return ordered[0], ordered[len(ordered) // 2], ordered[-1]
