@@ -1,0 +1,160 @@
+"""The world in which every right is tried: two sites, and one person of each kind.
+
+What each of them holds is written down here by hand, since the code under test computes it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import httpx
+from sqlalchemy import insert, select
+
+from talaia.hub.store.tables import audit, metadata, permissions, role_permissions, roles
+from talaia.model.load import load_site
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+PASSWORD = "a password for tests"  # noqa: S105
+NOW = 1_700_000_000_000_000
+
+_DEVICE = """
+  {device}:
+    name: {name}
+    visibility: {visibility}
+    signals:
+      open: {{name: Open, visibility: {visibility}, source: {{topic: /a, type: std_msgs/msg/Float64, field: data}}}}
+      shut: {{name: Shut, source: {{topic: /b, type: std_msgs/msg/Float64, field: data}}}}
+      words: {{name: Words, type: text, source: {{topic: /c, type: std_msgs/msg/String, field: data}}}}
+    streams:
+      eye: {{name: Eye, source: {{topic: /i, type: sensor_msgs/msg/Image}}}}
+    commands:
+      turn: {{name: Turn, target: /turn, type: std_srvs/srv/Trigger}}
+    drive: {{topic: /v, max_speed: 1, max_turn: 1}}
+"""
+
+
+def _site(site: str, **devices: str) -> str:
+    written = "".join(
+        _DEVICE.format(device=device, name=device.title(), visibility=visibility)
+        for device, visibility in devices.items()
+    )
+    return f"talaia: 1\nsite: {site}\nname: {site.title()}\nros2: {{}}\ndevices:{written}"
+
+
+DESCRIPTIONS = {
+    "agv": _site("agv", base="public", power="view", camera="view"),
+    "moon": _site("moon", rover="view"),
+}
+
+# Everyone, in the order of the columns below: what they hold at most on each object. Each level
+# includes those before it; an empty one holds nothing there, not even that it exists.
+LEVELS = ("", "see", "view", "use", "admin")
+OBJECTS = ("agv", "agv/base", "agv/power", "agv/camera", "moon", "moon/rover", "")
+SESSIONLESS = ("nobody", "revoked")
+HOLDS: Mapping[str, tuple[str, ...]] = {
+    #             agv      base     power    camera   moon     rover    the hub
+    "nobody": ("", "", "", "", "", "", ""),
+    "revoked": ("", "", "", "", "", "", ""),
+    "guest": ("see", "see", "", "", "", "", ""),
+    "operator": ("use", "use", "use", "use", "use", "use", "use"),
+    "driver": ("see", "use", "", "", "", "", ""),
+    "neighbour": ("see", "see", "use", "", "", "", ""),
+    "keeper": ("admin", "admin", "admin", "admin", "", "", ""),
+    "admin": ("admin", "admin", "admin", "admin", "admin", "admin", "admin"),
+}
+ACTORS = tuple(HOLDS)
+# The roles that are not seeded, each with its one permission: right, site, device.
+ROLES = {
+    "driver": ("use", "agv", "base"),
+    "neighbour": ("use", "agv", "power"),
+    "keeper": ("admin", "agv", "*"),
+}
+
+
+def holds(actor: str, level: str, about: str) -> bool:
+    """Tell whether somebody holds at least a level on an object."""
+    return LEVELS.index(HOLDS[actor][OBJECTS.index(about)]) >= LEVELS.index(level)
+
+
+class World:
+    """A running hub with both sites online, and a way for each person to ask it."""
+
+    def __init__(self, hub) -> None:
+        self.hub = hub
+        self.gateways = {}
+        # One for all clients: making each its own takes longer than asking.
+        self._transport = httpx.AsyncHTTPTransport()
+
+    async def close(self) -> None:
+        await self._transport.aclose()
+
+    async def begin(self) -> None:
+        await self.hub.populate()
+        database = self.hub.hub._database
+        async with database.write() as connection:
+            for name, (right, site, device) in ROLES.items():
+                role = await connection.execute(insert(roles).values(name=name, seeded=False))
+                permission = await connection.execute(
+                    insert(permissions).values(right_name=right, site=site, device=device)
+                )
+                await connection.execute(
+                    insert(role_permissions).values(
+                        role_id=role.inserted_primary_key[0],
+                        permission_id=permission.inserted_primary_key[0],
+                    )
+                )
+        kept = (await self.hub.people.find("admin")).password_hash
+        for name in ROLES:
+            await self.hub.people.add(name, kept, name)
+        for site in DESCRIPTIONS:
+            await self.connect(site)
+
+    async def connect(self, site: str):
+        """Connect a site's gateway, with a new key."""
+        if site not in self.hub.keys:
+            self.hub.keys[site] = await self.hub.hub._registry.new_key(site)
+        gateway = await self.hub.gateway(key=self.hub.keys[site])
+        gateway.description = DESCRIPTIONS[site]
+        await gateway.hello(DESCRIPTIONS[site], site=site)
+        gateway.channels = {
+            channel.address: at
+            for at, channel in enumerate(load_site(DESCRIPTIONS[site]).channels())
+        }
+        self.gateways[site] = gateway
+        return gateway
+
+    async def client(self, actor: str) -> httpx.AsyncClient:
+        """Open a client of its own for somebody, with a session of its own."""
+        client = httpx.AsyncClient(
+            base_url=self.hub.origin,
+            headers={"Origin": self.hub.origin},
+            transport=self._transport,
+            trust_env=False,
+        )
+        if actor == "nobody":
+            return client
+        who = "operator" if actor == "revoked" else actor
+        answer = await client.post("/api/login", json={"name": who, "password": PASSWORD})
+        assert answer.status_code == 200, answer.text
+        if actor == "revoked":
+            token = client.cookies["talaia"]
+            assert (await client.post("/api/logout")).status_code == 204
+            client.cookies.set("talaia", token)
+        return client
+
+    async def state(self) -> dict[str, list]:
+        """Read all that is kept, but what merely says when something was used."""
+        kept = {}
+        async with self.hub.hub._database.read() as connection:
+            for table in metadata.sorted_tables:
+                if table is audit:
+                    continue
+                columns = [each for each in table.c if each.name not in _UNSTEADY]
+                rows = await connection.execute(select(*columns))
+                kept[table.name] = sorted(map(repr, rows))
+        return kept
+
+
+_UNSTEADY = {"used_us", "last_seen_us", "seen_us"}
