@@ -24,9 +24,15 @@ _DEVICE = """
     name: {name}
     visibility: {visibility}
     signals:
-      open: {{name: Open, visibility: {visibility}, source: {{topic: /a, type: std_msgs/msg/Float64, field: data}}}}
+      open:
+        name: Open
+        visibility: {visibility}
+        source: {{topic: /a, type: std_msgs/msg/Float64, field: data}}
       shut: {{name: Shut, source: {{topic: /b, type: std_msgs/msg/Float64, field: data}}}}
-      words: {{name: Words, type: text, source: {{topic: /c, type: std_msgs/msg/String, field: data}}}}
+      words:
+        name: Words
+        type: text
+        source: {{topic: /c, type: std_msgs/msg/String, field: data}}
     streams:
       eye: {{name: Eye, source: {{topic: /i, type: sensor_msgs/msg/Image}}}}
     commands:
@@ -82,6 +88,7 @@ class World:
     """A running hub with both sites online, and a way for each person to ask it."""
 
     def __init__(self, hub) -> None:
+        """Take a hub that runs and is empty yet."""
         self.hub = hub
         self.gateways = {}
         # One for all clients: making each its own takes longer than asking.
@@ -111,16 +118,15 @@ class World:
         for site in DESCRIPTIONS:
             await self.connect(site)
 
-    async def connect(self, site: str):
-        """Connect a site's gateway, with a new key."""
+    async def connect(self, site: str, description: str = ""):
+        """Connect a site's gateway, with the key it has or a new one."""
+        described = description or DESCRIPTIONS[site]
         if site not in self.hub.keys:
             self.hub.keys[site] = await self.hub.hub._registry.new_key(site)
         gateway = await self.hub.gateway(key=self.hub.keys[site])
-        gateway.description = DESCRIPTIONS[site]
-        await gateway.hello(DESCRIPTIONS[site], site=site)
+        await gateway.hello(described, site=site, boot=f"boot-{len(described)}")
         gateway.channels = {
-            channel.address: at
-            for at, channel in enumerate(load_site(DESCRIPTIONS[site]).channels())
+            channel.address: at for at, channel in enumerate(load_site(described).channels())
         }
         self.gateways[site] = gateway
         return gateway
@@ -143,6 +149,12 @@ class World:
             assert (await client.post("/api/logout")).status_code == 204
             client.cookies.set("talaia", token)
         return client
+
+    async def viewer(self, actor: str, about: str, stream: str):
+        """Look at a stream of a device, as a page does."""
+        site, _, device = about.partition("/")
+        assert site == "agv"
+        return await self.hub.viewer(actor, f"{device}/{stream}")
 
     async def state(self) -> dict[str, list]:
         """Read all that is kept, but what merely says when something was used."""
