@@ -12,11 +12,15 @@ import subprocess
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import msgspec
 
 from talaia.cli.main import WORDS
+from talaia.clock import SystemClock
+from talaia.hub.api.openapi import describe_api, operations
+from talaia.hub.app import build
+from talaia.hub.settings import Settings
 from talaia.model import site
 from talaia.model.schema import site_schema
 from talaia.model.unit import UNITS
@@ -33,6 +37,8 @@ def main(*, check_only: bool) -> int:
         "site-description.md": site_page(),
         "wire.md": wire_page(),
         "commands.md": commands_page(),
+        "http.md": http_page(),
+        "openapi.json": json.dumps(api(), indent=2, ensure_ascii=False) + "\n",
         "site.schema.json": json.dumps(site_schema(), indent=2, ensure_ascii=False) + "\n",
     }
     stale = []
@@ -49,6 +55,28 @@ def main(*, check_only: bool) -> int:
         return 1
     print(f"docs/reference: {len(pages)} pages, {len(stale)} {'written' if stale else 'changed'}")
     return 0
+
+
+def api() -> dict[str, Any]:
+    """Describe the HTTP API; nothing is opened or written for it."""
+    return describe_api(build(Settings(data=ROOT), SystemClock()).app)
+
+
+def http_page() -> str:
+    """List every route with the right it needs."""
+    described = api()
+    rows = ["| route | what it does | right |", "|---|---|---|"]
+    for method, path, operation in operations(described):
+        what, _, right = operation["description"].partition("\n\n*Right:* ")
+        first = what.partition("\n\n")[0].replace("\n", " ").replace("``", "`")
+        rows.append(f"| `{method} {path}` | {first} | {right} |")
+    head = (
+        "# HTTP API\n\nEvery route, with the right it needs. A script finds the bodies and all"
+        " answers in [openapi.json](openapi.json). A body is JSON; an answer that says no is"
+        " `{code, message}`: a word for programs and a sentence for people. Times ending in"
+        " `_us` are microseconds since the epoch (UTC).\n\n"
+    )
+    return NOTE + head + "\n".join(rows) + "\n"
 
 
 def site_page() -> str:

@@ -150,6 +150,14 @@ class World:
             client.cookies.set("talaia", token)
         return client
 
+    async def cookies(self, actor: str) -> dict[str, str]:
+        """Begin a session without asking for the password: sign-ins are throttled."""
+        if actor == "nobody":
+            return {}
+        person = await self.hub.people.find(actor)
+        token, _ = await self.hub.hub._sessions.begin(person.id, "127.0.0.1")
+        return {"talaia": token}
+
     async def viewer(self, actor: str, about: str, stream: str):
         """Look at a stream of a device, as a page does."""
         site, _, device = about.partition("/")

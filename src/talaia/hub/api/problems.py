@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["ApiProblem", "answer_problems", "problem"]
 
 _LOG = logging.getLogger(__name__)
-_CODES = {404: "unknown", 405: "method", 413: "too_large", 422: "invalid"}
+_CODES = {400: "invalid", 404: "unknown", 405: "method", 413: "too_large", 422: "invalid"}
 
 
 class ApiProblem(TalaiaError):
