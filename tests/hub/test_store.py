@@ -1,6 +1,8 @@
 """The database: migrations, the audit log's chain, gateway keys."""
 
 import asyncio
+import ssl
+import sys
 import threading
 from dataclasses import replace
 
@@ -12,10 +14,12 @@ from sqlalchemy import inspect, text
 from talaia.clock import SystemClock
 from talaia.hub import accounts
 from talaia.hub.errors import NameTaken, StoreError, UnknownPerson
-from talaia.hub.settings import Settings
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.store import HistoryStore
 from talaia.hub.store.audit import Audit
 from talaia.hub.store.database import Database
 from talaia.hub.store.people import People
+from talaia.hub.store.reach import reach
 from talaia.hub.store.sessions import Sessions
 from talaia.hub.store.sites import SiteRegistry
 from talaia.hub.store.tables import metadata
@@ -80,16 +84,65 @@ async def test_database_that_cannot_be_opened_says_which_and_why(tmp_path) -> No
             await asyncio.to_thread(thread.join, 5)
 
 
-def test_unknown_database_is_refused_with_an_example() -> None:
-    with pytest.raises(StoreError, match="write it like"):
-        Database("nonsense")
+@pytest.mark.parametrize(
+    ("given", "waiting", "blocking"),
+    [
+        ("sqlite:////d/t.db", "sqlite+aiosqlite:////d/t.db", "sqlite:////d/t.db"),
+        ("postgresql://u:p@h/d", "postgresql+asyncpg://u:p@h/d", "postgresql+pg8000://u:p@h/d"),
+        ("postgres://h/d", "postgresql+asyncpg://h/d", "postgresql+pg8000://h/d"),
+        (
+            "mariadb://u@h:3307/d",
+            "mysql+aiomysql://u@h:3307/d?charset=utf8mb4",
+            "mysql+pymysql://u@h:3307/d?charset=utf8mb4",
+        ),
+        (
+            "mysql+pymysql://h/d",
+            "mysql+aiomysql://h/d?charset=utf8mb4",
+            "mysql+pymysql://h/d?charset=utf8mb4",
+        ),
+    ],
+)
+def test_one_plain_url_gives_the_driver_of_the_accounts_and_of_the_history(
+    given, waiting, blocking
+) -> None:
+    assert reach(given).url.render_as_string(hide_password=False) == waiting
+    assert reach(given, blocking=True).url.render_as_string(hide_password=False) == blocking
 
 
-def test_history_gets_the_same_database_with_a_driver_for_threads(tmp_path) -> None:
-    settings = Settings(data=tmp_path)
-    assert settings.history_url == f"sqlite:///{tmp_path / 'talaia.db'}"
-    server = replace(settings, database_url="postgresql+asyncpg://u:p@h/d")
-    assert server.history_url == "postgresql+pg8000://u:p@h/d"
+@pytest.mark.parametrize(
+    "url",
+    ["nonsense", "oracle://h/d", "postgresql://h", "mariadb://h/", "postgresql://h/d?sslmode=odd"],
+)
+def test_url_that_cannot_be_used_is_refused_with_what_to_write(url) -> None:
+    with pytest.raises(StoreError, match=r"write it like|sslmode"):
+        Database(url)
+    with pytest.raises(HistoryError, match=r"write it like|sslmode"):
+        HistoryStore(url, SystemClock())
+
+
+@pytest.mark.parametrize(
+    ("url", "extra"),
+    [("postgresql://h/d", "postgresql"), ("mysql://h/d", "mariadb"), ("mariadb://h/d", "mariadb")],
+)
+def test_driver_that_is_not_installed_is_named_with_what_installs_it(
+    monkeypatch, url, extra
+) -> None:
+    for driver in ("asyncpg", "pg8000", "aiomysql", "pymysql"):
+        monkeypatch.setitem(sys.modules, driver, None)
+    with pytest.raises(StoreError, match=rf"pip install 'talaia\[{extra}\]'"):
+        Database(url)
+    with pytest.raises(HistoryError, match=rf"pip install 'talaia\[{extra}\]'"):
+        HistoryStore(url, SystemClock())
+
+
+def test_tls_to_a_server_is_asked_for_in_one_way_for_every_driver() -> None:
+    for url, key in (("postgresql://h/d", "ssl"), ("mariadb://h/d", "ssl")):
+        found = reach(f"{url}?sslmode=verify-full")
+        assert found.arguments[key].verify_mode is ssl.CERT_REQUIRED
+        assert found.arguments[key].check_hostname
+        assert "sslmode" not in found.url.query
+    found = reach("postgresql://h/d?sslmode=require", blocking=True)
+    assert found.arguments["ssl_context"].verify_mode is ssl.CERT_NONE
 
 
 async def written(audit: Audit, *kinds: str) -> None:
@@ -104,7 +157,7 @@ async def test_notes_are_written_in_order_and_chained(database) -> None:
     await written(Audit(database, SystemClock()), "d")
     audit = Audit(database, SystemClock())
     assert [entry.kind for entry in await audit.recent("agv", 3)] == ["d", "c", "b"]
-    assert await audit.broken_at() is None
+    assert await audit.verify() == (4, 0)
 
 
 @pytest.mark.parametrize(
@@ -116,7 +169,7 @@ async def test_changed_or_missing_row_breaks_the_chain(database, tampering) -> N
     await written(audit, "a", "b", "c")
     async with database.write() as connection:
         await connection.execute(text(tampering))
-    assert await audit.broken_at() in {2, 3}
+    assert (await audit.verify()).broken in {2, 3}
 
 
 async def test_note_never_waits_and_is_cut_to_its_column(database) -> None:
@@ -133,8 +186,8 @@ async def test_new_key_of_a_gateway_makes_the_old_one_void(database) -> None:
     registry = SiteRegistry(database, SystemClock())
     first = await registry.new_key("agv")
     second = await registry.new_key("agv")
-    assert await registry.site_of(first) is None
-    assert await registry.site_of(second) == "agv"
+    assert await registry.gateway_of(first) is None
+    assert (await registry.gateway_of(second)).site == "agv"
 
 
 async def test_no_secret_stands_in_the_database(settings) -> None:

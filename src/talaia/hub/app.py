@@ -11,6 +11,8 @@ from fastapi import Depends, FastAPI
 
 from talaia.hub.api.access import Access
 from talaia.hub.api.accounts import Accounts
+from talaia.hub.api.audit import AuditPages
+from talaia.hub.api.gateways import GatewayPages, Proof
 from talaia.hub.api.pages import Pages
 from talaia.hub.api.problems import answer_problems
 from talaia.hub.api.shield import Shield
@@ -18,18 +20,21 @@ from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sockets import Sockets
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.throttle import Throttle
+from talaia.hub.certificate import certificate_of, fingerprint, key_hash
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.commanding import Commanding
 from talaia.hub.live.fanout import Fanout
 from talaia.hub.live.gate import Gate
 from talaia.hub.live.gateways import Gateways
+from talaia.hub.live.links import Links
 from talaia.hub.live.media import Media
 from talaia.hub.live.reporting import Reporting
 from talaia.hub.live.seats import Seats
 from talaia.hub.live.sites import Sites
 from talaia.hub.store.audit import Audit
 from talaia.hub.store.database import Database
+from talaia.hub.store.enrolment import Enrolment
 from talaia.hub.store.people import People
 from talaia.hub.store.sessions import Sessions
 from talaia.hub.store.sites import SiteRegistry
@@ -67,13 +72,14 @@ class Hub:
         self.setup_token: str | None = None
         self._clock = clock
         self._database = Database(settings.url)
-        self._history = history or HistoryStore(settings.history_url, clock)
+        self._history = history or HistoryStore(settings.url, clock)
         self._people = People(self._database, clock)
         self._registry = SiteRegistry(self._database, clock)
         self._audit = Audit(self._database, clock)
         self._sessions = Sessions(self._database, clock, settings)
         self._seats = Seats(self._sessions)
         self._sites = Sites()
+        self._links = Links(self._sites, self._registry)
         self.browsers = Browsers()
         self.fanout = Fanout(self._sites, clock)
         self._media = Media(self._sites, clock, settings.linger_s)
@@ -95,6 +101,7 @@ class Hub:
         self._tasks = [
             asyncio.create_task(self._audit.run()),
             asyncio.create_task(self._seats.watch(self.settings.check_s)),
+            asyncio.create_task(self._links.watch(self.settings.check_s)),
         ]
         self._audit.note("hub started")
 
@@ -102,11 +109,12 @@ class Hub:
         """Let go of everything; what was noted is written first."""
         self._media.close()
         if self._tasks:
-            auditing, watching = self._tasks
-            watching.cancel()
+            auditing, *watching = self._tasks
+            for task in watching:
+                task.cancel()
             self._audit.note("hub stopped")
             self._audit.stop()
-            await asyncio.gather(auditing, watching, return_exceptions=True)
+            await asyncio.gather(auditing, *watching, return_exceptions=True)
         await self._history.close()
         await self._database.close()
 
@@ -121,7 +129,13 @@ class Hub:
         )
         answer_problems(app)
         guarded = [Depends(access.guard)]
-        for routes in (self._accounts(access), self._site_pages(), Pages(static_dir())):
+        for routes in (
+            self._accounts(access),
+            self._site_pages(),
+            self._gateway_pages(),
+            AuditPages(self._audit),
+            Pages(static_dir()),
+        ):
             app.include_router(routes.router(), dependencies=guarded)
         app.router.routes[0:0] = self._sockets(access).router().routes
         return app
@@ -141,6 +155,18 @@ class Hub:
     def _site_pages(self) -> SitePages:
         return SitePages(self._sites, self._history, self._audit, self._clock)
 
+    def _gateway_pages(self) -> GatewayPages:
+        enrolment = Enrolment(self._database, self._clock)
+        return GatewayPages(
+            self._registry, enrolment, self._links, self._audit, self._clock, self._proof
+        )
+
+    def _proof(self) -> Proof:
+        if self.settings.plain:
+            return Proof()
+        cert = certificate_of(self.settings).cert
+        return Proof(fingerprint(cert), key_hash(cert))
+
     def _sockets(self, access: Access) -> Sockets:
         browsers = self.browsers
         commanding = Commanding(self._sites, self._audit)
@@ -153,6 +179,7 @@ class Hub:
             self._media,
             self._history,
             self._registry,
+            self._links,
             self.settings,
             self._clock,
         )

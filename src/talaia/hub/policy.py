@@ -62,6 +62,16 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/sites/{site}"): Need.SEE,
     ("GET", "/api/sites/{site}/history"): Need.SEE,
     ("GET", "/api/sites/{site}/events"): Need.SEE,
+    ("GET", "/api/gateways"): Need.ADMIN,
+    ("POST", "/api/gateways/codes"): Need.ADMIN,
+    ("DELETE", "/api/gateways/codes/{code}"): Need.ADMIN,
+    ("POST", "/api/gateways/{gateway}/revoke"): Need.ADMIN,
+    ("POST", "/api/gateways/{gateway}/reconnect"): Need.ADMIN,
+    # Whoever has a code; it is one-time, short-lived, and tries are counted by address.
+    ("POST", "/api/enrol"): Need.OPEN,
+    ("GET", "/api/audit"): Need.ADMIN,
+    ("GET", "/api/audit/export"): Need.ADMIN,
+    ("GET", "/api/audit/verify"): Need.ADMIN,
     ("GET", "/{path:path}"): Need.OPEN,
 }
 
@@ -137,6 +147,7 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.ResetAsk,
         frames.CommandAsk,
         frames.Watch,
+        frames.Reconnect,
         frames.Beat,
         frames.BeatReply,
         frames.Bye,

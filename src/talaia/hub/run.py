@@ -6,6 +6,7 @@ import argparse
 import asyncio
 import contextlib
 import datetime as dt
+import ipaddress
 import logging
 import os
 import signal
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from talaia.hub.app import Hub
+    from talaia.hub.settings import Network
 
 __all__ = ["HubServer", "main", "server_of"]
 
@@ -105,10 +107,35 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (127.0.0.1)")
     parser.add_argument("--port", type=int, default=8443, help="0 takes any free one (8443)")
     parser.add_argument("--plain", action="store_true", help="no TLS; on a loopback address only")
-    parser.add_argument("--cert", type=Path, help="certificate chain (PEM); else one is made")
-    parser.add_argument("--key", type=Path, help="the certificate's private key (PEM)")
     parser.add_argument(
-        "--name", action="append", default=[], help="another host name of this hub; may repeat"
+        "--tls-cert",
+        "--cert",
+        type=Path,
+        metavar="FILE",
+        help="certificate chain (PEM); else one is made",
+    )
+    parser.add_argument(
+        "--tls-key",
+        "--key",
+        type=Path,
+        metavar="FILE",
+        help="the certificate's private key (PEM)",
+    )
+    parser.add_argument(
+        "--allow-host",
+        "--name",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="another host name under which this hub is reached; may repeat",
+    )
+    parser.add_argument(
+        "--proxy",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="address or network of a reverse proxy that ends TLS before this hub; its"
+        " X-Forwarded headers are believed, and nobody else's; may repeat",
     )
     return parser.parse_args(argv)
 
@@ -124,11 +151,19 @@ def _settings(options: argparse.Namespace) -> Settings:
         host=options.host,
         port=options.port,
         plain=options.plain,
-        cert=options.cert,
-        key=options.key,
-        hosts=tuple(options.name),
+        cert=options.tls_cert,
+        key=options.tls_key,
+        hosts=tuple(options.allow_host),
+        proxies=_networks(options.proxy),
         database_url=Settings.url_from(os.environ),
     )
+
+
+def _networks(texts: Sequence[str]) -> tuple[Network, ...]:
+    try:
+        return tuple(ipaddress.ip_network(text) for text in texts)
+    except ValueError as error:
+        raise CannotStart(f"--proxy: {error}", "write it like 10.0.0.5 or 10.0.0.0/24") from error
 
 
 async def _serve(settings: Settings) -> None:

@@ -12,6 +12,73 @@ export interface ArgumentShape {
   readonly default: boolean | number | string | null;
 }
 
+/** Which rows of the audit log are meant; what is left out does not matter. */
+export interface AuditAsk {
+  readonly who?: string | null;
+  readonly site?: string | null;
+  readonly device?: string | null;
+  readonly kind?: string | null;
+  readonly good?: boolean | null;
+  readonly from_us?: number | null;
+  readonly to_us?: number | null;
+  readonly before?: number | null;
+}
+
+/** Whether every row follows from the one before. */
+export interface AuditChain {
+  readonly ok: boolean;
+  readonly rows: number;
+  readonly broken: number;
+}
+
+/** Rows, newest first; with ``more``, ask again with the last one's id as ``before``. */
+export interface AuditList {
+  readonly rows: readonly AuditRow[];
+  readonly more: boolean;
+}
+
+/** The same, and how many rows at most. */
+export interface AuditPage {
+  readonly who?: string | null;
+  readonly site?: string | null;
+  readonly device?: string | null;
+  readonly kind?: string | null;
+  readonly good?: boolean | null;
+  readonly from_us?: number | null;
+  readonly to_us?: number | null;
+  readonly before?: number | null;
+  readonly limit?: number;
+}
+
+/** One row of the audit log. */
+export interface AuditRow {
+  readonly id: string;
+  readonly time_us: number;
+  readonly kind: string;
+  readonly who: string;
+  readonly address: string;
+  readonly site: string;
+  readonly device: string;
+  readonly message: string;
+  readonly good: boolean;
+}
+
+/** Make a one-time code for the gateway of a site; ``name`` is what people call it. */
+export interface CodeAsk {
+  readonly site: string;
+  readonly name?: string;
+}
+
+/** A one-time code, shown once. */
+export interface CodeShape {
+  readonly id: string;
+  readonly code: string;
+  readonly expires_us: number;
+  readonly command: string;
+  readonly fingerprint: string;
+  readonly qr: string;
+}
+
 /** A one-shot command. ``timeout`` is in seconds. */
 export interface CommandShape {
   readonly id: string;
@@ -47,6 +114,20 @@ export interface DriveShape {
   readonly stop: boolean;
 }
 
+/** The gateway's own key, told once; ``fingerprint`` is that of the hub's certificate. */
+export interface EnrolAnswer {
+  readonly site: string;
+  readonly gateway: string;
+  readonly key: string;
+  readonly fingerprint: string;
+}
+
+/** Use a one-time code; ``name`` is what the gateway calls itself. */
+export interface EnrolAsk {
+  readonly code: string;
+  readonly name?: string;
+}
+
 /** The newest events first. */
 export interface EventList {
   readonly events: readonly EventShape[];
@@ -67,6 +148,25 @@ export interface GapShape {
   readonly from_us: number;
   readonly to_us: number;
   readonly reason: string;
+}
+
+/** All gateways, and the codes by which others may enrol. */
+export interface GatewayList {
+  readonly gateways: readonly GatewayShape[];
+  readonly codes: readonly OpenCodeShape[];
+}
+
+/** A gateway that has, or had, a key. */
+export interface GatewayShape {
+  readonly id: string;
+  readonly site: string;
+  readonly name: string;
+  readonly created_us: number;
+  readonly revoked_us: number;
+  readonly seen_us: number;
+  readonly address: string;
+  readonly version: string;
+  readonly online: boolean;
 }
 
 /** The hub answers. */
@@ -92,10 +192,23 @@ export interface Me {
   readonly admin: boolean;
 }
 
+/** A one-time code that can still be used. What it says was shown once and is not kept. */
+export interface OpenCodeShape {
+  readonly id: string;
+  readonly site: string;
+  readonly created_us: number;
+  readonly expires_us: number;
+}
+
 /** What went wrong: a word for programs, a sentence for people. */
 export interface ProblemShape {
   readonly code: string;
   readonly message: string;
+}
+
+/** Dial again (no device), or let the gateway connect anew to one device. */
+export interface ReconnectAsk {
+  readonly device?: string;
 }
 
 /** One channel's samples. */

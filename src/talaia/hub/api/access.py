@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.settings import Settings
     from talaia.hub.store.sessions import Sessions
-    from talaia.hub.store.sites import SiteRegistry
+    from talaia.hub.store.sites import GatewayKey, SiteRegistry
 
-__all__ = ["Access", "deny", "live_of", "who_of"]
+__all__ = ["Access", "address_of", "deny", "live_of", "who_of"]
 
 
 class Access:
@@ -98,22 +98,27 @@ class Access:
             return None
         return who
 
-    async def admit_gateway(self, socket: WebSocket) -> str | None:
-        """Tell which site's gateway opens a socket; None when it was sent away (401)."""
+    async def admit_gateway(self, socket: WebSocket) -> GatewayKey | None:
+        """Tell which gateway opens a socket; None when it was sent away (401)."""
         need = SOCKETS.get(socket.scope["path"], Need.NEVER)
         kind, _, key = socket.headers.get("authorization", "").partition(" ")
-        site = None
+        found = None
         if need is Need.GATEWAY and kind.lower() == "bearer" and key:
-            site = await self._registry.site_of(key.strip())
-        if site is None:
+            found = await self._registry.gateway_of(key.strip())
+        if found is None:
             await deny(socket, 401, "unauthorized", "this key is not known, or was revoked")
-        return site
+        return found
 
 
 def who_of(request: Request) -> Who:
     """Give the person the guard has let pass."""
     who: Who = request.state.who
     return who
+
+
+def address_of(connection: HTTPConnection) -> str:
+    """Give the asker's address. The shield has seen to proxies; headers are not believed here."""
+    return connection.client.host if connection.client else ""
 
 
 def live_of(request: Request) -> LiveSite:

@@ -9,17 +9,30 @@ from pydantic import BaseModel, ConfigDict, Field
 
 __all__ = [
     "ArgumentShape",
+    "AuditAsk",
+    "AuditChain",
+    "AuditList",
+    "AuditPage",
+    "AuditRow",
+    "CodeAsk",
+    "CodeShape",
     "CommandShape",
     "DeviceShape",
     "DriveShape",
+    "EnrolAnswer",
+    "EnrolAsk",
     "EventList",
     "EventShape",
     "GapShape",
+    "GatewayList",
+    "GatewayShape",
     "Health",
     "HistoryAnswer",
     "LoginAsk",
     "Me",
+    "OpenCodeShape",
     "ProblemShape",
+    "ReconnectAsk",
     "SeriesShape",
     "SetupAsk",
     "SignalShape",
@@ -227,3 +240,136 @@ class EventList(_Shape):
     """The newest events first."""
 
     events: list[EventShape]
+
+
+class GatewayShape(_Shape):
+    """A gateway that has, or had, a key.
+
+    ``revoked_us`` is 0 while the key is good, ``seen_us`` 0 before its first link; address and
+    version are those of its last link.
+    """
+
+    id: str
+    site: str
+    name: str
+    created_us: int
+    revoked_us: int
+    seen_us: int
+    address: str
+    version: str
+    online: bool
+
+
+class OpenCodeShape(_Shape):
+    """A one-time code that can still be used. What it says was shown once and is not kept."""
+
+    id: str
+    site: str
+    created_us: int
+    expires_us: int
+
+
+class GatewayList(_Shape):
+    """All gateways, and the codes by which others may enrol."""
+
+    gateways: list[GatewayShape]
+    codes: list[OpenCodeShape]
+
+
+class CodeAsk(_Shape):
+    """Make a one-time code for the gateway of a site; ``name`` is what people call it."""
+
+    site: str = Field(pattern=r"^[a-z][a-z0-9_]{0,62}$")
+    name: str = Field(default="", max_length=100)
+
+
+class CodeShape(_Shape):
+    """A one-time code, shown once.
+
+    ``command`` is what to run beside the robot, ``qr`` the same as an SVG picture, and
+    ``fingerprint`` that of the hub's certificate (empty where a proxy holds it).
+    """
+
+    id: str
+    code: str
+    expires_us: int
+    command: str
+    fingerprint: str
+    qr: str
+
+
+class EnrolAsk(_Shape):
+    """Use a one-time code; ``name`` is what the gateway calls itself."""
+
+    code: str = Field(min_length=1, max_length=200)
+    name: str = Field(default="", max_length=100)
+
+
+class EnrolAnswer(_Shape):
+    """The gateway's own key, told once; ``fingerprint`` is that of the hub's certificate."""
+
+    site: str
+    gateway: str
+    key: str
+    fingerprint: str
+
+
+class ReconnectAsk(_Shape):
+    """Dial again (no device), or let the gateway connect anew to one device."""
+
+    device: str = Field(default="", max_length=200)
+
+
+class AuditRow(_Shape):
+    """One row of the audit log."""
+
+    id: str
+    time_us: int
+    kind: str
+    who: str
+    address: str
+    site: str
+    device: str
+    message: str
+    good: bool
+
+
+class AuditAsk(_Shape):
+    """Which rows of the audit log are meant; what is left out does not matter.
+
+    ``kind`` is its beginning: ``command`` finds all about commands. ``from_us`` is included,
+    ``to_us`` is not; ``before`` is the id of a row, for the ones after it in the list.
+    """
+
+    who: str | None = Field(default=None, max_length=200)
+    site: str | None = Field(default=None, max_length=200)
+    device: str | None = Field(default=None, max_length=200)
+    kind: str | None = Field(default=None, max_length=200)
+    good: bool | None = None
+    from_us: int | None = Field(default=None, ge=0, le=2**53)
+    to_us: int | None = Field(default=None, ge=0, le=2**53)
+    before: int | None = Field(default=None, ge=0, le=2**53)
+
+
+class AuditPage(AuditAsk):
+    """The same, and how many rows at most."""
+
+    limit: int = Field(default=100, ge=1, le=1000)
+
+
+class AuditList(_Shape):
+    """Rows, newest first; with ``more``, ask again with the last one's id as ``before``."""
+
+    rows: list[AuditRow]
+    more: bool
+
+
+class AuditChain(_Shape):
+    """Whether every row follows from the one before.
+
+    ``rows`` counts those that do; ``broken`` is the id of the first that does not, or 0.
+    """
+
+    ok: bool
+    rows: int
+    broken: int

@@ -123,17 +123,17 @@ class Sockets:
 
     async def link(self, socket: WebSocket) -> None:
         """Serve a gateway."""
-        site = await self._access.admit_gateway(socket)
-        if site is not None:
+        key = await self._access.admit_gateway(socket)
+        if key is not None:
             await socket.accept()
-            await self._gateways.serve(socket, site)
+            await self._gateways.serve(socket, key)
 
     async def camera(self, socket: WebSocket) -> None:
         """Take a gateway's pictures."""
-        site = await self._access.admit_gateway(socket)
-        if site is not None:
+        key = await self._access.admit_gateway(socket)
+        if key is not None:
             await socket.accept()
-            await self._gateways.serve_media(socket, site)
+            await self._gateways.serve_media(socket, key)
 
     def _handle(self, browser: Browser, message: FromBrowser) -> None:
         """Lead a message, which the gate has let pass, to its part."""
