@@ -58,6 +58,30 @@ async def _history(_world: World, _client: httpx.AsyncClient, about: str) -> Ask
     return Ask({"site": about}, {"channel": channel, "from_us": NOW, "to_us": NOW + 1})
 
 
+async def _code(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    made = await (await world.admin()).post("/api/gateways/codes", json={"site": "farm"})
+    return Ask({"code": made.json()["id"]}, done=(204,))
+
+
+async def _enrol(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    made = await (await world.admin()).post("/api/gateways/codes", json={"site": "farm"})
+    return Ask(json={"code": made.json()["code"], "name": "a new gateway"})
+
+
+async def _gateway(world: World, site: str) -> str:
+    known = (await (await world.admin()).get("/api/gateways")).json()["gateways"]
+    return next(each["id"] for each in known if each["site"] == site and not each["revoked_us"])
+
+
+async def _revoke(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    await world.hub.hub._registry.new_key("farm")
+    return Ask({"gateway": await _gateway(world, "farm")}, done=(204,))
+
+
+async def _reconnect(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    return Ask({"gateway": await _gateway(world, "agv")}, json={"device": "base"}, done=(202,))
+
+
 RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/health"): Recipe(plain()),
     ("POST", "/api/login"): Recipe(plain(json={"name": "guest", "password": PASSWORD})),
@@ -71,6 +95,15 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}"): of_site(),
     ("GET", "/api/sites/{site}/history"): Recipe(_history, ("agv", "moon")),
     ("GET", "/api/sites/{site}/events"): of_site(),
+    ("GET", "/api/gateways"): Recipe(plain()),
+    ("POST", "/api/gateways/codes"): Recipe(plain(json={"site": "farm"})),
+    ("DELETE", "/api/gateways/codes/{code}"): Recipe(_code),
+    ("POST", "/api/gateways/{gateway}/revoke"): Recipe(_revoke),
+    ("POST", "/api/gateways/{gateway}/reconnect"): Recipe(_reconnect),
+    ("POST", "/api/enrol"): Recipe(_enrol),
+    ("GET", "/api/audit"): Recipe(plain()),
+    ("GET", "/api/audit/export"): Recipe(plain()),
+    ("GET", "/api/audit/verify"): Recipe(plain()),
     # The pages themselves; 503 where they are not built.
     ("GET", "/{path:path}"): Recipe(plain(params={"path:path": "home"}, done=(200, 503))),
 }

@@ -91,6 +91,7 @@ class World:
         """Take a hub that runs and is empty yet."""
         self.hub = hub
         self.gateways = {}
+        self._admin: httpx.AsyncClient | None = None
         # One for all clients: making each its own takes longer than asking.
         self._transport = httpx.AsyncHTTPTransport()
 
@@ -149,6 +150,12 @@ class World:
             assert (await client.post("/api/logout")).status_code == 204
             client.cookies.set("talaia", token)
         return client
+
+    async def admin(self) -> httpx.AsyncClient:
+        """Give a client of the admin's that stays signed in, to prepare things with."""
+        if self._admin is None:
+            self._admin = await self.client("admin")
+        return self._admin
 
     async def cookies(self, actor: str) -> dict[str, str]:
         """Begin a session without asking for the password: sign-ins are throttled."""

@@ -31,6 +31,9 @@ RIGHTS: Mapping[Need, str] = {
 _ALSO: Mapping[tuple[str, str], tuple[int, ...]] = {
     ("POST", "/api/login"): (401, 429),
     ("POST", "/api/setup"): (403, 429),
+    ("POST", "/api/gateways/{gateway}/revoke"): (409,),
+    ("POST", "/api/gateways/{gateway}/reconnect"): (409,),
+    ("POST", "/api/enrol"): (404, 410, 429),
 }
 # What the shield may say to any request: length, size, name of the host.
 _ALWAYS = (411, 413, 421)
