@@ -264,6 +264,10 @@ class RunningHub:
             "/ws" + ("?form=json" if text else ""),
             {"Cookie": await self.cookie(name), "Origin": self.origin},
         )
+        return self.peer(connection, text=text)
+
+    def peer(self, connection, *, text: bool = False) -> Peer:
+        """Speak as a page over a socket that is open."""
         return self._keep(Peer(connection, FROM_BROWSER, TO_BROWSER, text=text))
 
     async def viewer(self, name: str, stream: str) -> Peer:
