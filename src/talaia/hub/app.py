@@ -13,6 +13,7 @@ from talaia.hub.api.access import Access
 from talaia.hub.api.accounts import Accounts
 from talaia.hub.api.audit import AuditPages
 from talaia.hub.api.gateways import GatewayPages, Proof
+from talaia.hub.api.limits import Limits
 from talaia.hub.api.pages import Pages
 from talaia.hub.api.problems import answer_problems
 from talaia.hub.api.shield import Shield
@@ -128,7 +129,8 @@ class Hub:
             redirect_slashes=False,
         )
         answer_problems(app)
-        guarded = [Depends(access.guard)]
+        limits = Limits(self._clock)
+        guarded = [Depends(access.guard), Depends(limits.ask)]
         for routes in (
             self._accounts(access),
             self._site_pages(),
@@ -137,7 +139,7 @@ class Hub:
             Pages(static_dir()),
         ):
             app.include_router(routes.router(), dependencies=guarded)
-        app.router.routes[0:0] = self._sockets(access).router().routes
+        app.router.routes[0:0] = self._sockets(access, limits).router().routes
         return app
 
     def _accounts(self, access: Access) -> Accounts:
@@ -167,7 +169,7 @@ class Hub:
         cert = certificate_of(self.settings).cert
         return Proof(fingerprint(cert), key_hash(cert))
 
-    def _sockets(self, access: Access) -> Sockets:
+    def _sockets(self, access: Access, limits: Limits) -> Sockets:
         browsers = self.browsers
         commanding = Commanding(self._sites, self._audit)
         reporting = Reporting(self._sites, browsers, self._audit, self._clock)
@@ -185,6 +187,7 @@ class Hub:
         )
         return Sockets(
             access,
+            limits,
             self._sites,
             Gate(self._sites),
             self._seats,

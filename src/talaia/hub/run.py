@@ -20,6 +20,7 @@ import uvloop
 
 from talaia.clock import SystemClock
 from talaia.hub.accounts import make_data_folder
+from talaia.hub.api.listening import HubProtocol
 from talaia.hub.app import build
 from talaia.hub.certificate import fingerprint, own_certificate
 from talaia.hub.errors import CannotStart, HubError
@@ -64,7 +65,7 @@ def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServe
     config = uvicorn.Config(
         hub.asgi,
         ws="websockets-sansio",
-        http="httptools",
+        http=HubProtocol,
         loop="none",
         lifespan="on",
         ws_per_message_deflate=False,
