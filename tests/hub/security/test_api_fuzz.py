@@ -11,6 +11,7 @@ import itertools
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
+import pytest
 import requests
 import schemathesis
 from hypothesis import HealthCheck, Phase, given, settings
@@ -22,6 +23,7 @@ from schemathesis.specs.openapi.checks import (
     status_code_conformance,
 )
 
+from talaia.hub.api import limits
 from talaia.hub.api.openapi import describe_api, operations
 from talaia.hub.policy import ROUTES
 
@@ -104,7 +106,14 @@ async def fuzz(world, description: dict) -> Fuzz:
     return asking
 
 
-async def test_every_answer_is_declared_and_none_is_a_failure(world) -> None:
+@pytest.fixture
+def unhurried(monkeypatch) -> None:
+    """Let a person ask as fast as they can."""
+    monkeypatch.setattr(limits, "RATES", {})
+    monkeypatch.setattr(limits, "ANY", limits.Rate(burst=10**6, per_s=10**6))
+
+
+async def test_every_answer_is_declared_and_none_is_a_failure(unhurried, world) -> None:
     description = describe_api(world.hub.hub.app)
     asking = await fuzz(world, description)
     assert sorted(asking.wrong) == []
@@ -113,7 +122,7 @@ async def test_every_answer_is_declared_and_none_is_a_failure(world) -> None:
     assert unreached <= {("POST", "/api/login"), ("POST", "/api/setup")}
 
 
-async def test_answer_that_is_not_declared_is_found(world) -> None:
+async def test_answer_that_is_not_declared_is_found(unhurried, world) -> None:
     description = describe_api(world.hub.hub.app)
     site = description["paths"]["/api/sites/{site}"]["get"]
     description["paths"] = {"/api/sites/{site}": {"get": site}}

@@ -14,7 +14,7 @@ from talaia.wire.columns import unpack
 from .world import NOW, World
 
 PEOPLE = 50
-ROUNDS = 20
+ROUNDS = 5
 _DEVICES = "".join(
     f"  d{at}:\n    name: Device {at}\n    signals:\n      value:\n        name: Value\n"
     f"        source: {{topic: /d{at}, type: std_msgs/msg/Float64, field: data}}\n"

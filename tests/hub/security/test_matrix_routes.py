@@ -43,13 +43,19 @@ async def differences(world, method: str, path: str) -> list[str]:
             if may:
                 if answer.status_code not in ask.done:
                     found.append(f"{said} instead of {ask.done}: {answer.text[:200]}")
+                if method == "GET" and (changed := _changed(before, await world.state())):
+                    found.append(f"{said}: asking changed {changed}")
                 continue
             wanted = _refusals(actor, about)
             if answer.status_code not in wanted:
                 found.append(f"{said} instead of {wanted}")
-            if await world.state() != before:
-                found.append(f"{said}, and yet it changed something")
+            if changed := _changed(before, await world.state()):
+                found.append(f"{said}, and yet it changed {changed}")
     return found
+
+
+def _changed(before: dict[str, list], after: dict[str, list]) -> list[str]:
+    return [table for table in before if before[table] != after[table]]
 
 
 def _refusals(actor: str, about: str) -> tuple[int, ...]:

@@ -81,7 +81,8 @@ def _statuses(method: str, path: str, need: Need, operation: Mapping[str, Any]) 
     if method != "GET":
         statuses.update(_UNSAFE)
     if need is not Need.OPEN:
-        statuses.add(401)
+        # Nobody is signed in; they have asked too much at once.
+        statuses.update((401, 429))
     if need in {Need.VIEW, Need.USE, Need.ADMIN}:
         statuses.add(403)
     if re.search(r"\{\w+\}", path):
