@@ -10,6 +10,7 @@ import json
 import re
 import subprocess
 import sys
+import tempfile
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, get_args
@@ -18,7 +19,7 @@ import msgspec
 
 from talaia.cli.main import WORDS
 from talaia.clock import SystemClock
-from talaia.hub.api.openapi import describe_api, operations
+from talaia.hub.api.openapi import describe_api, needs_in_words
 from talaia.hub.app import build
 from talaia.hub.settings import Settings
 from talaia.model import site
@@ -55,28 +56,6 @@ def main(*, check_only: bool) -> int:
         return 1
     print(f"docs/reference: {len(pages)} pages, {len(stale)} {'written' if stale else 'changed'}")
     return 0
-
-
-def api() -> dict[str, Any]:
-    """Describe the HTTP API; nothing is opened or written for it."""
-    return describe_api(build(Settings(data=ROOT), SystemClock()).app)
-
-
-def http_page() -> str:
-    """List every route with the right it needs."""
-    described = api()
-    rows = ["| route | what it does | right |", "|---|---|---|"]
-    for method, path, operation in operations(described):
-        what, _, right = operation["description"].partition("\n\n*Right:* ")
-        first = what.partition("\n\n")[0].replace("\n", " ").replace("``", "`")
-        rows.append(f"| `{method} {path}` | {first} | {right} |")
-    head = (
-        "# HTTP API\n\nEvery route, with the right it needs. A script finds the bodies and all"
-        " answers in [openapi.json](openapi.json). A body is JSON; an answer that says no is"
-        " `{code, message}`: a word for programs and a sentence for people. Times ending in"
-        " `_us` are microseconds since the epoch (UTC).\n\n"
-    )
-    return NOTE + head + "\n".join(rows) + "\n"
 
 
 def site_page() -> str:
@@ -127,6 +106,30 @@ def commands_page() -> str:
         )  # fmt: skip
         parts.append(f"## talaia {name}\n\n```text\n{done.stdout.strip()}\n```\n")
     return "\n".join(parts)
+
+
+def api() -> dict[str, Any]:
+    """Describe the HTTP API; the hub is only put together for it, and nothing is opened."""
+    with tempfile.TemporaryDirectory() as folder:
+        hub = build(Settings(data=Path(folder)), SystemClock())
+    return describe_api(hub.app)
+
+
+def http_page() -> str:
+    """List every route with the right it needs."""
+    rows = ["| route | what it does | it needs |", "|---|---|---|"]
+    for path, methods in api()["paths"].items():
+        for method, said in methods.items():
+            what = said["description"].partition("\n\n")[0].replace("\n", " ").replace("``", "`")
+            need = needs_in_words(method.upper(), path)
+            rows.append(f"| `{method.upper()} {path}` | {what} | {need} |")
+    head = (
+        "# HTTP API\n\nEvery route, with what it takes to be answered. A script finds the bodies and"
+        " all answers in [openapi.json](openapi.json). A body is JSON; an answer that says no is"
+        " `{code, message}`: a word for programs and a sentence for people. Times ending in"
+        " `_us` are microseconds since the epoch (UTC).\n\n"
+    )
+    return NOTE + head + "\n".join(rows) + "\n"
 
 
 def child_environment() -> dict[str, str]:

@@ -165,8 +165,9 @@ async def test_name_is_taken_once_in_any_case(people) -> None:
 
 
 async def test_session_brings_the_rights_of_the_role(people, sessions) -> None:
-    token, who = await sessions.begin(await people.add("ada", "hash", "operator"), "::1")
-    assert await sessions.who(token) == who
+    token, alive = await sessions.begin(await people.add("ada", "hash", "operator"), "::1")
+    assert await sessions.who(token) == alive
+    who = alive.who
     assert who.grants.may(Right.USE, "anywhere")
     assert not who.grants.may(Right.ADMIN, "anywhere")
     assert await sessions.who(token + "x") is None
@@ -202,8 +203,8 @@ async def test_change_of_role_is_seen_in_the_session(people, sessions) -> None:
     token, before = await sessions.begin(await people.add("ada", "hash", "operator"), "::1")
     await people.set_role("ada", "guest")
     after = await sessions.who(token)
-    assert after != before
-    assert after.grants == Grants()
+    assert after.who != before.who
+    assert after.who.grants == Grants()
 
 
 async def test_of_two_who_set_up_at_once_exactly_one_wins(people) -> None:

@@ -4,7 +4,6 @@ import asyncio
 import ssl
 import sys
 import threading
-from dataclasses import replace
 
 import pytest
 from alembic.autogenerate import compare_metadata

@@ -37,7 +37,7 @@ def main(argv: Sequence[str]) -> int:
         password = getpass.getpass(f"password for {options.name}: ")
     else:
         password = sys.stdin.readline().rstrip("\n")
-    settings = Settings(data=options.data)
+    settings = Settings(data=options.data, database_url=Settings.url_from())
     if options.new_password:
         asyncio.run(accounts.set_password(settings, options.name, password))
         print(f"{options.name} has a new password; sessions that were open are ended")

@@ -1,9 +1,12 @@
 """Every JSON body of the HTTP API; the browser's types are made from these.
 
-Times ending in ``_us`` are microseconds since the epoch (UTC).
+Times ending in ``_us`` are microseconds since the epoch (UTC). Long, because the bodies of sites,
+gateways and the audit log are read together; those of people and roles are in `people_shapes`.
 """
 
 from __future__ import annotations
+
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -31,6 +34,7 @@ __all__ = [
     "LoginAsk",
     "Me",
     "OpenCodeShape",
+    "PermissionShape",
     "ProblemShape",
     "ReconnectAsk",
     "SeriesShape",
@@ -41,34 +45,38 @@ __all__ = [
     "StreamShape",
 ]
 
+# The short name of a site or a device, or all of them.
+_PLACE = Field(default="*", pattern=r"^(\*|[a-z][a-z0-9_]{0,62})$")
 
-class _Shape(BaseModel):
+
+class Shape(BaseModel):
     """A key that is not described is an error, not a silence."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class ProblemShape(_Shape):
+class ProblemShape(Shape):
     """What went wrong: a word for programs, a sentence for people."""
 
     code: str
     message: str
 
 
-class Health(_Shape):
+class Health(Shape):
     """The hub answers."""
 
     ok: bool
 
 
-class LoginAsk(_Shape):
-    """Sign in."""
+class LoginAsk(Shape):
+    """Sign in; ``code`` is of the authenticator, or a recovery code, where there is a factor."""
 
     name: str = Field(min_length=1, max_length=200)
     password: str = Field(max_length=4096)
+    code: str = Field(default="", max_length=64)
 
 
-class SetupAsk(_Shape):
+class SetupAsk(Shape):
     """Make the first admin, with the token of the set-up link."""
 
     token: str = Field(min_length=1, max_length=200)
@@ -76,15 +84,30 @@ class SetupAsk(_Shape):
     password: str = Field(max_length=4096)
 
 
-class Me(_Shape):
-    """Who is signed in. ``admin`` holds for the whole hub."""
+class PermissionShape(Shape):
+    """A right (view, use or admin) on a site and a device; ``*`` stands for each of them."""
+
+    right: Literal["view", "use", "admin"]
+    site: str = _PLACE
+    device: str = _PLACE
+
+
+class Me(Shape):
+    """Who is signed in, until when unless used, and until when at most.
+
+    ``admin`` holds for the whole hub; ``factor``: you sign in with a second factor.
+    """
 
     name: str
     role: str
     admin: bool
+    factor: bool
+    idle_ends_us: int
+    ends_us: int
+    permissions: list[PermissionShape]
 
 
-class SiteSummary(_Shape):
+class SiteSummary(Shape):
     """A site in the list.
 
     ``devices`` and ``signals`` count what you may see, ``stale`` those of the signals that are
@@ -105,7 +128,7 @@ class SiteSummary(_Shape):
     stale: int
 
 
-class SignalShape(_Shape):
+class SignalShape(Shape):
     """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds."""
 
     id: str
@@ -123,7 +146,7 @@ class SignalShape(_Shape):
     channels: list[str]
 
 
-class StreamShape(_Shape):
+class StreamShape(Shape):
     """A camera. ``max_rate`` is in Hz."""
 
     id: str
@@ -132,7 +155,7 @@ class StreamShape(_Shape):
     max_rate: float
 
 
-class ArgumentShape(_Shape):
+class ArgumentShape(Shape):
     """One argument of a command."""
 
     id: str
@@ -145,7 +168,7 @@ class ArgumentShape(_Shape):
     default: bool | int | float | str | None
 
 
-class CommandShape(_Shape):
+class CommandShape(Shape):
     """A one-shot command. ``timeout`` is in seconds."""
 
     id: str
@@ -156,7 +179,7 @@ class CommandShape(_Shape):
     arguments: list[ArgumentShape]
 
 
-class DriveShape(_Shape):
+class DriveShape(Shape):
     """How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software)."""
 
     max_speed: float
@@ -170,7 +193,7 @@ class DriveShape(_Shape):
     stop: bool
 
 
-class DeviceShape(_Shape):
+class DeviceShape(Shape):
     """A device as far as you may see it; ``rights`` are yours: view, use, admin."""
 
     id: str
@@ -183,7 +206,7 @@ class DeviceShape(_Shape):
     rights: list[str]
 
 
-class SiteShape(_Shape):
+class SiteShape(Shape):
     """A site as far as you may see it."""
 
     site: str
@@ -196,7 +219,7 @@ class SiteShape(_Shape):
     devices: list[DeviceShape]
 
 
-class GapShape(_Shape):
+class GapShape(Shape):
     """Samples that are lost, and why."""
 
     from_us: int
@@ -204,7 +227,7 @@ class GapShape(_Shape):
     reason: str
 
 
-class SeriesShape(_Shape):
+class SeriesShape(Shape):
     """One channel's samples.
 
     Every one (``exact``) or the least and greatest of each bucket (``minmax``). ``v`` is null
@@ -219,13 +242,13 @@ class SeriesShape(_Shape):
     gaps: list[GapShape]
 
 
-class HistoryAnswer(_Shape):
+class HistoryAnswer(Shape):
     """A window of the history."""
 
     series: list[SeriesShape]
 
 
-class EventShape(_Shape):
+class EventShape(Shape):
     """Something that happened."""
 
     time_us: int
@@ -236,13 +259,13 @@ class EventShape(_Shape):
     good: bool
 
 
-class EventList(_Shape):
+class EventList(Shape):
     """The newest events first."""
 
     events: list[EventShape]
 
 
-class GatewayShape(_Shape):
+class GatewayShape(Shape):
     """A gateway that has, or had, a key.
 
     ``revoked_us`` is 0 while the key is good, ``seen_us`` 0 before its first link; address and
@@ -260,7 +283,7 @@ class GatewayShape(_Shape):
     online: bool
 
 
-class OpenCodeShape(_Shape):
+class OpenCodeShape(Shape):
     """A one-time code that can still be used. What it says was shown once and is not kept."""
 
     id: str
@@ -269,21 +292,21 @@ class OpenCodeShape(_Shape):
     expires_us: int
 
 
-class GatewayList(_Shape):
+class GatewayList(Shape):
     """All gateways, and the codes by which others may enrol."""
 
     gateways: list[GatewayShape]
     codes: list[OpenCodeShape]
 
 
-class CodeAsk(_Shape):
+class CodeAsk(Shape):
     """Make a one-time code for the gateway of a site; ``name`` is what people call it."""
 
     site: str = Field(pattern=r"^[a-z][a-z0-9_]{0,62}$")
     name: str = Field(default="", max_length=100)
 
 
-class CodeShape(_Shape):
+class CodeShape(Shape):
     """A one-time code, shown once.
 
     ``command`` is what to run beside the robot, ``qr`` the same as an SVG picture, and
@@ -298,14 +321,14 @@ class CodeShape(_Shape):
     qr: str
 
 
-class EnrolAsk(_Shape):
+class EnrolAsk(Shape):
     """Use a one-time code; ``name`` is what the gateway calls itself."""
 
     code: str = Field(min_length=1, max_length=200)
     name: str = Field(default="", max_length=100)
 
 
-class EnrolAnswer(_Shape):
+class EnrolAnswer(Shape):
     """The gateway's own key, told once; ``fingerprint`` is that of the hub's certificate."""
 
     site: str
@@ -314,13 +337,13 @@ class EnrolAnswer(_Shape):
     fingerprint: str
 
 
-class ReconnectAsk(_Shape):
+class ReconnectAsk(Shape):
     """Dial again (no device), or let the gateway connect anew to one device."""
 
     device: str = Field(default="", max_length=200)
 
 
-class AuditRow(_Shape):
+class AuditRow(Shape):
     """One row of the audit log."""
 
     id: str
@@ -334,7 +357,7 @@ class AuditRow(_Shape):
     good: bool
 
 
-class AuditAsk(_Shape):
+class AuditAsk(Shape):
     """Which rows of the audit log are meant; what is left out does not matter.
 
     ``kind`` is its beginning: ``command`` finds all about commands. ``from_us`` is included,
@@ -357,14 +380,14 @@ class AuditPage(AuditAsk):
     limit: int = Field(default=100, ge=1, le=1000)
 
 
-class AuditList(_Shape):
+class AuditList(Shape):
     """Rows, newest first; with ``more``, ask again with the last one's id as ``before``."""
 
     rows: list[AuditRow]
     more: bool
 
 
-class AuditChain(_Shape):
+class AuditChain(Shape):
     """Whether every row follows from the one before.
 
     ``rows`` counts those that do; ``broken`` is the id of the first that does not, or 0.

@@ -8,7 +8,8 @@ import msgspec
 from fastapi import APIRouter, Query, Request, Response
 
 from talaia.hub.api.access import live_of, who_of
-from talaia.hub.api.described import describe, summarise
+from talaia.hub.api.described import describe, list_devices, summarise
+from talaia.hub.api.people_shapes import DeviceList
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.shapes import (
     EventList,
@@ -49,6 +50,7 @@ class SitePages:
         router = APIRouter()
         router.get("/api/health")(self.health)
         router.get("/api/sites")(self.overview)
+        router.get("/api/devices")(self.devices)
         router.get("/api/sites/{site}")(self.one)
         router.get("/api/sites/{site}/history", response_model=HistoryAnswer)(self.history)
         router.get("/api/sites/{site}/events")(self.events)
@@ -67,6 +69,13 @@ class SitePages:
             for live in self._sites
             if sees_site(grants, live.description)
         ]
+
+    async def devices(self, request: Request) -> DeviceList:
+        """List all devices that are open to you, with how each is."""
+        grants, now = who_of(request).grants, self._clock.monotonic_ns()
+        return DeviceList(
+            devices=[each for live in self._sites for each in list_devices(live, grants, now)]
+        )
 
     async def one(self, request: Request, site: str) -> SiteShape:
         """Describe a site as far as it is open to you."""

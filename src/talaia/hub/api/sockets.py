@@ -100,7 +100,7 @@ class Sockets:
         )
         self._reporting.greet(browser)
         try:
-            await browser.serve(self._handle)
+            await browser.serve(self._handle, lambda: self._commanding.leave(browser))
         finally:
             self._seats.remove(browser)
             self._browsers.remove(browser)

@@ -40,7 +40,7 @@ def new_factor() -> str:
 
 def otp_uri(secret: str, name: str) -> str:
     """Give the ``otpauth:`` URI that authenticators read."""
-    return pyotp.TOTP(secret).provisioning_uri(name, issuer_name=_ISSUER)
+    return pyotp.TOTP(secret).provisioning_uri(name=name, issuer_name=_ISSUER)
 
 
 def qr_svg(text: str) -> str:

@@ -7,8 +7,7 @@ import logging
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
 
-from sqlalchemy.exc import SQLAlchemyError
-
+from talaia.hub.errors import StoreDown
 from talaia.wire.frames import Reconnect
 
 if TYPE_CHECKING:
@@ -81,7 +80,7 @@ class Links:
             await asyncio.sleep(every_s)
             try:
                 await self.check()
-            except (SQLAlchemyError, OSError):
+            except StoreDown:
                 if not failing:
                     _LOG.exception("gateways' keys cannot be checked: the database does not answer")
                 failing = True

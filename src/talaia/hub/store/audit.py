@@ -18,8 +18,8 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import func, insert, select, update
-from sqlalchemy.exc import SQLAlchemyError
 
+from talaia.hub.errors import StoreDown
 from talaia.hub.store.tables import audit, audit_head
 from talaia.hub.store.visible import visible
 
@@ -166,7 +166,7 @@ class Audit:
             self._news.clear()
             try:
                 await self._flush()
-            except (SQLAlchemyError, OSError):
+            except StoreDown:
                 if not self._failing:
                     _LOG.exception("the audit log cannot be written; notes are kept in memory")
                 self._failing = True

@@ -12,6 +12,8 @@ from talaia.hub.errors import UnknownPerson
 from talaia.hub.store.tables import recovery_codes, users
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from sqlalchemy.ext.asyncio import AsyncConnection
 
     from talaia.clock import Clock
@@ -35,8 +37,8 @@ class Verdict(Enum):
 class Factors:
     """Sets up, asks for and removes second factors."""
 
-    def __init__(self, database: Database, clock: Clock, seal: Seal) -> None:
-        """Keep secrets under ``seal``."""
+    def __init__(self, database: Database, clock: Clock, seal: Callable[[], Seal]) -> None:
+        """Keep secrets under the seal that ``seal`` gives, when there is one to keep."""
         self._database = database
         self._clock = clock
         self._seal = seal
@@ -50,7 +52,7 @@ class Factors:
             await connection.execute(
                 update(users)
                 .where(users.c.id == user)
-                .values(factor_pending=self._seal.close(secret, _about(user)))
+                .values(factor_pending=self._seal().close(secret, _about(user)))
             )
         return secret
 
@@ -63,7 +65,7 @@ class Factors:
         """
         async with self._database.write() as connection:
             pending = await _column(connection, user, "factor_pending")
-            secret = self._seal.open(pending, _about(user)) if pending else None
+            secret = self._seal().open(pending, _about(user)) if pending else None
             step = step_of(secret, code, self._now_s()) if secret else None
             if step is None:
                 return None
@@ -73,9 +75,7 @@ class Factors:
                 .values(factor_secret=pending, factor_pending="", factor_step=step)
             )
             codes = new_recovery()
-            await connection.execute(
-                delete(recovery_codes).where(recovery_codes.c.user_id == user)
-            )
+            await connection.execute(delete(recovery_codes).where(recovery_codes.c.user_id == user))
             await connection.execute(
                 insert(recovery_codes),
                 [{"code_hash": hash_recovery(one), "user_id": user} for one in codes],
@@ -94,7 +94,7 @@ class Factors:
             if gone.rowcount:
                 return Verdict.RECOVERY
             sealed = await _column(connection, user, "factor_secret")
-            secret = self._seal.open(sealed, _about(user)) if sealed else None
+            secret = self._seal().open(sealed, _about(user)) if sealed else None
             step = step_of(secret, code, self._now_s()) if secret else None
             if step is None:
                 return Verdict.WRONG
@@ -119,9 +119,7 @@ class Factors:
                 .where(users.c.id == user)
                 .values(factor_secret="", factor_pending="", factor_step=0)
             )
-            await connection.execute(
-                delete(recovery_codes).where(recovery_codes.c.user_id == user)
-            )
+            await connection.execute(delete(recovery_codes).where(recovery_codes.c.user_id == user))
         return bool(had)
 
     def _now_s(self) -> float:

@@ -47,9 +47,7 @@ class Roles:
         async with self._database.read() as connection:
             rows = (
                 await connection.execute(
-                    select(
-                        roles.c.id, roles.c.name, roles.c.seeded, func.count(users.c.id)
-                    )
+                    select(roles.c.id, roles.c.name, roles.c.seeded, func.count(users.c.id))
                     .join(users, users.c.role_id == roles.c.id, isouter=True)
                     .group_by(roles.c.id, roles.c.name, roles.c.seeded)
                     .order_by(roles.c.id)

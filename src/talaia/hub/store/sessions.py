@@ -136,9 +136,7 @@ class Sessions:
         """End one session of a person; False when they have none of that name."""
         async with self._database.write() as connection:
             gone = await connection.execute(
-                delete(sessions).where(
-                    sessions.c.token_hash == hashed, sessions.c.user_id == user
-                )
+                delete(sessions).where(sessions.c.token_hash == hashed, sessions.c.user_id == user)
             )
         return bool(gone.rowcount)
 
@@ -154,9 +152,7 @@ class Sessions:
                 delete(sessions).where(sessions.c.user_id == user, sessions.c.token_hash != keep)
             )
 
-    async def _read(
-        self, connection: AsyncConnection, hashes: Collection[str]
-    ) -> dict[str, Alive]:
+    async def _read(self, connection: AsyncConnection, hashes: Collection[str]) -> dict[str, Alive]:
         rows = await connection.execute(
             select(
                 sessions.c.token_hash,

@@ -37,7 +37,7 @@ HASH = sa.String(64)
 LONG = sa.Text(4 * 1024 * 1024).with_variant(sa.Text(), "postgresql")
 
 # MariaDB compares texts without regard to case and accents unless told otherwise.
-_EXACT = {"mysql_charset": "utf8mb4", "mysql_collate": "utf8mb4_bin"}
+_EXACT: dict[str, Any] = {"mysql_charset": "utf8mb4", "mysql_collate": "utf8mb4_bin"}
 
 
 def create_table(name: str, *parts: SchemaItem, **options: Any) -> sa.Table:  # noqa: ANN401
