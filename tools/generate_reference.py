@@ -124,9 +124,9 @@ def http_page() -> str:
             need = needs_in_words(method.upper(), path)
             rows.append(f"| `{method.upper()} {path}` | {what} | {need} |")
     head = (
-        "# HTTP API\n\nEvery route, with what it takes to be answered. A script finds the bodies and"
-        " all answers in [openapi.json](openapi.json). A body is JSON; an answer that says no is"
-        " `{code, message}`: a word for programs and a sentence for people. Times ending in"
+        "# HTTP API\n\nEvery route, with what it takes to be answered. A script finds the bodies"
+        " and all answers in [openapi.json](openapi.json). A body is JSON; an answer that says no"
+        " is `{code, message}`: a word for programs and a sentence for people. Times ending in"
         " `_us` are microseconds since the epoch (UTC).\n\n"
     )
     return NOTE + head + "\n".join(rows) + "\n"

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, NamedTuple
+
+import pyotp
 
 from talaia.hub.policy import Need
 
-from .world import NOW, PASSWORD, SESSIONLESS, holds
+from .world import NOW, PASSWORD, SESSIONLESS, SIGNED_IN, TOKEN, holds
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
@@ -58,6 +61,71 @@ async def _history(_world: World, _client: httpx.AsyncClient, about: str) -> Ask
     return Ask({"site": about}, {"channel": channel, "from_us": NOW, "to_us": NOW + 1})
 
 
+_NUMBERS = itertools.count()
+OTHER_PASSWORD = "another password of these tests"  # noqa: S105
+NEW_PERSON = {"name": "eve", "password": OTHER_PASSWORD, "role": "guest"}
+NEW_ROLE = {"name": "watchers", "permissions": [{"right": "view", "site": "agv"}]}
+# What of one's own account is tried with: one's own, and another's.
+OWN_AND_FOREIGN = ("own", "foreign")
+
+
+def _own(actor: str, about: str) -> bool:
+    return about == "own" and actor in SIGNED_IN and actor != "token"
+
+
+async def _session(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    if about == "own":
+        listed = await client.get("/api/me/sessions")
+        found = listed.json().get("sessions", [])
+        return Ask({"session": found[0]["id"] if found else "0" * 64}, done=(204,))
+    # Nobody's client is this person's.
+    person = int(await world.person())
+    await world.hub.hub._sessions.begin(person, "127.0.0.1")
+    return Ask({"session": (await world.hub.hub._sessions.of(person))[0].id})
+
+
+async def _token(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    if about == "own":
+        made = await client.post("/api/me/tokens", json={**TOKEN, "permissions": []})
+        return Ask({"token": made.json().get("id", "0")}, done=(204,))
+    person = int(await world.person())
+    number, _ = await world.hub.hub._tokens.add(person, "theirs", TOKEN["ends_us"], [])
+    return Ask({"token": str(number)})
+
+
+async def _confirm(_world: World, client: httpx.AsyncClient, _about: str) -> Ask:
+    begun = await client.post("/api/me/factor", json={"password": PASSWORD})
+    secret = begun.json().get("secret")
+    return Ask(json={"code": pyotp.TOTP(secret).now() if secret else "000000"})
+
+
+async def _remove_factor(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    confirm = await _confirm(world, client, about)
+    done = await client.post("/api/me/factor/confirm", json=confirm.json)
+    code = done.json().get("recovery", ["000000"])[0]
+    return Ask(json={"password": PASSWORD, "code": code}, done=(204,))
+
+
+def _of_person(**ask: object) -> Recipe:
+    """Ask about somebody who has just been added."""
+
+    async def make(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+        return Ask({"person": await world.person()}, **ask)
+
+    return Recipe(make)
+
+
+def _of_role(**ask: object) -> Recipe:
+    """Ask about a role that has just been made."""
+
+    async def make(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+        name = f"role {next(_NUMBERS)}"
+        made = await (await world.admin()).post("/api/roles", json={**NEW_ROLE, "name": name})
+        return Ask({"role": made.json()["id"]}, **ask)
+
+    return Recipe(make)
+
+
 async def _code(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
     made = await (await world.admin()).post("/api/gateways/codes", json={"site": "farm"})
     return Ask({"code": made.json()["id"]}, done=(204,))
@@ -95,6 +163,31 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}"): of_site(),
     ("GET", "/api/sites/{site}/history"): Recipe(_history, ("agv", "moon")),
     ("GET", "/api/sites/{site}/events"): of_site(),
+    ("POST", "/api/me/password"): Recipe(
+        plain(json={"old": PASSWORD, "new": OTHER_PASSWORD}, done=(204,))
+    ),
+    ("GET", "/api/me/sessions"): Recipe(plain()),
+    ("DELETE", "/api/me/sessions"): Recipe(plain(done=(204,))),
+    ("DELETE", "/api/me/sessions/{session}"): Recipe(_session, OWN_AND_FOREIGN, _own),
+    ("POST", "/api/me/factor"): Recipe(plain(json={"password": PASSWORD})),
+    ("POST", "/api/me/factor/confirm"): Recipe(_confirm),
+    ("POST", "/api/me/factor/remove"): Recipe(_remove_factor),
+    ("GET", "/api/me/tokens"): Recipe(plain()),
+    ("POST", "/api/me/tokens"): Recipe(plain(json={**TOKEN, "permissions": []})),
+    ("DELETE", "/api/me/tokens/{token}"): Recipe(_token, OWN_AND_FOREIGN, _own),
+    ("GET", "/api/people"): Recipe(plain()),
+    ("POST", "/api/people"): Recipe(plain(json=NEW_PERSON)),
+    ("PATCH", "/api/people/{person}"): _of_person(json={"disabled": True}),
+    ("DELETE", "/api/people/{person}"): _of_person(done=(204,)),
+    ("DELETE", "/api/people/{person}/sessions"): _of_person(done=(204,)),
+    # The person has none, which only those are told who may take it away.
+    ("DELETE", "/api/people/{person}/factor"): _of_person(done=(409,)),
+    ("GET", "/api/roles"): Recipe(plain()),
+    ("POST", "/api/roles"): Recipe(plain(json=NEW_ROLE)),
+    ("PUT", "/api/roles/{role}"): _of_role(json={"name": "other", "permissions": []}),
+    ("DELETE", "/api/roles/{role}"): _of_role(done=(204,)),
+    ("GET", "/api/openapi.json"): Recipe(plain()),
+    ("GET", "/api/devices"): Recipe(plain()),
     ("GET", "/api/gateways"): Recipe(plain()),
     ("POST", "/api/gateways/codes"): Recipe(plain(json={"site": "farm"})),
     ("DELETE", "/api/gateways/codes/{code}"): Recipe(_code),
@@ -117,4 +210,6 @@ def meets(need: Need, actor: str, about: str) -> bool:
         return False
     if need is Need.SESSION:
         return True
+    if need is Need.OWN:
+        return actor != "token"
     return holds(actor, need.name.lower(), about)

@@ -9,6 +9,9 @@ from __future__ import annotations
 import struct
 from typing import TYPE_CHECKING, NamedTuple
 
+from sqlalchemy import update
+
+from talaia.hub.store.tables import sessions
 from talaia.wire import browser, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
@@ -18,7 +21,7 @@ from .world import DESCRIPTIONS, NOW, SESSIONLESS, holds
 if TYPE_CHECKING:
     from .world import World
 
-LISTENERS = ("guest", "operator", "driver", "neighbour", "keeper", "admin")
+LISTENERS = ("guest", "operator", "driver", "neighbour", "keeper", "admin", "token")
 PUBLIC = {"agv/base/open"}
 SIGNALS = ("open", "shut", "words")
 STREAM = "eye"
@@ -91,7 +94,7 @@ async def listen(world: World, actor: str) -> Listener:
         return tapes[-1]
 
     world.hub.dial = dial
-    page = await world.hub.page(actor)
+    page = await world.page(actor)
     del world.hub.dial
     for at, site in enumerate(DESCRIPTIONS):
         channels = [
@@ -138,7 +141,18 @@ async def everything(world: World, listeners: list[Listener]) -> None:
         await acting.hear(browser.SiteNews, lambda news, at=site: news.site == at and news.online)
     for about in DEVICES:
         await _values(world, about)
+    await _nearly_over(world, listeners)
     await settle(listeners)
+
+
+async def _nearly_over(world: World, listeners: list[Listener]) -> None:
+    """Let everyone's session be so old that they are told of its end."""
+    age_us = round((world.hub.settings.life_s - 30.0) * 1e6)
+    async with world.hub.hub._database.write() as connection:
+        await connection.execute(update(sessions).values(created_us=sessions.c.created_us - age_us))
+    for each in listeners:
+        if each.actor != "token":
+            await each.page.hear(browser.SessionNews)
 
 
 async def _values(world: World, about: str) -> None:

@@ -13,9 +13,8 @@ from talaia.wire import browser, frames
 
 from .messages import ASKS, TRIALS
 from .routes import meets
-from .world import ACTORS, SESSIONLESS, holds
+from .world import SESSIONLESS, SIGNED_IN, holds
 
-SIGNED_IN = tuple(actor for actor in ACTORS if actor not in SESSIONLESS)
 _NUMBERS = itertools.count(1000)
 
 
@@ -51,7 +50,7 @@ async def differences(world, kind: type) -> list[str]:
     """Let everyone say a message about everything; list what is not as its line says."""
     trial, need, found = TRIALS[kind], FROM_BROWSER[kind], []
     for actor in SIGNED_IN:
-        page = await world.hub.page(actor)
+        page = await world.page(actor)
         for about in trial.objects:
             site, _, device = about.partition("/")
             mark = f"{actor} {about}"
@@ -120,7 +119,7 @@ async def test_no_socket_opens_without_a_living_session(world, path, actor) -> N
 async def test_pictures_open_to_those_who_may_view_and_to_nobody_else(world, actor) -> None:
     for about in ("agv/base", "agv/power", "agv/camera", "moon/rover"):
         site, device = about.split("/")
-        headers = {"Cookie": await world.hub.cookie(actor), "Origin": world.hub.origin}
+        headers = await world.headers(actor)
         path = f"/ws/media?site={site}&stream={device}/eye"
         if holds(actor, "view", about):
             await (await world.hub.dial(path, headers)).close()

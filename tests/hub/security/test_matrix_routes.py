@@ -10,7 +10,7 @@ from talaia.hub.api.sites import SitePages
 from talaia.hub.policy import ROUTES, Need, need_of_route
 
 from .routes import RECIPES, meets
-from .world import ACTORS, SESSIONLESS, holds
+from .world import ACTORS, OBJECTS, SESSIONLESS, holds
 
 UNSAFE = {"POST", "PUT", "PATCH", "DELETE"}
 
@@ -46,7 +46,7 @@ async def differences(world, method: str, path: str) -> list[str]:
                 if method == "GET" and (changed := _changed(before, await world.state())):
                     found.append(f"{said}: asking changed {changed}")
                 continue
-            wanted = _refusals(actor, about)
+            wanted = _refusals(actor, about, need)
             if answer.status_code not in wanted:
                 found.append(f"{said} instead of {wanted}")
             if changed := _changed(before, await world.state()):
@@ -58,11 +58,13 @@ def _changed(before: dict[str, list], after: dict[str, list]) -> list[str]:
     return [table for table in before if before[table] != after[table]]
 
 
-def _refusals(actor: str, about: str) -> tuple[int, ...]:
+def _refusals(actor: str, about: str, need: Need) -> tuple[int, ...]:
     if actor in SESSIONLESS:
         return (401,)
-    if about and not holds(actor, "see", about):
-        # As if there were no such thing.
+    if actor == "token" and need in {Need.OWN, Need.ADMIN}:
+        return (403,)
+    # As if there were no such thing.
+    if about == "foreign" or (about in OBJECTS and about and not holds(actor, "see", about)):
         return (404,)
     return (403,)
 
@@ -84,6 +86,7 @@ async def test_route_that_lets_anyone_in_is_found(world, monkeypatch) -> None:
         "driver on moon",
         "neighbour on moon",
         "keeper on moon",
+        "token on moon",
     }
 
 

@@ -45,6 +45,8 @@ FOR_GUESTS = {
     browser.Values,
     browser.Pong,
     browser.Problem,
+    # Of their own session.
+    browser.SessionNews,
     browser.Ended,
 }
 
@@ -146,7 +148,11 @@ async def test_nobody_reads_over_http_what_is_not_theirs(world, heard) -> None:
     await world.hub.hub._audit.written()
     for actor in ACTORS:
         client = await world.client(actor)
-        bodies = [(await client.get("/api/sites")).content]
+        listed = await client.get("/api/devices")
+        if listed.status_code == 200:
+            seen = {f"{each['site']}/{each['device']}" for each in listed.json()["devices"]}
+            assert seen == {about for about in DEVICES if holds(actor, "see", about)}
+        bodies = [listed.content, (await client.get("/api/sites")).content]
         for site in DESCRIPTIONS:
             bodies.append((await client.get(f"/api/sites/{site}")).content)
             bodies.append((await client.get(f"/api/sites/{site}/events?limit=1000")).content)

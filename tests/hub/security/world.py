@@ -5,6 +5,7 @@ What each of them holds is written down here by hand, since the code under test 
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING
 
 import httpx
@@ -69,8 +70,11 @@ HOLDS: Mapping[str, tuple[str, ...]] = {
     "neighbour": ("see", "see", "use", "", "", "", ""),
     "keeper": ("admin", "admin", "admin", "admin", "", "", ""),
     "admin": ("admin", "admin", "admin", "admin", "admin", "admin", "admin"),
+    # A script of the operator's, with a token that may look at one device.
+    "token": ("see", "view", "", "", "", "", ""),
 }
 ACTORS = tuple(HOLDS)
+SIGNED_IN = tuple(actor for actor in ACTORS if actor not in SESSIONLESS)
 # The roles that are not seeded, each with its one permission: right, site, device.
 ROLES = {
     "driver": ("use", "agv", "base"),
@@ -84,6 +88,13 @@ def holds(actor: str, level: str, about: str) -> bool:
     return LEVELS.index(HOLDS[actor][OBJECTS.index(about)]) >= LEVELS.index(level)
 
 
+TOKEN = {
+    "name": "a script",
+    "ends_us": round((time.time() + 3600) * 1e6),
+    "permissions": [{"right": "view", "site": "agv", "device": "base"}],
+}
+
+
 class World:
     """A running hub with both sites online, and a way for each person to ask it."""
 
@@ -91,7 +102,8 @@ class World:
         """Take a hub that runs and is empty yet."""
         self.hub = hub
         self.gateways = {}
-        self._admin: httpx.AsyncClient | None = None
+        self.token = ""
+        self._made = 0
         # One for all clients: making each its own takes longer than asking.
         self._transport = httpx.AsyncHTTPTransport()
 
@@ -118,6 +130,9 @@ class World:
             await self.hub.people.add(name, kept, name)
         for site in DESCRIPTIONS:
             await self.connect(site)
+        made = await (await self.client("operator")).post("/api/me/tokens", json=TOKEN)
+        assert made.status_code == 200, made.text
+        self.token = made.json()["token"]
 
     async def connect(self, site: str, description: str = ""):
         """Connect a site's gateway, with the key it has or a new one."""
@@ -142,6 +157,11 @@ class World:
         )
         if actor == "nobody":
             return client
+        if actor == "token":
+            # A script is no page and has no origin.
+            del client.headers["Origin"]
+            client.headers["Authorization"] = f"Bearer {self.token}"
+            return client
         who = "operator" if actor == "revoked" else actor
         answer = await client.post("/api/login", json={"name": who, "password": PASSWORD})
         assert answer.status_code == 200, answer.text
@@ -152,10 +172,10 @@ class World:
         return client
 
     async def admin(self) -> httpx.AsyncClient:
-        """Give a client of the admin's that stays signed in, to prepare things with."""
-        if self._admin is None:
-            self._admin = await self.client("admin")
-        return self._admin
+        """Give a client of the admin's to prepare things with, whatever became of the last one."""
+        client = await self.client("nobody")
+        client.cookies.update(await self.cookies("admin"))
+        return client
 
     async def cookies(self, actor: str) -> dict[str, str]:
         """Begin a session without asking for the password: sign-ins are throttled."""
@@ -164,6 +184,22 @@ class World:
         person = await self.hub.people.find(actor)
         token, _ = await self.hub.hub._sessions.begin(person.id, "127.0.0.1")
         return {"talaia": token}
+
+    async def headers(self, actor: str) -> dict[str, str]:
+        """Give what somebody opens a socket with."""
+        if actor == "token":
+            return {"Authorization": f"Bearer {self.token}", "Origin": self.hub.origin}
+        return {"Cookie": await self.hub.cookie(actor), "Origin": self.hub.origin}
+
+    async def page(self, actor: str):
+        """Open a page's socket."""
+        return self.hub.peer(await self.hub.dial("/ws", await self.headers(actor)))
+
+    async def person(self) -> str:
+        """Add somebody new; give the number."""
+        self._made += 1
+        kept = (await self.hub.people.find("admin")).password_hash
+        return str(await self.hub.people.add(f"person {self._made}", kept, "guest"))
 
     async def viewer(self, actor: str, about: str, stream: str):
         """Look at a stream of a device, as a page does."""
