@@ -131,14 +131,6 @@ def test_right_on_the_whole_site_is_a_right_on_each_device(held, right, site) ->
 
 
 @pytest.fixture
-async def database(tmp_path):
-    database = Database(f"sqlite+aiosqlite:///{tmp_path / 'talaia.db'}")
-    await database.migrate()
-    yield database
-    await database.close()
-
-
-@pytest.fixture
 def clock() -> HandClock:
     return HandClock()
 

@@ -15,7 +15,6 @@ from talaia.hub.store.sites import SiteRegistry
 from talaia.wire.enrolment import EnrolmentCode, pin_of, read_code, secret_of
 from talaia.wire.errors import CodeMistyped
 
-from .databases import database, database_url  # noqa: F401 - fixtures
 
 MINUTE = 60 * SECOND
 KEY_HASH = "5f" * 32
