@@ -11,7 +11,6 @@ from talaia.hub.auth.passwords import Passwords, check_name, check_password, nam
 from talaia.hub.auth.permissions import Grants, Permission, Right
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.errors import NameTaken, UnknownRole, WeakPassword
-from talaia.hub.store.database import Database
 from talaia.hub.store.people import People
 from talaia.hub.store.sessions import Sessions
 
