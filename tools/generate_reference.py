@@ -13,13 +13,13 @@ import sys
 import tempfile
 from enum import StrEnum
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import msgspec
 
 from talaia.cli.main import WORDS
 from talaia.clock import SystemClock
-from talaia.hub.api.openapi import describe_api
+from talaia.hub.api.openapi import describe_api, needs_in_words
 from talaia.hub.app import build
 from talaia.hub.settings import Settings
 from talaia.model import site
@@ -38,7 +38,8 @@ def main(*, check_only: bool) -> int:
         "site-description.md": site_page(),
         "wire.md": wire_page(),
         "commands.md": commands_page(),
-        "openapi.json": openapi_text(),
+        "http.md": http_page(),
+        "openapi.json": json.dumps(api(), indent=2, ensure_ascii=False) + "\n",
         "site.schema.json": json.dumps(site_schema(), indent=2, ensure_ascii=False) + "\n",
     }
     stale = []
@@ -107,11 +108,28 @@ def commands_page() -> str:
     return "\n".join(parts)
 
 
-def openapi_text() -> str:
+def api() -> dict[str, Any]:
     """Describe the HTTP API; the hub is only put together for it, and nothing is opened."""
     with tempfile.TemporaryDirectory() as folder:
         hub = build(Settings(data=Path(folder)), SystemClock())
-    return json.dumps(describe_api(hub.app), indent=2, ensure_ascii=False) + "\n"
+    return describe_api(hub.app)
+
+
+def http_page() -> str:
+    """List every route with the right it needs."""
+    rows = ["| route | what it does | it needs |", "|---|---|---|"]
+    for path, methods in api()["paths"].items():
+        for method, said in methods.items():
+            what = said["description"].partition("\n\n")[0].replace("\n", " ").replace("``", "`")
+            need = needs_in_words(method.upper(), path)
+            rows.append(f"| `{method.upper()} {path}` | {what} | {need} |")
+    head = (
+        "# HTTP API\n\nEvery route, with what it takes to be answered. A script finds the bodies"
+        " and all answers in [openapi.json](openapi.json). A body is JSON; an answer that says no"
+        " is `{code, message}`: a word for programs and a sentence for people. Times ending in"
+        " `_us` are microseconds since the epoch (UTC).\n\n"
+    )
+    return NOTE + head + "\n".join(rows) + "\n"
 
 
 def child_environment() -> dict[str, str]:

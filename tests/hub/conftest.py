@@ -36,6 +36,8 @@ from talaia.wire.frames import (
     Welcome,
 )
 
+from .databases import database, database_url  # noqa: F401 - fixtures of every test of the hub
+
 DESCRIPTION = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
 PASSWORD = "a password for tests"  # noqa: S105
 DEADLINE_S = 10.0
@@ -227,6 +229,8 @@ class RunningHub:
 
     async def __aenter__(self) -> RunningHub:
         self._listener = socket.create_server(("127.0.0.1", 0))
+        # asyncio forgets this for such a socket, and then each answer takes 40 ms; uvloop does not.
+        self._listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.port = self._listener.getsockname()[1]
         self.origin = f"http://127.0.0.1:{self.port}"
         ready = asyncio.Event()
@@ -271,6 +275,10 @@ class RunningHub:
             "/ws" + ("?form=json" if text else ""),
             {"Cookie": await self.cookie(name), "Origin": self.origin},
         )
+        return self.peer(connection, text=text)
+
+    def peer(self, connection, *, text: bool = False) -> Peer:
+        """Speak as a page over a socket that is open."""
         return self._keep(Peer(connection, FROM_BROWSER, TO_BROWSER, text=text))
 
     async def viewer(self, name: str, stream: str) -> Peer:

@@ -184,6 +184,7 @@ async def test_renewed_certificate_is_shown_without_a_restart(
     async with secure(hub_that_stores, settings, cert=cert, key=key) as running:
         before = await shown_by(running.port)
         keeping = asyncio.create_task(keep_certificate(running._server, running.settings, 0.01))
+        await asyncio.sleep(0)  # it looks at the certificate of now
         try:
             with caplog.at_level(logging.WARNING):
                 cert.write_text("half written")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["STORE_DOWN", "ApiProblem", "answer_problems", "problem"]
 
 _LOG = logging.getLogger(__name__)
-_CODES = {404: "unknown", 405: "method", 413: "too_large", 422: "invalid"}
+_CODES = {400: "invalid", 404: "unknown", 405: "method", 413: "too_large", 422: "invalid"}
 
 
 STORE_DOWN = "the hub's database does not answer; try again soon"

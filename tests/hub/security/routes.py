@@ -1,0 +1,215 @@
+"""How each route is tried: about which objects, with which words, and what it answers when done."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, NamedTuple
+
+import pyotp
+
+from talaia.hub.policy import Need
+
+from .world import NOW, PASSWORD, SESSIONLESS, SIGNED_IN, TOKEN, holds
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Mapping
+
+    import httpx
+
+    from .world import World
+
+
+class Ask(NamedTuple):
+    """One request."""
+
+    params: Mapping[str, str] = {}
+    query: Mapping[str, object] = {}
+    json: object = None
+    # What the route answers to those who may.
+    done: tuple[int, ...] = (200,)
+
+
+class Recipe(NamedTuple):
+    """How to ask a route, about each of these objects."""
+
+    make: Callable[[World, httpx.AsyncClient, str], Awaitable[Ask]]
+    objects: tuple[str, ...] = ("",)
+    # Takes the place of the policy's line where the line leaves the object to the route.
+    meets: Callable[[str, str], bool] | None = None
+
+
+def plain(**ask: object) -> Callable[[World, httpx.AsyncClient, str], Awaitable[Ask]]:
+    """Ask the same of everyone."""
+
+    async def make(_world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+        return Ask(**ask)
+
+    return make
+
+
+def of_site(**ask: object) -> Recipe:
+    """Ask about both sites."""
+
+    async def make(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+        return Ask(params={"site": about}, **ask)
+
+    return Recipe(make, ("agv", "moon"))
+
+
+async def _history(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    channel = {"agv": "base/open", "moon": "rover/open"}[about]
+    return Ask({"site": about}, {"channel": channel, "from_us": NOW, "to_us": NOW + 1})
+
+
+_NUMBERS = itertools.count()
+OTHER_PASSWORD = "another password of these tests"  # noqa: S105
+NEW_PERSON = {"name": "eve", "password": OTHER_PASSWORD, "role": "guest"}
+NEW_ROLE = {"name": "watchers", "permissions": [{"right": "view", "site": "agv"}]}
+# What of one's own account is tried with: one's own, and another's.
+OWN_AND_FOREIGN = ("own", "foreign")
+
+
+def _own(actor: str, about: str) -> bool:
+    return about == "own" and actor in SIGNED_IN and actor != "token"
+
+
+async def _session(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    if about == "own":
+        listed = await client.get("/api/me/sessions")
+        found = listed.json().get("sessions", [])
+        return Ask({"session": found[0]["id"] if found else "0" * 64}, done=(204,))
+    # Nobody's client is this person's.
+    person = int(await world.person())
+    await world.hub.hub._sessions.begin(person, "127.0.0.1")
+    return Ask({"session": (await world.hub.hub._sessions.of(person))[0].id})
+
+
+async def _token(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    if about == "own":
+        made = await client.post("/api/me/tokens", json={**TOKEN, "permissions": []})
+        return Ask({"token": made.json().get("id", "0")}, done=(204,))
+    person = int(await world.person())
+    number, _ = await world.hub.hub._tokens.add(person, "theirs", TOKEN["ends_us"], [])
+    return Ask({"token": str(number)})
+
+
+async def _confirm(_world: World, client: httpx.AsyncClient, _about: str) -> Ask:
+    begun = await client.post("/api/me/factor", json={"password": PASSWORD})
+    secret = begun.json().get("secret")
+    return Ask(json={"code": pyotp.TOTP(secret).now() if secret else "000000"})
+
+
+async def _remove_factor(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    confirm = await _confirm(world, client, about)
+    done = await client.post("/api/me/factor/confirm", json=confirm.json)
+    code = done.json().get("recovery", ["000000"])[0]
+    return Ask(json={"password": PASSWORD, "code": code}, done=(204,))
+
+
+def _of_person(**ask: object) -> Recipe:
+    """Ask about somebody who has just been added."""
+
+    async def make(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+        return Ask({"person": await world.person()}, **ask)
+
+    return Recipe(make)
+
+
+def _of_role(**ask: object) -> Recipe:
+    """Ask about a role that has just been made."""
+
+    async def make(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+        name = f"role {next(_NUMBERS)}"
+        made = await (await world.admin()).post("/api/roles", json={**NEW_ROLE, "name": name})
+        return Ask({"role": made.json()["id"]}, **ask)
+
+    return Recipe(make)
+
+
+async def _code(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    made = await (await world.admin()).post("/api/gateways/codes", json={"site": "farm"})
+    return Ask({"code": made.json()["id"]}, done=(204,))
+
+
+async def _enrol(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    made = await (await world.admin()).post("/api/gateways/codes", json={"site": "farm"})
+    return Ask(json={"code": made.json()["code"], "name": "a new gateway"})
+
+
+async def _gateway(world: World, site: str) -> str:
+    known = (await (await world.admin()).get("/api/gateways")).json()["gateways"]
+    return next(each["id"] for each in known if each["site"] == site and not each["revoked_us"])
+
+
+async def _revoke(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    await world.hub.hub._registry.new_key("farm")
+    return Ask({"gateway": await _gateway(world, "farm")}, done=(204,))
+
+
+async def _reconnect(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    return Ask({"gateway": await _gateway(world, "agv")}, json={"device": "base"}, done=(202,))
+
+
+RECIPES: Mapping[tuple[str, str], Recipe] = {
+    ("GET", "/api/health"): Recipe(plain()),
+    ("POST", "/api/login"): Recipe(plain(json={"name": "guest", "password": PASSWORD})),
+    # There are people: the link is used up for everyone, and that is no matter of rights.
+    ("POST", "/api/setup"): Recipe(
+        plain(json={"token": "t", "name": "eve", "password": PASSWORD}, done=(403, 429))
+    ),
+    ("POST", "/api/logout"): Recipe(plain(done=(204,))),
+    ("GET", "/api/me"): Recipe(plain()),
+    ("GET", "/api/sites"): Recipe(plain()),
+    ("GET", "/api/sites/{site}"): of_site(),
+    ("GET", "/api/sites/{site}/history"): Recipe(_history, ("agv", "moon")),
+    ("GET", "/api/sites/{site}/events"): of_site(),
+    ("POST", "/api/me/password"): Recipe(
+        plain(json={"old": PASSWORD, "new": OTHER_PASSWORD}, done=(204,))
+    ),
+    ("GET", "/api/me/sessions"): Recipe(plain()),
+    ("DELETE", "/api/me/sessions"): Recipe(plain(done=(204,))),
+    ("DELETE", "/api/me/sessions/{session}"): Recipe(_session, OWN_AND_FOREIGN, _own),
+    ("POST", "/api/me/factor"): Recipe(plain(json={"password": PASSWORD})),
+    ("POST", "/api/me/factor/confirm"): Recipe(_confirm),
+    ("POST", "/api/me/factor/remove"): Recipe(_remove_factor),
+    ("GET", "/api/me/tokens"): Recipe(plain()),
+    ("POST", "/api/me/tokens"): Recipe(plain(json={**TOKEN, "permissions": []})),
+    ("DELETE", "/api/me/tokens/{token}"): Recipe(_token, OWN_AND_FOREIGN, _own),
+    ("GET", "/api/people"): Recipe(plain()),
+    ("POST", "/api/people"): Recipe(plain(json=NEW_PERSON)),
+    ("PATCH", "/api/people/{person}"): _of_person(json={"disabled": True}),
+    ("DELETE", "/api/people/{person}"): _of_person(done=(204,)),
+    ("DELETE", "/api/people/{person}/sessions"): _of_person(done=(204,)),
+    # The person has none, which only those are told who may take it away.
+    ("DELETE", "/api/people/{person}/factor"): _of_person(done=(409,)),
+    ("GET", "/api/roles"): Recipe(plain()),
+    ("POST", "/api/roles"): Recipe(plain(json=NEW_ROLE)),
+    ("PUT", "/api/roles/{role}"): _of_role(json={"name": "other", "permissions": []}),
+    ("DELETE", "/api/roles/{role}"): _of_role(done=(204,)),
+    ("GET", "/api/openapi.json"): Recipe(plain()),
+    ("GET", "/api/devices"): Recipe(plain()),
+    ("GET", "/api/gateways"): Recipe(plain()),
+    ("POST", "/api/gateways/codes"): Recipe(plain(json={"site": "farm"})),
+    ("DELETE", "/api/gateways/codes/{code}"): Recipe(_code),
+    ("POST", "/api/gateways/{gateway}/revoke"): Recipe(_revoke),
+    ("POST", "/api/gateways/{gateway}/reconnect"): Recipe(_reconnect),
+    ("POST", "/api/enrol"): Recipe(_enrol),
+    ("GET", "/api/audit"): Recipe(plain()),
+    ("GET", "/api/audit/export"): Recipe(plain()),
+    ("GET", "/api/audit/verify"): Recipe(plain()),
+    # The pages themselves; 503 where they are not built.
+    ("GET", "/{path:path}"): Recipe(plain(params={"path:path": "home"}, done=(200, 503))),
+}
+
+
+def meets(need: Need, actor: str, about: str) -> bool:
+    """Tell, from the table written by hand, whether somebody meets a need about an object."""
+    if need is Need.OPEN:
+        return True
+    if actor in SESSIONLESS or need in {Need.NEVER, Need.GATEWAY}:
+        return False
+    if need is Need.SESSION:
+        return True
+    if need is Need.OWN:
+        return actor != "token"
+    return holds(actor, need.name.lower(), about)

@@ -1,0 +1,224 @@
+"""The world in which every right is tried: two sites, and one person of each kind.
+
+What each of them holds is written down here by hand, since the code under test computes it.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import httpx
+from sqlalchemy import insert, select
+
+from talaia.hub.store.tables import metadata, permissions, role_permissions, roles
+from talaia.model.load import load_site
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+PASSWORD = "a password for tests"  # noqa: S105
+NOW = 1_700_000_000_000_000
+
+_DEVICE = """
+  {device}:
+    name: {name}
+    visibility: {visibility}
+    signals:
+      open:
+        name: Open
+        visibility: {visibility}
+        source: {{topic: /a, type: std_msgs/msg/Float64, field: data}}
+      shut: {{name: Shut, source: {{topic: /b, type: std_msgs/msg/Float64, field: data}}}}
+      words:
+        name: Words
+        type: text
+        source: {{topic: /c, type: std_msgs/msg/String, field: data}}
+    streams:
+      eye: {{name: Eye, source: {{topic: /i, type: sensor_msgs/msg/Image}}}}
+    commands:
+      turn: {{name: Turn, target: /turn, type: std_srvs/srv/Trigger}}
+    drive: {{topic: /v, max_speed: 1, max_turn: 1}}
+"""
+
+
+def _site(site: str, **devices: str) -> str:
+    written = "".join(
+        _DEVICE.format(device=device, name=device.title(), visibility=visibility)
+        for device, visibility in devices.items()
+    )
+    return f"talaia: 1\nsite: {site}\nname: {site.title()}\nros2: {{}}\ndevices:{written}"
+
+
+DESCRIPTIONS = {
+    "agv": _site("agv", base="public", power="view", camera="view"),
+    "moon": _site("moon", rover="view"),
+}
+
+# Everyone, in the order of the columns below: what they hold at most on each object. Each level
+# includes those before it; an empty one holds nothing there, not even that it exists.
+LEVELS = ("", "see", "view", "use", "admin")
+OBJECTS = ("agv", "agv/base", "agv/power", "agv/camera", "moon", "moon/rover", "")
+SESSIONLESS = ("nobody", "revoked")
+HOLDS: Mapping[str, tuple[str, ...]] = {
+    #             agv      base     power    camera   moon     rover    the hub
+    "nobody": ("", "", "", "", "", "", ""),
+    "revoked": ("", "", "", "", "", "", ""),
+    "guest": ("see", "see", "", "", "", "", ""),
+    "operator": ("use", "use", "use", "use", "use", "use", "use"),
+    "driver": ("see", "use", "", "", "", "", ""),
+    "neighbour": ("see", "see", "use", "", "", "", ""),
+    "keeper": ("admin", "admin", "admin", "admin", "", "", ""),
+    "admin": ("admin", "admin", "admin", "admin", "admin", "admin", "admin"),
+    # A script of the operator's, with a token that may look at one device.
+    "token": ("see", "view", "", "", "", "", ""),
+}
+ACTORS = tuple(HOLDS)
+SIGNED_IN = tuple(actor for actor in ACTORS if actor not in SESSIONLESS)
+# The roles that are not seeded, each with its one permission: right, site, device.
+ROLES = {
+    "driver": ("use", "agv", "base"),
+    "neighbour": ("use", "agv", "power"),
+    "keeper": ("admin", "agv", "*"),
+}
+
+
+def holds(actor: str, level: str, about: str) -> bool:
+    """Tell whether somebody holds at least a level on an object."""
+    return LEVELS.index(HOLDS[actor][OBJECTS.index(about)]) >= LEVELS.index(level)
+
+
+TOKEN = {
+    "name": "a script",
+    "ends_us": round((time.time() + 3600) * 1e6),
+    "permissions": [{"right": "view", "site": "agv", "device": "base"}],
+}
+
+
+class World:
+    """A running hub with both sites online, and a way for each person to ask it."""
+
+    def __init__(self, hub) -> None:
+        """Take a hub that runs and is empty yet."""
+        self.hub = hub
+        self.gateways = {}
+        self.token = ""
+        self._made = 0
+        # One for all clients: making each its own takes longer than asking.
+        self._transport = httpx.AsyncHTTPTransport()
+
+    async def close(self) -> None:
+        await self._transport.aclose()
+
+    async def begin(self) -> None:
+        await self.hub.populate()
+        database = self.hub.hub._database
+        async with database.write() as connection:
+            for name, (right, site, device) in ROLES.items():
+                role = await connection.execute(insert(roles).values(name=name, seeded=False))
+                permission = await connection.execute(
+                    insert(permissions).values(right_name=right, site=site, device=device)
+                )
+                await connection.execute(
+                    insert(role_permissions).values(
+                        role_id=role.inserted_primary_key[0],
+                        permission_id=permission.inserted_primary_key[0],
+                    )
+                )
+        kept = (await self.hub.people.find("admin")).password_hash
+        for name in ROLES:
+            await self.hub.people.add(name, kept, name)
+        for site in DESCRIPTIONS:
+            await self.connect(site)
+        made = await (await self.client("operator")).post("/api/me/tokens", json=TOKEN)
+        assert made.status_code == 200, made.text
+        self.token = made.json()["token"]
+
+    async def connect(self, site: str, description: str = ""):
+        """Connect a site's gateway, with the key it has or a new one."""
+        described = description or DESCRIPTIONS[site]
+        if site not in self.hub.keys:
+            self.hub.keys[site] = await self.hub.hub._registry.new_key(site)
+        gateway = await self.hub.gateway(key=self.hub.keys[site])
+        await gateway.hello(described, site=site, boot=f"boot-{len(described)}")
+        gateway.channels = {
+            channel.address: at for at, channel in enumerate(load_site(described).channels())
+        }
+        self.gateways[site] = gateway
+        return gateway
+
+    async def client(self, actor: str) -> httpx.AsyncClient:
+        """Open a client of its own for somebody, with a session of its own."""
+        client = httpx.AsyncClient(
+            base_url=self.hub.origin,
+            headers={"Origin": self.hub.origin},
+            transport=self._transport,
+            trust_env=False,
+        )
+        if actor == "nobody":
+            return client
+        if actor == "token":
+            # A script is no page and has no origin.
+            del client.headers["Origin"]
+            client.headers["Authorization"] = f"Bearer {self.token}"
+            return client
+        who = "operator" if actor == "revoked" else actor
+        answer = await client.post("/api/login", json={"name": who, "password": PASSWORD})
+        assert answer.status_code == 200, answer.text
+        if actor == "revoked":
+            token = client.cookies["talaia"]
+            assert (await client.post("/api/logout")).status_code == 204
+            client.cookies.set("talaia", token)
+        return client
+
+    async def admin(self) -> httpx.AsyncClient:
+        """Give a client of the admin's to prepare things with, whatever became of the last one."""
+        client = await self.client("nobody")
+        client.cookies.update(await self.cookies("admin"))
+        return client
+
+    async def cookies(self, actor: str) -> dict[str, str]:
+        """Begin a session without asking for the password: sign-ins are throttled."""
+        if actor == "nobody":
+            return {}
+        person = await self.hub.people.find(actor)
+        token, _ = await self.hub.hub._sessions.begin(person.id, "127.0.0.1")
+        return {"talaia": token}
+
+    async def headers(self, actor: str) -> dict[str, str]:
+        """Give what somebody opens a socket with."""
+        if actor == "token":
+            return {"Authorization": f"Bearer {self.token}", "Origin": self.hub.origin}
+        return {"Cookie": await self.hub.cookie(actor), "Origin": self.hub.origin}
+
+    async def page(self, actor: str):
+        """Open a page's socket."""
+        return self.hub.peer(await self.hub.dial("/ws", await self.headers(actor)))
+
+    async def person(self) -> str:
+        """Add somebody new; give the number."""
+        self._made += 1
+        kept = (await self.hub.people.find("admin")).password_hash
+        return str(await self.hub.people.add(f"person {self._made}", kept, "guest"))
+
+    async def viewer(self, actor: str, about: str, stream: str):
+        """Look at a stream of a device, as a page does."""
+        site, _, device = about.partition("/")
+        assert site == "agv"
+        return await self.hub.viewer(actor, f"{device}/{stream}")
+
+    async def state(self) -> dict[str, list]:
+        """Read all that is kept, but what merely says when something was used."""
+        kept = {}
+        async with self.hub.hub._database.read() as connection:
+            for table in metadata.sorted_tables:
+                if table.name.startswith("audit"):
+                    # That something was asked is written down.
+                    continue
+                columns = [each for each in table.c if each.name not in _UNSTEADY]
+                rows = await connection.execute(select(*columns))
+                kept[table.name] = sorted(map(repr, rows))
+        return kept
+
+
+_UNSTEADY = {"used_us", "last_seen_us", "seen_us"}
