@@ -121,7 +121,7 @@ export class PersonLine extends LitElement {
         ? nothing
         : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
       <form novalidate @submit=${this.giveRole}>
-        <t-field label="Role" hint="Open pages of theirs follow within a second.">
+        <t-field label="Role" hint="They are signed out, and have it when they sign in again.">
           <select id="role">
             ${map(this.roles, ({ name }) => html`<option value=${name} .selected=${name === row.role}>${name}</option>`)}
           </select>
