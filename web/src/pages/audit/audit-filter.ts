@@ -25,7 +25,8 @@ export class AuditFilterForm extends LitElement {
         align-items: end;
         gap: var(--t-space-3);
       }
-      .time {
+      .time,
+      .actions {
         grid-column: span 2;
       }
       @media (max-width: 45rem) {

@@ -34,6 +34,9 @@ export const matrixStyle = css`
     font-weight: var(--t-weight-strong);
     overflow-wrap: anywhere;
   }
+  thead t-button {
+    color: var(--t-accent);
+  }
   .people {
     display: block;
     color: var(--t-muted);
