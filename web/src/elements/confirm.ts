@@ -19,8 +19,9 @@ export class Confirm extends LitElement {
   static override styles = [
     base,
     css`
+      /* Takes no place where it stands; its dialog is above everything. */
       :host {
-        display: contents;
+        position: absolute;
       }
       .inside {
         display: grid;

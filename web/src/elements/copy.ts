@@ -28,7 +28,7 @@ export class CopyText extends LitElement {
         gap: var(--t-space-2);
       }
       code {
-        flex: 1 1 12rem;
+        flex: 1 1 14rem;
         min-inline-size: 0;
         padding: var(--t-space-2) var(--t-space-3);
         border: 1px solid var(--t-line);

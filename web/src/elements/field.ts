@@ -15,7 +15,9 @@ export class Field extends LitElement {
     css`
       :host {
         display: grid;
+        grid-template-columns: minmax(0, 1fr);
         gap: var(--t-space-1);
+        min-inline-size: 0;
       }
       .label {
         font-weight: var(--t-weight-strong);
@@ -23,6 +25,7 @@ export class Field extends LitElement {
       }
       ::slotted(:is(input, select, textarea)) {
         inline-size: 100%;
+        min-inline-size: 0;
         min-block-size: var(--t-touch);
         padding: var(--t-space-2) var(--t-space-3);
         border: 1px solid var(--t-edge);

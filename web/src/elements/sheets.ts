@@ -5,6 +5,7 @@ import { css } from "lit";
 export const sheets = css`
   :host {
     display: grid;
+    grid-template-columns: minmax(0, 1fr);
     align-content: start;
     gap: var(--t-space-4);
     min-inline-size: 0;
@@ -16,7 +17,7 @@ export const sheets = css`
     justify-content: space-between;
     gap: var(--t-space-2) var(--t-space-4);
   }
-  .head > div {
+  .head > div:not(.actions, .tools) {
     display: grid;
     gap: var(--t-space-1);
   }

@@ -210,8 +210,8 @@ export interface OpenCodeShape {
 /** A right (view, use or admin) on a site and a device; ``*`` stands for each of them. */
 export interface PermissionShape {
   readonly right: "view" | "use" | "admin";
-  readonly site?: string;
-  readonly device?: string;
+  readonly site: string;
+  readonly device: string;
 }
 
 /** What went wrong: a word for programs, a sentence for people. */

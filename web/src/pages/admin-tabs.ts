@@ -18,6 +18,10 @@ export class AdminTabs extends LitElement {
   static override styles = [
     base,
     css`
+      :host {
+        display: block;
+        min-inline-size: 0;
+      }
       nav {
         display: flex;
         gap: var(--t-space-1);
@@ -44,6 +48,14 @@ export class AdminTabs extends LitElement {
       }
       a:focus-visible {
         outline-offset: -4px;
+      }
+      @media (max-width: 45rem) {
+        nav {
+          gap: 0;
+        }
+        a {
+          padding-inline: var(--t-space-2);
+        }
       }
     `,
   ];

@@ -1,6 +1,7 @@
 /** What a person may ask of the hub about their own account. */
 
-import type { FactorOffer, Permission, SessionRow, TokenMade, TokenRow } from "./accounts.js";
+import type { FactorOffer, SessionRow, TokenMade, TokenRow } from "./accounts.js";
+import type { Permission } from "./api.js";
 import type { HubApi } from "./http.js";
 
 export class AccountApi {

@@ -1,14 +1,7 @@
 /** What an admin may ask of the hub: people, roles, gateways, the audit log. */
 
-import type {
-  AuditCheck,
-  AuditPage,
-  CodeMade,
-  GatewayList,
-  Permission,
-  PersonRow,
-  RoleRow,
-} from "./accounts.js";
+import type { AuditCheck, AuditPage, CodeMade, GatewayList, PersonRow, RoleRow } from "./accounts.js";
+import type { Permission } from "./api.js";
 import type { HubApi } from "./http.js";
 
 /** What of a person can be changed; what is left out stays. */

@@ -4,11 +4,14 @@ export type {
   ArgumentShape as ArgumentInfo,
   CommandShape as CommandInfo,
   DeviceShape as DeviceInfo,
+  DeviceSummary as DeviceRow,
   DriveShape as DriveInfo,
   EventList,
   EventShape as EventInfo,
   GapShape as HistoryGap,
   HistoryAnswer as History,
+  Me as Person,
+  PermissionShape as Permission,
   SeriesShape as HistorySeries,
   SignalShape as SignalInfo,
   SiteShape as SiteDetail,
@@ -16,8 +19,6 @@ export type {
   StreamShape as StreamInfo,
 } from "../generated/api.js";
 
-export type { DeviceRow, Permission, Person, Right } from "./accounts.js";
-
 /** The roles that the hub is seeded with. An admin may add others, so a role is any text. */
 export type Role = string;
-
+export type Right = "view" | "use" | "admin";

@@ -103,7 +103,7 @@ describe("words", () => {
 
   test("a wrong password, a brake and a missing hub are told apart", () => {
     expect(signInAdvice(new Refused(401, "wrong", "no")).what).toMatch(/wrong/);
-    expect(signInAdvice(new Refused(429, "throttled", "no", 29.2)).how).toMatch(/30 seconds/);
+    expect(signInAdvice(new Refused(429, "throttled", "no", 29.2)).how).toMatch(/in 30 s\./);
     expect(signInAdvice(new Unreachable("gone")).what).toMatch(/cannot be reached/);
   });
 

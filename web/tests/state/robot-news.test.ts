@@ -32,3 +32,12 @@ test("nothing is remembered of a site that went offline", () => {
   line.say({ t: "site", site: "agv", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "" });
   expect(news.stop("agv", "base")).toBeUndefined();
 });
+
+test("a device is held when one of the leases is ours", () => {
+  const { line, news } = told();
+  expect(news.holdsAny()).toBe(false);
+  line.say({ t: "lease_news", ...at, device: "arm", holder: "me", yours: true, epoch: 3, remains_ms: 1, refused: "" });
+  expect(news.holdsAny()).toBe(true);
+  line.become("lost");
+  expect(news.holdsAny()).toBe(false);
+});

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { localPath, returnPath, routeOf, sitePath } from "../../src/state/router.js";
+import { devicePath, localPath, returnPath, routeOf, sitePath } from "../../src/state/router.js";
 
 describe("addresses", () => {
   test.each([
@@ -15,13 +15,32 @@ describe("addresses", () => {
     ["/sites/%E0%A4%A/live", "missing", ""],
     ["/elsewhere", "missing", ""],
     ["/constructor", "missing", ""],
+    ["/logout", "logout", ""],
+    ["/devices", "devices", ""],
+    ["/public", "public", ""],
+    ["/account/", "account", ""],
+    ["/admin", "people", ""],
+    ["/admin/people", "people", ""],
+    ["/admin/roles", "roles", ""],
+    ["/admin/gateways", "gateways", ""],
+    ["/admin/audit", "audit", ""],
+    ["/admin/constructor", "missing", ""],
+    ["/sites/agv/devices", "missing", ""],
+    ["/sites/agv/devices/a/b", "missing", ""],
+    ["/sites/agv/live/base", "missing", ""],
   ])("%s is the page %s of site '%s'", (path, page, site) => {
-    expect(routeOf(path)).toEqual({ page, site });
+    expect(routeOf(path)).toEqual({ page, site, device: "" });
   });
 
   test("a site's path leads back to the site, whatever it is called", () => {
     for (const site of ["agv", "a/b", "ü ?#%", ".."]) expect(routeOf(sitePath(site, "live")).site).toBe(site);
   });
+});
+
+test("a device's path leads back to the device, whatever it is called", () => {
+  for (const device of ["base", "a/b", "ü ?#%", ".."]) {
+    expect(routeOf(devicePath("s", device))).toEqual({ page: "device", site: "s", device });
+  }
 });
 
 describe("the way back after signing in", () => {
@@ -35,6 +54,7 @@ describe("the way back after signing in", () => {
     ["?return=%2F%09%2Fevil.test", "/home"],
     ["?return=javascript%3Aalert(1)", "/home"],
     ["?return=%2Flogin%3Freturn%3D%2Flogin", "/home"],
+    ["?return=%2Flogout", "/home"],
   ])("%s leads to %s", (search, path) => {
     expect(returnPath(search, origin)).toBe(path);
   });

@@ -29,12 +29,12 @@ function hub(answer: (path: string) => Response): { api: HubApi; asked: string[]
 describe("the session", () => {
   test("is unknown, then somebody's, then nobody's", async () => {
     const session = new Session(hub((path) => (path === "/api/logout" ? json(null) : json({ name: "ana", role: "admin" }))).api);
-    const states = [session.state];
-    session.watch(() => states.push(session.state));
+    const states: string[] = [session.state];
+    session.watch(() => states.push(session.leaving ? "leaving" : session.state));
     await session.refresh();
     await session.refresh();
     await session.logout();
-    expect(states).toEqual(["unknown", "known", "nobody"]);
+    expect(states).toEqual(["unknown", "known", "leaving", "nobody"]);
   });
 
   test("is nobody's when the hub says 401", async () => {

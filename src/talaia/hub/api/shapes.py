@@ -46,7 +46,7 @@ __all__ = [
 ]
 
 # The short name of a site or a device, or all of them.
-_PLACE = Field(default="*", pattern=r"^(\*|[a-z][a-z0-9_]{0,62})$")
+_PLACE = Field(pattern=r"^(\*|[a-z][a-z0-9_]{0,62})$")
 
 
 class Shape(BaseModel):

@@ -21,9 +21,13 @@ export class AuditFilterForm extends LitElement {
     css`
       form {
         display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(min(12.5rem, 100%), 1fr));
+        grid-template-columns: repeat(auto-fill, minmax(min(9.5rem, 100%), 1fr));
         align-items: end;
         gap: var(--t-space-3);
+      }
+      .time,
+      .actions {
+        grid-column: span 2;
       }
       @media (max-width: 45rem) {
         form {

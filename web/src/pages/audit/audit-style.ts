@@ -60,7 +60,10 @@ export const auditStyle = css`
       order: -1;
     }
     .where {
-      display: none;
+      order: 1;
+      grid-column: 1 / -1;
+      color: var(--t-muted);
+      font-size: var(--t-size-s);
     }
   }
 `;

@@ -63,13 +63,13 @@ export class PageAudit extends LitElement {
         <div>
           <h1>Audit log</h1>
           <p class="muted">Every row is sealed to the one before: one that is changed or taken out breaks the chain.</p>
+          <div role="status">${this.chain()}</div>
         </div>
         <div class="actions">
           <a class="export" download href=${`/api/audit/export?${writeFilter(filter)}`}>Export as CSV</a>
           <t-button ?busy=${this.action.busy} @click=${this.verify}>Verify the chain</t-button>
         </div>
       </div>
-      <div role="status">${this.chain()}</div>
       <t-audit-filter
         class="sheet"
         .filter=${filter}

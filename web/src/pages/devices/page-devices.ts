@@ -3,7 +3,6 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
@@ -170,14 +169,14 @@ export class PageDevices extends LitElement {
           ${repeat(
             shown.filter((row) => row.site === site),
             (row) => row.device,
-            (row) => html`<li>${this.device(row)}</li>`,
+            (row) => html`<li>${this.card(row)}</li>`,
           )}
         </ul>
       </section>`,
     );
   }
 
-  private device(row: DeviceRow): TemplateResult {
+  private card(row: DeviceRow): TemplateResult {
     const how = standing(row);
     return html`<a class="device" href=${devicePath(row.site, row.device)}>
       <div class="top">
@@ -189,7 +188,7 @@ export class PageDevices extends LitElement {
         <span>${row.signals === 1 ? "1 signal" : `${String(row.signals)} signals`}</span>
       </div>
       <div class="chips">
-        ${map(row.rights, (right) => html`<span class="chip">${right}</span>`)}
+        ${row.rights.length === 0 ? nothing : html`<span class="chip">you: ${row.rights.at(-1)}</span>`}
         ${row.public ? html`<span class="chip">public</span>` : nothing}
       </div>
     </a>`;

@@ -75,7 +75,11 @@ export class GatewaySheet extends LitElement {
         <div><dt>Version</dt><dd>${row.version === "" ? "not told" : row.version}</dd></div>
         <div>
           <dt>${revoked ? "Revoked" : "Last seen"}</dt>
-          <dd><t-time .us=${revoked ? row.revoked_us : row.seen_us} .zone=${this.zone}></t-time></dd>
+          <dd>
+            ${row.online
+              ? "now"
+              : html`<t-time .us=${revoked ? row.revoked_us : row.seen_us} .zone=${this.zone}></t-time>`}
+          </dd>
         </div>
         <div><dt>Enrolled</dt><dd><t-time .us=${row.created_us} .zone=${this.zone}></t-time></dd></div>
       </dl>

@@ -50,11 +50,15 @@ export class PersonLine extends LitElement {
       form {
         display: flex;
         flex-wrap: wrap;
-        align-items: end;
+        align-items: start;
         gap: var(--t-space-2);
       }
       form t-field {
         flex: 0 1 18rem;
+      }
+      /* Level with the control, below the height of its label. */
+      form t-button {
+        margin-block-start: calc(var(--t-size-s) * 1.45 + var(--t-space-1));
       }
       @media (max-width: 45rem) {
         .line {
@@ -69,6 +73,9 @@ export class PersonLine extends LitElement {
         }
         form t-field {
           flex: 1 1 100%;
+        }
+        form t-button {
+          margin: 0;
         }
       }
     `,
@@ -121,7 +128,7 @@ export class PersonLine extends LitElement {
         ? nothing
         : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
       <form novalidate @submit=${this.giveRole}>
-        <t-field label="Role" hint="Open pages of theirs follow within a second.">
+        <t-field label="Role" hint="They are signed out, and have it when they sign in again.">
           <select id="role">
             ${map(this.roles, ({ name }) => html`<option value=${name} .selected=${name === row.role}>${name}</option>`)}
           </select>

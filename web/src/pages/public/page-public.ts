@@ -109,11 +109,11 @@ export class PagePublic extends LitElement {
     return repeat(
       shown,
       ({ detail }) => detail.site,
-      ({ detail, devices }) => this.site(detail, devices, sites),
+      ({ detail, devices }) => this.siteView(detail, devices, sites),
     );
   }
 
-  private site(detail: SiteDetail, devices: readonly PublicDevice[], sites: Sites): TemplateResult {
+  private siteView(detail: SiteDetail, devices: readonly PublicDevice[], sites: Sites): TemplateResult {
     const row = sites.row(detail.site);
     const online = (row?.online ?? detail.online) && this.link.state === "open";
     return html`<section aria-labelledby=${`site-${detail.site}`}>
@@ -131,13 +131,13 @@ export class PagePublic extends LitElement {
         ${repeat(
           devices,
           ({ device }) => device.id,
-          (one) => this.device(detail.site, one, online),
+          (one) => this.deviceView(detail.site, one, online),
         )}
       </div>
     </section>`;
   }
 
-  private device(site: string, { device, signals, streams }: PublicDevice, online: boolean): TemplateResult {
+  private deviceView(site: string, { device, signals, streams }: PublicDevice, online: boolean): TemplateResult {
     return html`<div class="sheet">
       <h3><a href=${devicePath(site, device.id)}>${device.name}</a></h3>
       ${repeat(
@@ -151,7 +151,7 @@ export class PagePublic extends LitElement {
             ${repeat(
               signals,
               (signal) => signal.address,
-              (signal) => html`<t-signal-value size="l" .site=${site} .signal=${signal}></t-signal-value>`,
+              (signal) => html`<t-signal-value size="xl" .site=${site} .signal=${signal}></t-signal-value>`,
             )}
           </div>`}
       ${signals.length + streams.length === 0 ? html`<p class="muted">It is there; its values are not public.</p>` : nothing}

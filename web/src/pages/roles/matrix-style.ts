@@ -34,6 +34,9 @@ export const matrixStyle = css`
     font-weight: var(--t-weight-strong);
     overflow-wrap: anywhere;
   }
+  thead t-button {
+    color: var(--t-accent);
+  }
   .people {
     display: block;
     color: var(--t-muted);
@@ -114,13 +117,20 @@ export const matrixStyle = css`
     background: var(--t-accent);
     color: var(--t-on-accent);
   }
-  /* Given above: the same word without the weight. */
+  /* Given by a line above: the same, with half the weight. */
   .from {
     border-style: dashed;
-    border-color: var(--t-line);
-    background: transparent;
-    color: var(--t-muted);
+    color: var(--t-text);
     font-weight: var(--t-weight);
+  }
+  .from.view {
+    background: color-mix(in srgb, var(--t-raised) 50%, var(--t-surface));
+  }
+  .from.use {
+    background: color-mix(in srgb, var(--t-accent) 8%, var(--t-surface));
+  }
+  .from.admin {
+    background: color-mix(in srgb, var(--t-accent) 26%, var(--t-surface));
   }
   .changed {
     outline: 3px solid var(--t-warn);

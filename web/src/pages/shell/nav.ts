@@ -114,6 +114,8 @@ export class Nav extends LitElement {
   @property() page: PageName = "home";
   @property() site = "";
   @property({ attribute: false }) person: Person | null = null;
+  /** There is something to drive, command or stop at the site. */
+  @property({ type: Boolean }) actuable = false;
 
   override render(): TemplateResult {
     return html`<nav aria-label="Pages">
@@ -135,7 +137,9 @@ export class Nav extends LitElement {
     if (person === null) return [];
     // One beginning for each: the sites for who may see them, all public data for who sees no more.
     const hidden = seesOnlyPublic(person) ? "home" : "public";
-    return PLACES.filter(({ page }) => page !== hidden && mayOpen(page, person));
+    return PLACES.filter(
+      ({ page }) => page !== hidden && mayOpen(page, person) && (page !== "drive" || this.actuable),
+    );
   }
 
   private isHere(page: Place["page"]): boolean {

@@ -3,11 +3,12 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { LinkController } from "../../controllers/link.js";
+import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
 import { routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
-import { localPath } from "../../state/router.js";
-import { ADMIN_PAGES } from "../../state/router.js";
+import { ADMIN_PAGES, localPath } from "../../state/router.js";
+import type { SiteDetail } from "../../wire/api.js";
 import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/banner.js";
 import "../../elements/empty.js";
@@ -99,6 +100,7 @@ export class Shell extends LitElement {
   private readonly session = new StoreController(this, sessionContext);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly link = new LinkController(this);
+  private readonly detail = new LoadController<SiteDetail>(this);
 
   override connectedCallback(): void {
     super.connectedCallback();
@@ -113,24 +115,44 @@ export class Shell extends LitElement {
   override willUpdate(): void {
     const route = this.router.store?.route;
     if (route !== undefined && route.site !== "") this.lastSite = route.site;
+    this.look();
     void this.show();
+  }
+
+  /** Whether there is anything to drive, command or stop is in the site's description alone. */
+  private look(): void {
+    const sites = this.sites.store;
+    const site = this.siteNow();
+    if (sites === undefined || site === "" || this.session.store?.state !== "known") return;
+    const question = [site, sites.catalogueOf(site), this.session.store.rights].join("\n");
+    this.detail.ask(question, () => sites.detail(site));
+  }
+
+  private siteNow(): string {
+    return this.lastSite || (this.sites.store?.list[0]?.site ?? "");
+  }
+
+  private actuable(): boolean {
+    const devices = this.detail.value?.devices ?? [];
+    return devices.some(({ drive, commands }) => drive !== null || commands.length > 0);
   }
 
   override render(): TemplateResult {
     const person = this.session.store?.person ?? null;
     const inside = person !== null;
     const page = this.router.store?.route.page ?? "home";
-    const site = this.lastSite || (this.sites.store?.list[0]?.site ?? "");
+    const site = this.siteNow();
+    const actuable = this.actuable();
     return html`
       <a class="skip" href="#main" @click=${this.skip}>Skip to the page</a>
       <div class="top">
         <t-header .site=${site}>
-          ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person}></t-nav>` : nothing}
+          ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable}></t-nav>` : nothing}
         </t-header>
         ${this.banner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.content()}</main>
-      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person}></t-nav>` : nothing}
+      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person} ?actuable=${actuable}></t-nav>` : nothing}
     `;
   }
 

@@ -1,0 +1,65 @@
+import { describe, expect, test } from "vitest";
+import {
+  ANY,
+  EVERYWHERE,
+  inheritedLevel,
+  levelAt,
+  ownLevel,
+  samePermissions,
+  seesOnlyPublic,
+  withLevel,
+} from "../../src/state/rights.js";
+import type { Permission } from "../../src/wire/api.js";
+
+const give = (right: Permission["right"], site: string, device = ANY): Permission => ({ right, site, device });
+const agv = { site: "agv", device: ANY };
+const base = { site: "agv", device: "base" };
+
+describe("a level", () => {
+  test("is the highest of what the place and wider places give", () => {
+    const given = [give("view", ANY), give("use", "agv"), give("view", "agv", "base")];
+    expect(levelAt(given, base)).toBe("use");
+    expect(levelAt(given, { site: "dome", device: "roof" })).toBe("view");
+    expect(levelAt([], base)).toBe("none");
+  });
+
+  test("of a device says nothing of its site, nor of another device", () => {
+    const given = [give("admin", "agv", "base")];
+    expect(levelAt(given, agv)).toBe("none");
+    expect(levelAt(given, { site: "agv", device: "arm" })).toBe("none");
+  });
+
+  test("of one device at every site is inherited by that device only", () => {
+    const given = [give("use", ANY, "base")];
+    expect(inheritedLevel(given, base)).toBe("use");
+    expect(inheritedLevel(given, agv)).toBe("none");
+  });
+
+  test("of its own leaves wider places aside", () => {
+    const given = [give("use", "agv"), give("view", "agv", "base")];
+    expect(ownLevel(given, base)).toBe("view");
+    expect(inheritedLevel(given, base)).toBe("use");
+    expect(inheritedLevel(given, EVERYWHERE)).toBe("none");
+  });
+});
+
+describe("giving a level", () => {
+  test("takes the place of what was given there before, and touches no other place", () => {
+    const given = [give("view", "agv", "base"), give("use", "agv", "base"), give("view", "dome")];
+    expect(withLevel(given, base, "admin")).toEqual([give("view", "dome"), give("admin", "agv", "base")]);
+    expect(withLevel(given, base, "none")).toEqual([give("view", "dome")]);
+  });
+
+  test("and taking it back is no change", () => {
+    const given = [give("view", "agv"), give("use", "dome")];
+    const there = withLevel(given, agv, "admin");
+    expect(samePermissions(there, given)).toBe(false);
+    expect(samePermissions(withLevel(there, agv, "view"), given)).toBe(true);
+  });
+});
+
+test("who holds no right sees only what is public", () => {
+  expect(seesOnlyPublic({ admin: false, permissions: [] })).toBe(true);
+  expect(seesOnlyPublic({ admin: false, permissions: [give("view", "agv", "base")] })).toBe(false);
+  expect(seesOnlyPublic({ admin: true, permissions: [] })).toBe(false);
+});
