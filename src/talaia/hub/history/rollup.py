@@ -27,6 +27,7 @@ __all__ = [
     "merge",
     "summarise",
     "tier_for",
+    "widen",
 ]
 
 SECOND = 1_000_000
@@ -69,6 +70,10 @@ class Cells(NamedTuple):
     high_us: NDArray[np.int64]
     last: NDArray[np.float64]
     last_us: NDArray[np.int64]
+
+    def newest(self) -> Cells:
+        """Give the last cell alone."""
+        return _take(self, np.array([-1]))
 
     def points(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Give the least and the greatest as points, not in order."""
@@ -145,6 +150,11 @@ def merge(cells: Cells) -> Cells:
         last=cells.last[last],
         last_us=cells.last_us[last],
     )
+
+
+def widen(cells: Cells, width_us: int) -> Cells:
+    """Sum cells up into wider ones; ``width_us`` is a multiple of what they have."""
+    return merge(cells._replace(bucket_us=cells.bucket_us // width_us * width_us))
 
 
 def finest_width(time_us: NDArray[np.int64]) -> int:
