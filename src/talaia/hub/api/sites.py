@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 __all__ = ["SitePages"]
 
 
+_Time = Annotated[int, Query(ge=0, le=2**53)]
+
+
 class SitePages:
     """The routes of sites."""
 
@@ -67,8 +70,8 @@ class SitePages:
         request: Request,
         site: str,
         limit: Annotated[int, Query(ge=1, le=1000)] = 100,
-        from_us: Annotated[int, _TIMES] = 0,
-        to_us: Annotated[int, _TIMES] = 2**53,
+        from_us: _Time = 0,
+        to_us: _Time = 2**53,
     ) -> EventList:
         """List what happened at a site, newest first, of the devices you may view."""
         live, grants = live_of(request), who_of(request).grants
@@ -86,5 +89,5 @@ class SitePages:
                 )
                 for entry in entries[:limit]
                 if allows(Need.VIEW, grants, live.description, entry.device)
-            ]
+            ],
         )

@@ -349,7 +349,7 @@ export class Chart extends LitElement implements Paintable {
     event.preventDefault();
     event.stopPropagation();
     if (wish.wish === "reset") this.tell("t-reset", null);
-    else if (wish.wish === "span") this.tellSpan({ span: wish.span, settled: true });
+    else if (wish.wish === "span") this.tellSpan({ span: wish.span, settled: false });
     else this.moveCursor(wish.part);
     this.speakSoon();
   };
