@@ -55,6 +55,8 @@ class MemoryHistory:
 
     async def close(self) -> None: ...
 
+    async def describe(self, site) -> None: ...
+
     async def append(self, site, boot, first, addresses, columns) -> None:
         await self.gate.wait()
         for at in range(len(columns)):

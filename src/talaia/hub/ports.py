@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.files import ExportColumn, FileForm
     from talaia.hub.history.series import Series
     from talaia.hub.history.statistics import Statistics
+    from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
 __all__ = ["History"]
@@ -25,6 +26,10 @@ class History(Protocol):
 
     async def close(self) -> None:
         """Let go of everything; what was appended is already safe."""
+        ...
+
+    async def describe(self, site: Site) -> None:
+        """Make a place for every signal of a description; the rest of the history stays."""
         ...
 
     async def append(

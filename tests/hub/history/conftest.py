@@ -17,7 +17,9 @@ from talaia.hub.history.limits import Limits
 from talaia.hub.history.store import HistoryStore
 
 # So small that a few hundred samples go through all that a year of them goes through.
-SMALL = Limits(block=32, recent=16, journal=200, delete=2, raw=200, texts=300, linger_s=0.0)
+SMALL = Limits(
+    block=32, recent=16, journal=200, delete=2, raw=200, texts=300, linger_s=0.0, show_s=0.0
+)
 
 
 @asynccontextmanager

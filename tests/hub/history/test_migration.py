@@ -17,8 +17,7 @@ from .samples import ALL, batch
 
 VERSIONS = "talaia.hub.store.migrations.versions"
 steps = [
-    importlib.import_module(f"{VERSIONS}.{name}")
-    for name in ("0002_history", "0010_history_squares")
+    importlib.import_module(f"{VERSIONS}.{name}") for name in ("0002_history", "0010_history_views")
 ]
 
 

@@ -12,7 +12,7 @@ from talaia.wire.columns import Columns
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["Append", "Below", "Gap", "Job", "checked"]
+__all__ = ["Append", "Below", "Describe", "Gap", "Job", "Show", "checked"]
 
 
 class Append(NamedTuple):
@@ -44,7 +44,18 @@ class Below(NamedTuple):
     boot: str
 
 
-Job = Append | Gap | Below
+class Describe(NamedTuple):
+    """Give numbers to channels that may have no sample yet."""
+
+    site: str
+    addresses: Sequence[str]
+
+
+class Show(NamedTuple):
+    """Write the newest reading of each channel as a plain row."""
+
+
+Job = Append | Gap | Below | Describe | Show
 
 
 def checked(job: Append) -> Columns:

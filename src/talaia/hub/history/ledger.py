@@ -19,10 +19,11 @@ from sqlalchemy import delete, func, insert, select
 
 from talaia.hub.history.block import concatenate, decode
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.jobs import Append, Below, Gap, checked
+from talaia.hub.history.jobs import Append, Below, Describe, Gap, Show, checked
 from talaia.hub.history.journal import part_of, read_row, write_row
 from talaia.hub.history.names import Names
 from talaia.hub.history.ranges import Ranges
+from talaia.hub.history.recent import Recent
 from talaia.hub.history.sealing import Saved, Sealed, save, seal
 from talaia.hub.history.tails import Chunk, Tails
 from talaia.hub.store import history_tables as tables
@@ -48,10 +49,12 @@ class _Draft:
         self.chunks: list[Chunk] = []
         self.seals: list[Sealed] = []
         self.saves: list[Saved] = []
+        self.recent: list[dict[str, Any]] = []
+        self.named = False
         self.samples = 0
 
     def __bool__(self) -> bool:
-        return bool(self.rows or self.gaps)
+        return bool(self.rows or self.gaps or self.recent or self.named)
 
     def size(self) -> int:
         bodies = sum(len(row["body"]) for row in self.rows)
@@ -75,6 +78,7 @@ class Ledger:
         self._limits = limits
         self.names = Names()
         self.tails = Tails(1, 0, limits.recent)
+        self._recent = Recent()
         self._stored: dict[int, Ranges] = {}
         self._settled: dict[int, Ranges] = {}
         self._changed: set[int] = set()
@@ -159,11 +163,18 @@ class Ledger:
                 case Below():
                     boot = self.names.boots.get((job.site, job.boot), 0)
                     return self._settled.get(boot, Ranges()).contiguous()
+                case Describe():
+                    now_us = self._clock.wall_ns() // 1_000
+                    self.names.catalogue(job.site, job.addresses, now_us)
+                    draft.named = True
+                case Show():
+                    self.tails.deal()
+                    draft.recent = self._recent.rows(self.tails.items())
         except (HistoryError, UnicodeEncodeError) as error:
             # One batch that cannot be kept must not take the others of its commit with it.
             if isinstance(error, HistoryError):
                 return error
-            return HistoryError(f"a text from {job.site} is not Unicode: {error}")
+            return HistoryError(f"a text is not Unicode: {error}")
         return 0
 
     def _take(self, job: Append, draft: _Draft) -> None:
@@ -267,6 +278,8 @@ class Ledger:
             connection.execute(insert(tables.hot), draft.rows)
         for row in draft.gaps:
             _write_gap(connection, row)
+        if draft.recent:
+            self._recent.write(connection, draft.recent)
         for sealed in draft.seals:
             sealed.write(connection)
         for saved in draft.saves:

@@ -20,6 +20,7 @@ class Limits(NamedTuple):
         raw: up to so many, decompressing is as quick as reading rollups, and more exact.
         linger_s: a commit of few samples begins so long after the last one (s), so that many
             small batches share one wait for the disk.
+        show_s: a reading of each channel is written as a plain row this often (s); 0 is never.
         texts: of more texts than this the newest are shown, for they have no rollups.
 
     """
@@ -31,3 +32,4 @@ class Limits(NamedTuple):
     raw: int = 250_000
     texts: int = 500_000
     linger_s: float = 0.05
+    show_s: float = 2.0

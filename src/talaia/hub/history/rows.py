@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from sqlalchemy import Column, Table
 
-__all__ = ["SUMMARY", "cells_to_rows", "rows_to_cells", "summary_of", "to_float"]
+__all__ = ["SUMMARY", "cells_to_rows", "rows_to_cells", "summary_of", "to_cell", "to_float"]
 
 SUMMARY = Cells._fields[1:]
 _FLOATS = frozenset(("total", "squares", "low", "high", "last"))
@@ -54,6 +54,11 @@ def to_float(column: Sequence[float | None]) -> NDArray[np.float64]:
     value[value >= _MAX] = np.inf
     value[value <= -_MAX] = -np.inf
     return value
+
+
+def to_cell(value: float) -> float | None:
+    """Give a value as it stands in a row."""
+    return None if value != value else max(-_MAX, min(_MAX, value))
 
 
 def _out(column: NDArray[Any]) -> list[float | None]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from sqlalchemy.exc import SQLAlchemyError
@@ -12,12 +14,14 @@ from talaia.hub.history.channels import stored_channels
 from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_engine
 from talaia.hub.history.errors import HistoryBusy, HistoryError
 from talaia.hub.history.flow import Stretch, flow
-from talaia.hub.history.jobs import Append, Below, Gap
+from talaia.hub.history.jobs import Append, Below, Describe, Gap, Show
 from talaia.hub.history.joined import joined
 from talaia.hub.history.ledger import Ledger
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.reader import Reader
+from talaia.hub.history.sensors import show_sensors
 from talaia.hub.history.statistics import read_statistics
+from talaia.hub.history.views import sensors_of
 from talaia.hub.history.window import FARTHEST_US
 from talaia.hub.history.writer import Writer
 from talaia.hub.store.history_tables import HISTORY_TABLES
@@ -32,6 +36,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.files import ExportColumn, FileForm
     from talaia.hub.history.series import Series
     from talaia.hub.history.statistics import Statistics
+    from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
     P = ParamSpec("P")
@@ -39,6 +44,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HistoryStore"]
 
+_LOG = logging.getLogger(__name__)
 # Exports that may go on at once; each holds a few megabytes.
 _EXPORTS = 4
 
@@ -70,6 +76,7 @@ class HistoryStore:
         self._threads = ThreadPoolExecutor(READERS - 2, "history-reader")
         self._exporter = ThreadPoolExecutor(1, "history-export")
         self._exports = 0
+        self._showing: asyncio.Task[None] | None = None
 
     async def create_tables(self) -> None:
         """Make the history's tables where no migration does, for tools and tests."""
@@ -84,9 +91,14 @@ class HistoryStore:
 
         """
         await self._writer.start()
+        if self._limits.show_s:
+            self._showing = asyncio.create_task(self._keep_showing(self._limits.show_s))
 
     async def close(self) -> None:
         """Store what waits, and let go of the database."""
+        if self._showing is not None:
+            self._showing.cancel()
+            await asyncio.gather(self._showing, return_exceptions=True)
         await self._writer.stop()
         await asyncio.to_thread(self._end)
 
@@ -132,6 +144,33 @@ class HistoryStore:
     async def stored_below(self, site: str, boot: str) -> int:
         """Give the first sequence number of a boot that is neither stored nor in a gap."""
         return await self._writer.do(Below(site, boot))
+
+    async def describe(self, site: Site) -> None:
+        """Make a place for every signal of a description at once, and a view named after it.
+
+        A database that refuses views (it takes a right of its own on a server) keeps the samples
+        all the same; that is logged.
+
+        Raises:
+            HistoryError: the channels' numbers are not stored.
+
+        """
+        channels = [channel.address for channel in site.channels()]
+        await self._writer.do(Describe(site.site, channels))
+        sensors = sensors_of(site, self._ledger.names.channels)
+        try:
+            await self._in_thread(show_sensors, self._writing, site.site, sensors)
+        except HistoryError as error:
+            _LOG.warning("the sensors of %s have no views for SQL: %s", site.site, error)
+
+    async def show(self) -> None:
+        """Write the newest reading of each channel where the views show it.
+
+        Raises:
+            HistoryError: it is not stored.
+
+        """
+        await self._writer.do(Show())
 
     def knows(self, site: str, address: str) -> bool:
         """Tell whether a channel has ever had a sample."""
@@ -254,6 +293,13 @@ class HistoryStore:
                 for address in addresses
             ]
         return written(form, list(columns), joined(flows))
+
+    async def _keep_showing(self, every_s: float) -> None:
+        while True:
+            await asyncio.sleep(every_s)
+            # The writing thread logs what goes wrong, once.
+            with suppress(HistoryError):
+                await self.show()
 
     async def _in_thread(
         self,

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Chunk", "Snapshot", "Tail", "Tails"]
 
+_PARTS = 64
+
 
 class Chunk(NamedTuple):
     """Samples of one journal row; the arrays have the shape (n,).
@@ -57,6 +59,9 @@ class Tail:
 
     def add(self, samples: Samples) -> None:
         """Put samples at the end."""
+        if len(self.parts) >= _PARTS:
+            # A slow channel gets its samples one by one; a thousand small arrays are slow to read.
+            self.parts = [concatenate(self.parts)]
         self.parts.append(samples)
         self.size += samples.time_us.size
 

@@ -97,6 +97,7 @@ class Gateways:
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
+            await self._history.describe(description)
             acked = await ingest.start(hello.boot)
         except _STORE_FAILS as error:
             _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)

@@ -38,7 +38,9 @@ __all__ = [
     "channel",
     "gap",
     "hot",
+    "recent",
     "rollup",
+    "sensor",
     "stored_range",
     "tail",
 ]
@@ -180,8 +182,33 @@ rollup = Table(
     sqlite_with_rowid=False,
 )
 
+# A reading of each channel every few seconds. Times come first, so that what is written together
+# stands together.
+recent = Table(
+    "history_recent",
+    metadata,
+    _key("time_us", BigInteger()),
+    _key("channel_id"),
+    Column("value", Double),
+    Column("text", _Reason),
+    sqlite_with_rowid=False,
+)
+
+# Which view shows which sensor; `made_of` tells when it has to be made anew.
+sensor = Table(
+    "history_sensor",
+    metadata,
+    _key("site", _Name),
+    _key("address", _Name),
+    Column("view_name", String(63), nullable=False),
+    Column("shown_name", _Name, nullable=False),
+    Column("unit", _Name, nullable=False),
+    Column("made_of", String(32), nullable=False),
+    UniqueConstraint("view_name"),
+)
+
 HISTORY_TABLES = (
-    channel, boot, stored_range, gap, catalogue, hot, tail, block, body, rollup
+    channel, boot, stored_range, gap, catalogue, hot, tail, block, body, rollup, recent, sensor
 )  # fmt: skip
 
 

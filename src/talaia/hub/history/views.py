@@ -1,0 +1,240 @@
+"""For each sensor a view named after it: time and values, for people with an SQL client. Pure.
+
+A view shows the finest rollup rows of its channels (``width_s`` is how many seconds each stands
+for) and, after the last of them, single readings (``width_s`` 0) as `recent` writes them. Every
+sample is in the compressed blocks, which SQL cannot look into; `talaia`'s export gives those.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from sqlalchemy import (
+    Select,
+    case,
+    cast,
+    func,
+    literal,
+    literal_column,
+    null,
+    select,
+    types,
+    union_all,
+)
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.schema import ExecutableDDLElement
+from sqlalchemy.sql.expression import ColumnElement
+
+from talaia.hub.store import history_tables as tables
+from talaia.model.site import SignalType, parts_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from sqlalchemy import CompoundSelect
+    from sqlalchemy.sql.compiler import SQLCompiler
+
+    from talaia.model.site import Signal, Site
+
+__all__ = ["CreateView", "DropView", "Sensor", "sensors_of", "view_name"]
+
+# The shortest limit of the three databases is 63 bytes; the rest is for a number.
+_LONGEST = 48
+_recent, _rollup = tables.recent, tables.rollup
+
+
+class Sensor(NamedTuple):
+    """A signal of a site, as its view shows it.
+
+    Attributes:
+        parts: the names of its value columns.
+        channels: the id of each part's channel.
+
+    """
+
+    address: str
+    shown: str
+    unit: str
+    type: SignalType
+    states: tuple[str, ...]
+    parts: tuple[str, ...]
+    channels: tuple[int, ...]
+
+
+def sensors_of(site: Site, channels: Mapping[tuple[str, str], int]) -> list[Sensor]:
+    """List a site's signals with the ids of their channels."""
+    return [
+        _sensor(site.site, f"{device_id}/{signal_id}", signal, channels)
+        for device_id, device in site.devices.items()
+        for signal_id, signal in device.signals.items()
+    ]
+
+
+def _sensor(
+    site: str, address: str, signal: Signal, channels: Mapping[tuple[str, str], int]
+) -> Sensor:
+    parts = parts_of(signal)
+    ids = tuple(channels[site, address + (f".{part}" if part else "")] for part in parts)
+    names = tuple(part or "value" for part in parts)
+    return Sensor(address, signal.name, signal.unit, signal.type, signal.states, names, ids)
+
+
+def view_name(site: str, address: str, channel: int, taken: frozenset[str]) -> str:
+    """Give a view's name: readable without quotes, of no table's beginning, not ``taken``."""
+    word = re.sub(r"[^a-z0-9]+", "_", f"{site}_{address}".lower()).strip("_")
+    name = f"sensor_{word[:_LONGEST].strip('_')}"
+    if name in taken or len(word) > _LONGEST or not word:
+        return f"{name.rstrip('_')}_{channel}"
+    return name
+
+
+class CreateView(ExecutableDDLElement):
+    """``CREATE VIEW`` of a sensor; each database's own dialect quotes what is in it."""
+
+    inherit_cache = False
+
+    def __init__(self, name: str, sensor: Sensor) -> None:
+        """Show ``sensor`` under ``name``."""
+        self.name = name
+        self.query = _query(sensor)
+
+
+class DropView(ExecutableDDLElement):
+    """``DROP VIEW`` if it is there."""
+
+    inherit_cache = False
+
+    def __init__(self, name: str) -> None:
+        """Drop ``name``."""
+        self.name = name
+
+
+class _Time(ColumnElement[Any]):
+    """A column of microseconds since the epoch as people read it."""
+
+    inherit_cache = False
+    type = types.NullType()
+
+    def __init__(self, time_us: ColumnElement[int]) -> None:
+        self.time_us = time_us
+
+
+@compiles(CreateView)
+def _create(element: CreateView, compiler: Any, **_: object) -> str:  # noqa: ANN401 - untyped there
+    name = compiler.preparer.quote(element.name)
+    body = compiler.sql_compiler.process(element.query, literal_binds=True)
+    return f"CREATE VIEW {name} AS {body}"
+
+
+@compiles(DropView)
+def _drop(element: DropView, compiler: Any, **_: object) -> str:  # noqa: ANN401
+    return f"DROP VIEW IF EXISTS {compiler.preparer.quote(element.name)}"
+
+
+@compiles(_Time, "sqlite")
+def _time_sqlite(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noqa: ANN401
+    inner = compiler.process(element.time_us, **kw)
+    return f"strftime('%Y-%m-%d %H:%M:%f', {inner} / 1000000.0, 'unixepoch')"
+
+
+@compiles(_Time, "postgresql")
+def _time_postgresql(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noqa: ANN401
+    return f"to_timestamp({compiler.process(element.time_us, **kw)} / 1000000.0)"
+
+
+@compiles(_Time, "mysql", "mariadb")
+def _time_mysql(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noqa: ANN401
+    inner = compiler.process(element.time_us, **kw)
+    return f"TIMESTAMPADD(MICROSECOND, {inner}, '1970-01-01 00:00:00.000000')"
+
+
+def _query(sensor: Sensor) -> Select[Any] | CompoundSelect[Any]:
+    if sensor.type is SignalType.TEXT:
+        return _readings(sensor)
+    return union_all(_summaries(sensor), _readings(sensor))
+
+
+def _readings(sensor: Sensor) -> Select[Any]:
+    """Single readings that are newer than the rollups."""
+    one = len(sensor.parts) == 1
+    text = sensor.type is SignalType.TEXT
+    value = _recent.c.text if text else _recent.c.value
+    # The channels of a position have their samples at the same times.
+    values = [
+        value if one else func.max(case((_recent.c.channel_id == channel, value)))
+        for channel in sensor.channels
+    ]
+    query = select(
+        _Time(_recent.c.time_us).label("time"),
+        *_named(sensor, values),
+        *([] if text else _spread(sensor, values[0], values[0], literal_column("1"))),
+        literal_column("0").label("width_s"),
+    ).where(_recent.c.channel_id.in_(sensor.channels))
+    if not text:
+        first = sensor.channels[0]
+        finest = _finest(first)
+        newest = (
+            select(func.max(_rollup.c.bucket_us) + finest)
+            .where(_rollup.c.channel_id == first, _rollup.c.width_us == finest)
+            .scalar_subquery()
+        )
+        query = query.where(_recent.c.time_us >= func.coalesce(newest, -(2**62)))
+    return query if one else query.group_by(_recent.c.time_us)
+
+
+def _summaries(sensor: Sensor) -> Select[Any]:
+    """The finest rollup rows there are."""
+    one = len(sensor.parts) == 1
+    row = _rollup.c
+    # What a position or a state was on average says nothing.
+    if sensor.type is SignalType.NUMBER:
+        value: ColumnElement[Any] = row.total / func.nullif(row.numbers, 0)
+    else:
+        value = row.last
+    values = [
+        value if one else func.max(case((row.channel_id == channel, value)))
+        for channel in sensor.channels
+    ]
+    samples = row.samples if one else func.max(row.samples)
+    query = select(
+        _Time(row.bucket_us).label("time"),
+        *_named(sensor, values),
+        *_spread(sensor, row.low, row.high, samples),
+        (row.width_us / literal_column("1000000")).label("width_s"),
+    ).where(row.channel_id.in_(sensor.channels), row.width_us == _finest(sensor.channels[0]))
+    return query if one else query.group_by(row.bucket_us, row.width_us)
+
+
+def _finest(channel: int) -> ColumnElement[Any]:
+    finer = _rollup.alias()
+    return (
+        select(func.min(finer.c.width_us))
+        .where(finer.c.channel_id == channel)
+        .correlate(None)
+        .scalar_subquery()
+    )
+
+
+def _named(sensor: Sensor, values: Sequence[ColumnElement[Any]]) -> list[ColumnElement[Any]]:
+    columns: list[ColumnElement[Any]] = [_words(sensor.shown).label("sensor")]
+    columns += [value.label(part) for part, value in zip(sensor.parts, values, strict=True)]
+    if sensor.type is SignalType.STATE:
+        words = [(values[0] == at, _words(word)) for at, word in enumerate(sensor.states)]
+        columns.append((case(*words) if words else null()).label("state"))
+    if sensor.unit:
+        columns.append(_words(sensor.unit).label("unit"))
+    return columns
+
+
+def _spread(
+    sensor: Sensor, low: ColumnElement[Any], high: ColumnElement[Any], samples: ColumnElement[Any]
+) -> list[ColumnElement[Any]]:
+    if sensor.type is not SignalType.NUMBER:
+        return [samples.label("samples")]
+    return [low.label("minimum"), high.label("maximum"), samples.label("samples")]
+
+
+def _words(text: str) -> ColumnElement[Any]:
+    # PostgreSQL calls a bare literal "unknown", and warns of it.
+    return cast(literal(text), types.String(200)) if text else literal_column("''")
