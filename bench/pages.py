@@ -17,7 +17,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import numpy as np
-from playwright.async_api import Page, async_playwright
+from playwright.async_api import Page, async_playwright, expect
 from stack import PASSWORD, Stack
 
 FLAGS = [
@@ -43,17 +43,32 @@ window.addEventListener('keydown', (event) => {
   if (!event.repeat) window.__keys.push((performance.timeOrigin + event.timeStamp) * 1000);
 }, true);
 """
+# Which charts have drawn samples up to a moment since the last click, and when the frame was on its
+# way that had them all; ms after the click.
+NOTE_DRAWN = """
+window.__drawn = { all: 0, upTo: Infinity, seen: new Set(), clicked: 0, took: 0 };
+window.addEventListener('click', (event) => {
+  Object.assign(window.__drawn, { seen: new Set(), clicked: event.timeStamp, took: 0 });
+}, true);
+window.__talaiaPainted = (address, timeUs) => {
+  const note = window.__drawn;
+  if (timeUs < note.upTo || note.took > 0) return;
+  note.seen.add(address);
+  if (note.seen.size !== note.all) return;
+  requestAnimationFrame(() => { note.took = performance.now() - note.clicked; });
+};
+"""
 
 
 @asynccontextmanager
-async def browser_page(script: str = "") -> AsyncIterator[Page]:
+async def browser_page(script: str = "", height: int = 900) -> AsyncIterator[Page]:
     """Open a page that trusts the hub's own certificate."""
     path = shutil.which("chromium") or shutil.which("google-chrome")
     clean = {k: v for k, v in os.environ.items() if k != "LD_LIBRARY_PATH"}
     async with async_playwright() as play:
         browser = await play.chromium.launch(executable_path=path, args=FLAGS, env=clean)
         context = await browser.new_context(
-            ignore_https_errors=True, viewport={"width": 1440, "height": 900}
+            ignore_https_errors=True, viewport={"width": 1440, "height": height}
         )
         if script:
             await context.add_init_script(script)
@@ -85,6 +100,41 @@ async def painted(stack: Stack, seconds: float) -> np.ndarray:
         await page.evaluate("window.__ages = []")
         await asyncio.sleep(seconds)
         return np.array(await page.evaluate("window.__ages"))
+
+
+async def day_drawn(stack: Stack, charts: int, day_us: int, times: int) -> np.ndarray:
+    """Click "Yesterday" on the history page; ms until all charts have drawn that day.
+
+    The page shows a quarter of an hour of that day before each click. The window is so tall that
+    every chart is on the screen: one that is not would not be drawn.
+    """
+    quarter = (day_us + 12 * 3_600_000_000, day_us + 12 * 3_600_000_000 + 900_000_000)
+    asked = "&".join(f"c=base/s{each}" for each in range(charts))
+    path = f"/sites/bench/history?{asked}&from={quarter[0]}&to={quarter[1]}"
+    took = []
+    async with browser_page(NOTE_DRAWN, height=1000 + charts * 470) as page:
+        await sign_in(page, stack, path)
+        for _ in range(times):
+            await expect(page.locator("t-history-chart canvas")).to_have_count(charts)
+            await page.locator(".charts[aria-busy=false]").wait_for()
+            await asyncio.sleep(1)  # until nothing of what was before is under way
+            # Later than all that the page has loaded so far, margins and all.
+            end = day_us + 86_400_000_000 - 600_000_000
+            await page.evaluate(f"Object.assign(window.__drawn, {{all: {charts}, upTo: {end}}})")
+            await page.get_by_label("Yesterday").click()
+            await _until(page, "window.__drawn.took > 0")
+            took.append(float(await page.evaluate("window.__drawn.took")))
+            await page.evaluate("window.__drawn.upTo = Infinity")
+            await page.go_back()
+    return np.array(took)
+
+
+async def _until(page: Page, true: str) -> None:
+    for _ in range(1500):  # polling from inside is eval, which the pages forbid
+        if await page.evaluate(true):
+            return
+        await asyncio.sleep(0.02)
+    raise SystemExit(f"the page did not come so far within 30 s: {true}")
 
 
 async def pressed(stack: Stack, target: Path, presses: int) -> np.ndarray:

@@ -2,7 +2,7 @@
 
     make bench                   all of it, about four minutes
     make bench ARGS="load page"  only some parts: load, idle, page, drive, drive-demo,
-                                 size, demo, history
+                                 size, demo, history, history-page
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -16,14 +16,18 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import clients
+import day
 import numpy as np
 import pages
 import stack
 
 TOPICS, RATE = 20, 100.0
+if TYPE_CHECKING:
+    from talaia.hub.settings import Settings
+
 ROOT = Path(__file__).resolve().parent.parent
 
 
@@ -136,9 +140,25 @@ async def history() -> list[Figure]:
     return []
 
 
+async def history_page() -> list[Figure]:
+    """Ten charts of a day (10 Hz each, 8.64 M samples) in Chromium, from the click on."""
+    charts, rate = 10, 10
+
+    async def fill(settings: Settings) -> None:
+        await day.fill_yesterday(settings, charts, rate)
+
+    start = day.yesterday_us()
+    async with stack.running(charts, before=fill) as here:
+        took = await pages.day_drawn(here, charts, start, times=8)
+    return [
+        Figure("click → ten charts of a day drawn, median of 8", float(np.median(took)), 300, "ms"),
+        Figure("click → ten charts of a day drawn, slowest", float(took.max()), 300, "ms"),
+    ]
+
+
 PARTS = {
     "load": load, "idle": idle, "page": page, "drive": drive, "drive-demo": drive_demo,
-    "size": size, "demo": demo, "history": history,
+    "size": size, "demo": demo, "history": history, "history-page": history_page,
 }  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from talaia.hub.settings import Settings
 from talaia.sim import domain
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Awaitable, Callable
 
 HERE = Path(__file__).resolve().parent
 PASSWORD = "a bench's own password"  # noqa: S105 - of a hub that lives for a minute on loopback
@@ -70,8 +70,13 @@ def free_port() -> int:
 
 
 @contextlib.asynccontextmanager
-async def running(topics: int, *, camera: bool = False) -> AsyncIterator[Stack]:
-    """Run a hub and a gateway for a site with so many topics."""
+async def running(
+    topics: int,
+    *,
+    camera: bool = False,
+    before: Callable[[Settings], Awaitable[None]] | None = None,
+) -> AsyncIterator[Stack]:
+    """Run a hub and a gateway for a site with so many topics; ``before`` is done before both."""
     with tempfile.TemporaryDirectory(prefix="talaia-bench-") as name:
         folder = Path(name)
         port = free_port()
@@ -81,6 +86,8 @@ async def running(topics: int, *, camera: bool = False) -> AsyncIterator[Stack]:
         await accounts.create_user(settings, "admin", PASSWORD, "admin")
         (folder / "key").write_text(await accounts.create_gateway(settings, "bench"))
         (folder / "site.yaml").write_text(site_text(topics, camera=camera))
+        if before is not None:
+            await before(settings)
         words = ["hub", "--data", str(folder), "--host", "127.0.0.1", "--port", str(port)]
         hub = await start("hub", words, folder / "hub.log")
         await hub.says("ready", 30)

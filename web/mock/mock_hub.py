@@ -21,7 +21,7 @@ from described import device_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
 from socket_side import Browser, media
-from world import World, events, history
+from world import World, events, history, statistics
 
 from talaia.model.load import read_site
 
@@ -175,6 +175,23 @@ def build(site: Site) -> FastAPI:
                 for one in ask.getlist("channel")
             ]
         }
+
+    @app.get("/api/sites/{name}/statistics")
+    async def counted(request: Request) -> dict[str, Any]:
+        ask = request.query_params
+        return {
+            "statistics": [
+                statistics(world, one, int(ask["from_us"]), int(ask["to_us"]))
+                for one in ask.getlist("channel")
+            ]
+        }
+
+    @app.get("/api/sites/{name}/export")
+    async def taken(request: Request) -> Response:
+        ask = request.query_params
+        lines = ["time," + ",".join(ask.getlist("channel")), ask["from_us"] + ",made up"]
+        headers = {"content-disposition": f'attachment; filename="mock.{ask["format"]}"'}
+        return Response("\n".join(lines), media_type="text/csv", headers=headers)
 
     @app.get("/api/sites/{name}/events")
     async def happened(from_us: int = 0, to_us: int = 2**53, limit: int = 100) -> dict[str, object]:

@@ -6,7 +6,7 @@ import io
 import math
 import time
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -134,7 +134,7 @@ def now_columns(world: World, channels: list[str], known: set[str], times: list[
     )
 
 
-def history(world: World, address: str, from_us: int, to_us: int, width: int) -> dict[str, object]:
+def history(world: World, address: str, from_us: int, to_us: int, width: int) -> dict[str, Any]:
     """Make up a past, with one gap of a tenth of the window and an outlier."""
     span = to_us - from_us
     count = max(2, min(width, span // 100_000))
@@ -153,7 +153,7 @@ def history(world: World, address: str, from_us: int, to_us: int, width: int) ->
             spread = (high - low) * 0.4
         times += [at] if exact else [at, at + span // count // 2]
         values += [value] if exact else [value - spread, value + spread]
-    said = {
+    said: dict[str, Any] = {
         "address": address,
         "t_us": times,
         "v": values,
@@ -194,3 +194,28 @@ def events(from_us: int, to_us: int, limit: int) -> dict[str, object]:
     ]
     found.sort(key=lambda event: -int(str(event["time_us"])))
     return {"events": found[:limit], "more": len(found) > limit}
+
+
+def statistics(world: World, address: str, from_us: int, to_us: int) -> dict[str, object]:
+    """Sum up the made-up past."""
+    drawn = history(world, address, from_us, to_us, 1000)
+    pairs = [(t, v) for t, v in zip(drawn["t_us"], drawn["v"], strict=True) if v is not None]
+    numbers = [v for _, v in pairs]
+    mean = float(np.mean(numbers)) if numbers else None
+    low, high = (min(pairs, key=_value), max(pairs, key=_value)) if pairs else (None, None)
+    return {
+        "address": address,
+        "count": len(drawn["t_us"]),
+        "numbers": len(numbers),
+        "low": low and {"t_us": low[0], "v": low[1], "text": None},
+        "high": high and {"t_us": high[0], "v": high[1], "text": None},
+        "mean": mean,
+        "deviation": float(np.std(numbers)) if numbers else None,
+        "first": None,
+        "last": None,
+        "gap_us": (to_us - from_us) * 7 // 100,
+    }
+
+
+def _value(pair: tuple[int, float]) -> float:
+    return pair[1]

@@ -51,6 +51,11 @@ export class ZoneClock {
     return this.fromWall((Math.floor(wall / DAY_US) + days) * DAY_US);
   }
 
+  /** The same time by the clock on the wall, so many days later (or before). */
+  sameTime(us: number, days: number): number {
+    return this.fromWall(us + this.offsetUs(us) + days * DAY_US);
+  }
+
   /** What `<input type="datetime-local">` shows for a moment: `2026-03-29T14:05:09`. */
   toInput(us: number): string {
     return new Date((us + this.offsetUs(us)) / 1000).toISOString().slice(0, 19);

@@ -16,6 +16,8 @@ export type {
   SignalShape as SignalInfo,
   SiteShape as SiteDetail,
   SiteSummary as SiteRow,
+  StatisticsList,
+  StatisticsShape as StatisticsInfo,
   StreamShape as StreamInfo,
 } from "../generated/api.js";
 

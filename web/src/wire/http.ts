@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { DeviceRow, EventList, History, Person, SiteDetail, SiteRow } from "./api.js";
+import type { DeviceRow, EventList, History, Person, SiteDetail, SiteRow, StatisticsList } from "./api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -18,11 +18,15 @@ export class Refused extends Error {
 /** The hub did not answer. */
 export class Unreachable extends Error {}
 
-/** What is asked of a chart's window. */
-export interface HistoryQuery {
-  readonly channels: readonly string[];
+/** A stretch of time: µs since the epoch, UTC. */
+interface Window {
   readonly fromUs: number;
   readonly toUs: number;
+}
+
+/** What is asked of a chart's window. */
+export interface HistoryQuery extends Window {
+  readonly channels: readonly string[];
   /** Pixels; at most two points come for each. */
   readonly width: number;
 }
@@ -82,17 +86,22 @@ export class HubApi {
   }
 
   history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History> {
-    const search = new URLSearchParams(query.channels.map((channel) => ["channel", channel]));
-    search.set("from_us", String(Math.round(query.fromUs)));
-    search.set("to_us", String(Math.round(query.toUs)));
+    const search = windowQuery(query, query.channels);
     search.set("width", String(Math.round(query.width)));
     const path = `/api/sites/${encodeURIComponent(site)}/history?${search.toString()}`;
     return this.ask("GET", path, undefined, { signal });
   }
 
+  /** What a window (µs) amounts to, of every sample in it. */
+  statistics(site: string, channels: readonly string[], span: Window, signal?: AbortSignal): Promise<StatisticsList> {
+    const search = windowQuery(span, channels);
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/statistics?${search.toString()}`, undefined, { signal });
+  }
+
   /** What happened in a window (µs), newest first. */
-  events(site: string, span: { readonly fromUs: number; readonly toUs: number }, limit: number, signal?: AbortSignal): Promise<EventList> {
-    const search = new URLSearchParams({ from_us: String(Math.round(span.fromUs)), to_us: String(Math.round(span.toUs)), limit: String(limit) });
+  events(site: string, span: Window, limit: number, signal?: AbortSignal): Promise<EventList> {
+    const search = windowQuery(span);
+    search.set("limit", String(limit));
     return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/events?${search.toString()}`, undefined, { signal });
   }
 
@@ -124,6 +133,26 @@ export class HubApi {
     }
     throw await refusal(response);
   }
+}
+
+function windowQuery({ fromUs, toUs }: Window, channels: readonly string[] = []): URLSearchParams {
+  const search = new URLSearchParams(channels.map((channel) => ["channel", channel]));
+  search.set("from_us", String(Math.max(0, Math.round(fromUs))));
+  search.set("to_us", String(Math.round(toUs)));
+  return search;
+}
+
+/** Where a file with a window's samples is to be had. */
+export interface ExportQuery extends HistoryQuery {
+  readonly format: "csv" | "parquet" | "arrow";
+}
+
+/** The address of a file of samples; `width` 0 for every sample, else what so many pixels show. */
+export function exportPath(site: string, query: ExportQuery): string {
+  const search = windowQuery(query, query.channels);
+  search.set("format", query.format);
+  if (query.width > 0) search.set("width", String(Math.round(query.width)));
+  return `/api/sites/${encodeURIComponent(site)}/export?${search.toString()}`;
 }
 
 async function refusal(response: Response): Promise<Refused> {

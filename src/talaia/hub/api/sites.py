@@ -29,6 +29,9 @@ __all__ = ["SitePages"]
 _TIMES = Query(ge=0, le=2**53)
 
 
+_Time = Annotated[int, Query(ge=0, le=2**53)]
+
+
 class SitePages:
     """The routes of sites."""
 
@@ -78,8 +81,8 @@ class SitePages:
         request: Request,
         site: str,
         limit: Annotated[int, Query(ge=1, le=1000)] = 100,
-        from_us: Annotated[int, _TIMES] = 0,
-        to_us: Annotated[int, _TIMES] = 2**53,
+        from_us: _Time = 0,
+        to_us: _Time = 2**53,
     ) -> EventList:
         """List what happened at a site, newest first, of the devices you may view."""
         live, grants = live_of(request), who_of(request).grants
@@ -97,5 +100,5 @@ class SitePages:
                 )
                 for entry in entries[:limit]
                 if allows(Need.VIEW, grants, live.description, entry.device)
-            ]
+            ],
         )

@@ -2,8 +2,8 @@
  * A chart of one or more channels over time. Longer than most files: it is where drawing, size,
  * theme, pointer and keys of one chart come together.
  *
- * After each paint of a moving chart `window.__talaiaPainted(address, newestUs, newest)` is called where a
- * page has set it; the latency benchmark does.
+ * After each paint `window.__talaiaPainted(address, newestUs, newest)` is called where a page has set it;
+ * the benchmarks do.
  */
 
 import { html, LitElement, type PropertyValues, type TemplateResult } from "lit";
@@ -197,7 +197,7 @@ export class Chart extends LitElement implements Paintable {
     });
     this.placeCursor();
     const tell = window.__talaiaPainted;
-    if (tell !== undefined && this.follow !== null) for (const { address, samples } of this.series) tell(address, samples.newestUs, samples.newest);
+    if (tell !== undefined) for (const { address, samples } of this.series) tell(address, samples.newestUs, samples.newest);
   }
 
   /** Time of one pixel column (µs). Rounded: a window that moves must not change it by a hair. */
@@ -349,7 +349,7 @@ export class Chart extends LitElement implements Paintable {
     event.preventDefault();
     event.stopPropagation();
     if (wish.wish === "reset") this.tell("t-reset", null);
-    else if (wish.wish === "span") this.tellSpan({ span: wish.span, settled: true });
+    else if (wish.wish === "span") this.tellSpan({ span: wish.span, settled: false });
     else this.moveCursor(wish.part);
     this.speakSoon();
   };

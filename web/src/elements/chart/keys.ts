@@ -11,13 +11,18 @@ const STEP = 0.01;
 const LEAP = 0.1;
 
 /**
- * Left and right move the cursor, with shift in leaps; plus and minus zoom about it; page up and
- * down move the window. Null: the key is not ours.
+ * On a chart that does not zoom, left and right move the cursor, with shift in leaps. On one that
+ * does they move the window, and with shift the cursor; plus and minus zoom about the cursor; page
+ * up and down move the window by half. Null: the key is not ours.
  *
  * @param part where the cursor is now (0 left, 1 right), null for nowhere
  */
 export function keyWish(key: string, shift: boolean, part: number | null, span: Span, zoomable: boolean): KeyWish | null {
-  const step = shift ? LEAP : STEP;
+  if (zoomable && !shift) {
+    const wish = windowWish(key, span);
+    if (wish !== null) return wish;
+  }
+  const step = shift && !zoomable ? LEAP : STEP;
   const about = span.fromUs + (part ?? 0.5) * lengthOf(span);
   switch (key) {
     case "ArrowLeft":
@@ -25,9 +30,9 @@ export function keyWish(key: string, shift: boolean, part: number | null, span: 
     case "ArrowRight":
       return { wish: "cursor", part: Math.min(1, (part ?? -step) + step) };
     case "Home":
-      return { wish: "cursor", part: 0 };
+      return zoomable && !shift ? null : { wish: "cursor", part: 0 };
     case "End":
-      return { wish: "cursor", part: 1 };
+      return zoomable && !shift ? null : { wish: "cursor", part: 1 };
     case "Escape":
       return part === null ? null : { wish: "cursor", part: null };
   }
@@ -38,13 +43,14 @@ export function keyWish(key: string, shift: boolean, part: number | null, span: 
       return { wish: "span", span: zoom(span, 0.5, about) };
     case "-":
       return { wish: "span", span: zoom(span, 2, about) };
-    case "PageUp":
-      return { wish: "span", span: pan(span, -lengthOf(span) / 2) };
-    case "PageDown":
-      return { wish: "span", span: pan(span, lengthOf(span) / 2) };
     case "0":
       return { wish: "reset" };
     default:
       return null;
   }
+}
+
+function windowWish(key: string, span: Span): KeyWish | null {
+  const by = { ArrowLeft: -LEAP, ArrowRight: LEAP, PageUp: -0.5, PageDown: 0.5 }[key];
+  return by === undefined ? null : { wish: "span", span: pan(span, by * lengthOf(span)) };
 }

@@ -69,6 +69,14 @@ export const historyChartStyle = css`
     min-inline-size: 11rem;
     font-weight: var(--t-weight-strong);
   }
+  .then {
+    display: block;
+    color: var(--t-muted);
+    font-weight: var(--t-weight);
+  }
+  .then::before {
+    content: "┄ ";
+  }
   .swatch {
     display: inline-block;
     inline-size: 1rem;
@@ -132,13 +140,17 @@ export const historyChartStyle = css`
       padding-inline: var(--t-space-2) 0;
     }
     th:first-child {
+      inline-size: auto;
+      min-inline-size: 5.5rem;
       white-space: normal;
     }
     .at {
       min-inline-size: 0;
+      inline-size: 45%;
       white-space: normal;
     }
     tbody .muted,
+    .roomy,
     .spread {
       display: none;
     }

@@ -9,16 +9,18 @@ import type { Chart } from "../../elements/chart/chart.js";
 import { indentOf, type ChartSeries, type Indent } from "../../elements/chart/model.js";
 import type { Painter } from "../../elements/chart/painter.js";
 import { momentText, readOut } from "../../elements/chart/read-out.js";
-import { decimalsFor, formatNumber, NOTHING } from "../../format/number.js";
+import { NOTHING } from "../../format/number.js";
 import { knownZone, timeText } from "../../format/time.js";
-import { summary } from "../../series/columns.js";
+import { summary, type Summary } from "../../series/columns.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import { SECOND_US } from "../../series/zone.js";
+import type { StatisticsInfo } from "../../wire/api.js";
 import { historyChartStyle } from "./history-chart-style.js";
 import type { Loaded } from "./loader.js";
 import type { Mark } from "./marks.js";
 import type { Row, Together } from "./rows.js";
-import { textBand } from "./text-band.js";
+import { statisticsCells, statisticsHead } from "./statistics-cells.js";
+import { textBand, type TextBand } from "./text-band.js";
 import "../../elements/chart/chart.js";
 
 /** Columns for statistics, where the chart has not been drawn yet. */
@@ -36,6 +38,13 @@ export class HistoryChart extends LitElement {
   @property({ attribute: false }) data: ReadonlyMap<string, Loaded> = new Map();
   @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
   @property({ attribute: false }) cursorUs: number | null = null;
+  /** The same channels on another day, so much before (µs); 0 for none. */
+  @property({ attribute: false }) ghost: ReadonlyMap<string, Loaded> = new Map();
+  @property({ attribute: false }) ghostUs = 0;
+  /** The other day, as it is called beside its values. */
+  @property({ attribute: "ghost-name" }) ghostName = "";
+  /** What the hub counted of the window. */
+  @property({ attribute: false }) numbers: ReadonlyMap<string, StatisticsInfo> = new Map();
   @property({ attribute: false }) marks: readonly Mark[] = [];
   @property({ attribute: false }) painter: Painter | null = null;
   /** When each channel was heard of last (µs), for a window without samples. */
@@ -54,7 +63,8 @@ export class HistoryChart extends LitElement {
   private series: readonly ChartSeries[] = [];
 
   protected override willUpdate(changed: PropertyValues<this>): void {
-    if (changed.has("group") || changed.has("data")) this.series = this.makeSeries();
+    const moved = changed.has("ghostUs") && changed.get("ghostUs") !== this.ghostUs;
+    if (changed.has("group") || changed.has("data") || changed.has("ghost") || moved) this.series = this.makeSeries();
   }
 
   override render(): TemplateResult | null {
@@ -84,7 +94,6 @@ export class HistoryChart extends LitElement {
   }
 
   private table(group: Together): TemplateResult {
-    const head = group.type === "number" ? html`<th>min</th><th>mean</th><th>max</th>` : nothing;
     const { cursorUs } = this;
     return html`<div class="scroll">
       <table>
@@ -93,8 +102,9 @@ export class HistoryChart extends LitElement {
             <th scope="col">${group.type === "number" ? group.title || "without unit" : group.type}</th>
             <th scope="col" class="at">
               ${cursorUs === null ? "newest shown" : momentText(cursorUs, knownZone(this.zone), lengthOf(this.span))}
+              ${this.ghostName === "" ? nothing : html`<span class="then">${this.ghostName}</span>`}
             </th>
-            ${head}
+            ${statisticsHead(group.type === "number")}
           </tr>
         </thead>
         <tbody>
@@ -113,8 +123,8 @@ export class HistoryChart extends LitElement {
     const swatch = row.type === "number" ? html`<span class="swatch c${(index % 8) + 1}"></span>` : nothing;
     return html`<tr>
       <th scope="row">${swatch}${row.name} <span class="muted">${row.device.name}</span></th>
-      <td class="at">${series === undefined ? "–" : this.valueAt(series)}</td>
-      ${row.type === "number" ? this.statistics(row, series) : nothing}
+      <td class="at">${series === undefined ? NOTHING : html`${this.valueAt(series)} ${this.valueThen(series)}`}</td>
+      ${statisticsCells(row, this.numbers.get(row.address), series && this.drawn(series))}
     </tr>`;
   }
 
@@ -132,15 +142,17 @@ export class HistoryChart extends LitElement {
     return reason === "" ? NOTHING : html`<span class="why">${reason}</span>`;
   }
 
-  private statistics(row: Row, series: ChartSeries | undefined): TemplateResult {
+  private valueThen(series: ChartSeries): unknown {
+    const { ghost } = series;
+    if (ghost === undefined) return nothing;
+    const at = (this.cursorUs ?? this.span.toUs) - ghost.shiftUs;
+    const { text } = readOut({ ...series, samples: ghost.samples }, at, this.columnUs(), lengthOf(this.span) * REACH);
+    return html`<span class="then">${series.states.length > 0 ? text : (text.split(" (")[0] ?? NOTHING)}</span>`;
+  }
+
+  private drawn({ samples, states }: ChartSeries): Summary | undefined {
     const { fromUs, toUs } = this.span;
-    const seen = series && summary(series.samples.columnsAt(this.columnUs()), fromUs, toUs);
-    const decimals = decimalsFor(row.unit, row.decimals);
-    const text = (value: number | undefined): string =>
-      seen === undefined || seen.count === 0 ? "–" : formatNumber(value ?? NaN, decimals);
-    return html`<td>${text(seen?.min)}</td>
-      <td>${text(seen?.mean)}</td>
-      <td>${text(seen?.max)}</td>`;
+    return states.length > 0 ? undefined : summary(samples.columnsAt(this.columnUs()), fromUs, toUs);
   }
 
   // The chart's own columns where there is one: two resolutions would thin all of it twice.
@@ -184,10 +196,19 @@ export class HistoryChart extends LitElement {
       const held = this.data.get(row.address);
       if (held === undefined) return [];
       const { address, name, unit, decimals } = row;
-      const { words, samples } = row.type === "text" ? textBand(held, row.maxAge * SECOND_US) : { words: row.states, samples: held.trace };
-      return [{ address, name, unit, decimals, states: words, colour, samples, gaps: held.gaps, stale: false }];
+      const now = bandOf(row, held, row.states);
+      const ghost = this.ghostUs === 0 ? undefined : this.ghost.get(address);
+      const then = ghost && bandOf(row, ghost, now.words);
+      const plain = { address, name, unit, decimals, colour, samples: now.samples, gaps: held.gaps, stale: false };
+      if (then === undefined) return [{ ...plain, states: now.words }];
+      return [{ ...plain, states: then.words, ghost: { samples: then.samples, shiftUs: this.ghostUs } }];
     });
   }
+}
+
+/** A text is drawn as a state; all else is drawn as it is. */
+function bandOf(row: Row, held: Loaded, words: readonly string[]): TextBand {
+  return row.type === "text" ? textBand(held, row.maxAge * SECOND_US, words) : { words, samples: held.trace };
 }
 
 declare global {

@@ -36,7 +36,8 @@ export class MarksLane extends LitElement {
   @property({ attribute: false }) indent: Indent = { left: 0, right: 0 };
   /** Older events of the window were left out. */
   @property({ type: Boolean }) more = false;
-  @property({ type: Boolean }) failed = false;
+  /** What could not be loaded; empty for nothing. */
+  @property() problem = "";
   @property() zone = "UTC";
 
   @queryAll(".place button") private readonly buttons!: NodeListOf<HTMLButtonElement>;
@@ -68,7 +69,7 @@ export class MarksLane extends LitElement {
     return html`
       <div class="head" @change=${this.filtered}>
         <strong>Events</strong> ${map(KINDS, (one) => this.filter(one))}
-        ${this.failed ? html`<span role="alert">What happened cannot be loaded now.</span>` : nothing}
+        ${this.problem === "" ? nothing : html`<span role="alert">${this.problem}</span>`}
         ${this.more ? html`<span class="muted">Only the newest 1000 are shown: zoom in for more.</span>` : nothing}
       </div>
       <div

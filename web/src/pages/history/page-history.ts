@@ -1,4 +1,7 @@
-/** History: chosen channels over a chosen stretch of time, one chart for each unit. */
+/**
+ * History: chosen channels over a chosen stretch of time, one chart for each unit. Longer than most
+ * files: it is where the window, what is loaded for it, and all that shows it come together.
+ */
 
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
@@ -10,37 +13,35 @@ import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
 import { indentOf, type SpanChange } from "../../elements/chart/model.js";
 import { Painter } from "../../elements/chart/painter.js";
+import { momentText } from "../../elements/chart/read-out.js";
 import { adviceFor } from "../../format/problem.js";
-import { utcSpan } from "../../format/time.js";
-import { lengthOf, notAfter, type Span } from "../../series/window.js";
-import { HOUR_US, SECOND_US } from "../../series/zone.js";
+import { formatDate, knownZone, utcSpan } from "../../format/time.js";
+import { DAY_US, ZoneClock } from "../../series/zone.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { EventList, SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
-import { EventsLoader } from "./events-loader.js";
-import { HistoryLoader } from "./loader.js";
-import { marksOf, type Mark, type MarkKind } from "./marks.js";
-import { readView, spanOf, writeView, type HistoryView } from "./query.js";
 import { axesFor } from "./axes-for.js";
+import { marksOf, type Mark, type MarkKind } from "./marks.js";
+import { daysText, ghostUs, writeView, type HistoryView } from "./query.js";
 import { firstChoice, rowsOf, together, unitsOf, type Row, type Together } from "./rows.js";
 import { historyStyle } from "./style.js";
-import "../../elements/button.js";
+import { WindowController } from "./window-controller.js";
+import { WindowData } from "./window-data.js";
+import { isBusy, pageWish } from "./window-keys.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
+import "./export-menu.js";
 import "./history-chart.js";
 import "./history-tools.js";
 import "./marks-lane.js";
+import "./share-menu.js";
 import "./signal-picker.js";
 import "./view-options.js";
 
-/** A window that follows is asked for again this often (ms), or each time it has moved two pixels. */
-const FOLLOW_LEAST_MS = 1000;
-const FOLLOW_PIXELS = 2;
-/** Windows may end a little in the future, so that "now" is not stuck to the edge. */
-const AHEAD = 0.05;
-const COPIED_MS = 2000;
+/** Beside values the day is enough; the line above the charts says the year. */
+const YEAR = / \d{4}$/;
 
 @customElement("t-page-history")
 export class PageHistory extends LitElement {
@@ -51,11 +52,9 @@ export class PageHistory extends LitElement {
   @consume({ context: apiContext, subscribe: true }) @state() private api: HubApi | undefined;
 
   @state() private cursorUs: number | null = null;
-  @state() private nowUs = Date.now() * 1000;
   @state() private width = 0;
-  @state() private copied = false;
-  /** The window while fingers or the wheel are at it; the address bar follows when they rest. */
-  @state() private moving: Span | null = null;
+  /** Said to who listens, after keys have moved the window. */
+  @state() private said = "";
 
   @query(".charts") private readonly charts!: HTMLElement | null;
 
@@ -64,67 +63,68 @@ export class PageHistory extends LitElement {
   private groupsKey = "";
   private axisWidth = 0;
   private indent = indentOf(1, 0);
-  private loader: HistoryLoader | null = null;
-  private events: EventsLoader | null = null;
+  private data: WindowData | null = null;
+  private clock: ZoneClock | null = null;
+  private ghostUs = 0;
   private marks: readonly Mark[] = [];
   private markedOf: EventList | null = null;
-  private timer: ReturnType<typeof setTimeout> | undefined;
   private resized: ResizeObserver | null = null;
   private readonly painter = new Painter();
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly sites = new StoreController(this, sitesContext);
+  private readonly window = new WindowController(this, {
+    search: () => this.router.store?.search ?? "",
+    go: (search) => this.router.store?.go(sitePath(this.site, "history") + search),
+    width: () => this.width,
+  });
   private readonly router = new StoreController(this, routerContext, () => {
-    this.moving = null;
+    this.window.rest();
   });
   private readonly live = new LiveValuesController(this);
 
   override connectedCallback(): void {
     super.connectedCallback();
-    this.resized = new ResizeObserver(([entry]) => {
-      const width = Math.round(entry?.contentRect.width ?? 0);
-      // A scroll bar that comes or goes is no reason to ask again.
-      if (Math.abs(width - this.width) > 24) this.width = width;
+    this.resized = new ResizeObserver(() => {
+      this.measure();
     });
     this.resized.observe(this);
-    this.follow();
+    document.addEventListener("keydown", this.key);
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    clearTimeout(this.timer);
+    document.removeEventListener("keydown", this.key);
     this.resized?.disconnect();
-    this.loader?.close();
-    this.events?.close();
-    this.loader = null;
-    this.events = null;
+    this.data?.close();
+    this.data = null;
   }
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     const sites = this.sites.store;
-    if (changed.has("site")) {
-      this.loader?.close();
-      this.events?.close();
-    }
+    if (changed.has("site")) this.data?.close();
     if (sites === undefined || this.api === undefined || !this.isConnected) return;
     this.detail.ask(this.site, () => sites.detail(this.site));
     const detail = this.detail.value;
     if (detail === undefined) return;
     this.rows = rowsOf(detail);
-    this.loader ??= new HistoryLoader(this.api, () => {
-      this.requestUpdate();
-    });
-    this.events ??= new EventsLoader(this.api, () => {
+    this.clock = this.clock?.zone === knownZone(detail.zone) ? this.clock : new ZoneClock(knownZone(detail.zone));
+    this.data ??= new WindowData(this.api, () => {
       this.requestUpdate();
     });
     this.group();
-    this.ask();
-    this.mark(detail);
+    this.ask(this.data, this.clock);
+    this.mark(this.data, detail);
     this.live.observe(this.site, this.silent());
   }
 
   protected override updated(): void {
+    if (this.width === 0) this.measure();
+  }
+
+  private measure(): void {
     const width = this.charts?.clientWidth ?? 0;
-    if (this.width === 0 && width > 0) this.width = width;
+    // A scroll bar that comes or goes is no reason to ask again.
+    if (Math.abs(width - this.width) > 24) this.width = width;
   }
 
   override render(): TemplateResult {
@@ -133,44 +133,62 @@ export class PageHistory extends LitElement {
       <div class="title">
         <h1>History</h1>
         <p class="muted">${detail?.name ?? this.site}</p>
-        ${detail === undefined ? nothing : html`<p class="utc">${utcSpan(this.span(), detail.zone, this.nowUs)}</p>`}
-        <t-button class="share" @click=${this.share}>${this.copied ? "Link copied" : "Copy link"}</t-button>
+        ${detail === undefined ? nothing : html`<p class="utc">${utcSpan(this.window.span, detail.zone, this.window.nowUs)}</p>`}
+        ${detail === undefined ? nothing : this.menus()}
       </div>
-      ${this.trouble()} ${detail === undefined ? this.waiting() : this.content(detail)}
+      <p class="visually-hidden" aria-live="polite">${this.said}</p>
+      ${this.trouble(this.detail.result, "this site", this.siteAgain)}
+      ${detail !== undefined ? this.content(detail) : this.detail.result.state === "failed" ? nothing : html`<t-loading what="Loading the site"></t-loading>`}
     `;
+  }
+
+  private menus(): TemplateResult {
+    const { view, span } = this.window;
+    const channels = this.chosen();
+    const link = (shown: HistoryView["shown"]): string =>
+      new URL(sitePath(this.site, "history") + writeView({ ...view, channels, shown }), location.href).href;
+    return html`<div class="menus">
+      <t-share-menu fixed=${link(span)} live=${"last" in view.shown ? link(view.shown) : ""}></t-share-menu>
+      <t-export-menu site=${this.site} .channels=${channels} .span=${span} width=${this.width}></t-export-menu>
+    </div>`;
   }
 
   private content(detail: SiteDetail): TemplateResult {
     const chosen = this.chosen();
-    const { shown } = this.view();
+    const { view, span } = this.window;
     return html`
-      <t-history-tools .shown=${shown} .span=${this.span()} zone=${detail.zone} @t-shown=${this.showAnother}></t-history-tools>
+      <t-history-tools .shown=${view.shown} .span=${span} zone=${detail.zone} @t-shown=${this.showAnother}></t-history-tools>
       <div class="body">
         <details class="pick" ?open=${this.wide()}>
           <summary>Signals <span class="count">${chosen.length}</span></summary>
           <t-signal-picker .rows=${this.rows} .chosen=${chosen} @t-pick=${this.pick}></t-signal-picker>
         </details>
-        <div class="charts" aria-busy=${this.loader?.state === "loading" ? "true" : "false"}>
-          <t-view-options .view=${this.view()} @t-view=${this.viewChanged}></t-view-options>
-          ${this.chartTrouble()} ${chosen.length === 0 ? this.nothingChosen() : this.chartList(detail)}
+        <div class="charts" aria-busy=${this.data?.now.state === "loading" ? "true" : "false"}>
+          <t-view-options .view=${view} .span=${span} zone=${detail.zone} @t-view=${this.viewChanged}></t-view-options>
+          ${this.trouble(this.data?.now, "the history of these signals", this.again)}
+          ${this.data === null || chosen.length === 0 ? nothingChosen(this.rows) : this.chartList(detail, this.data)}
         </div>
       </div>
     `;
   }
 
-  private chartList(detail: SiteDetail): TemplateResult {
-    const loader = this.loader;
+  private chartList(detail: SiteDetail, data: WindowData): TemplateResult {
+    const { now, ghost, statistics } = data;
+    const { span, view } = this.window;
+    const { ghostUs, painter, cursorUs, indent } = this;
     const newest = new Map(this.silent().map((address) => [address, this.live.reading(address)?.timeUs ?? 0]));
-    const { without } = this.view();
-    const marks = without.length === 0 ? this.marks : this.marks.filter(({ kind }) => !without.includes(kind));
-    return html`<div class="progress" ?hidden=${loader?.state !== "loading"}></div>
+    const marks = view.without.length === 0 ? this.marks : this.marks.filter(({ kind }) => !view.without.includes(kind));
+    const numbers = statistics.numbersOf(this.site, span);
+    const then = ghostUs === 0 ? "" : formatDate(span.fromUs - ghostUs, detail.zone);
+    return html`<div class="progress" ?hidden=${now.state !== "loading"}></div>
+      ${then === "" ? nothing : html`<p class="then">Dashed lines: ${then}, ${daysText(view.versus)}, at the same time of day.</p>`}
       <t-marks-lane
         .marks=${this.marks}
-        .without=${without}
-        .span=${this.span()}
-        .indent=${this.indent}
-        .more=${this.events?.list.more === true}
-        .failed=${this.events?.failed === true}
+        .without=${view.without}
+        .span=${span}
+        .indent=${indent}
+        .more=${data.events.more}
+        problem=${data.without}
         zone=${detail.zone}
         @t-hide=${this.hide}
         @t-cursor=${this.cursorMoved}
@@ -181,16 +199,20 @@ export class PageHistory extends LitElement {
         (group) =>
           html`<t-history-chart
             .group=${group}
-            .data=${loader?.data ?? new Map<string, never>()}
-            .span=${this.span()}
-            .cursorUs=${this.cursorUs}
-            .painter=${this.painter}
+            .data=${now.data}
+            .ghost=${ghost}
+            .ghostUs=${ghostUs}
+            ghost-name=${then.replace(YEAR, "")}
+            .numbers=${numbers}
+            .span=${span}
+            .cursorUs=${cursorUs}
+            .painter=${painter}
             .newest=${newest}
             .marks=${marks}
-            .indent=${this.indent}
+            .indent=${indent}
             axis-width=${this.axisWidth}
-            ?joined=${this.view().joined}
-            .loaded=${loader?.state === "ready"}
+            ?joined=${view.joined}
+            .loaded=${now.state === "ready"}
             zone=${detail.zone}
             @t-span=${this.spanChanged}
             @t-cursor=${this.cursorMoved}
@@ -198,48 +220,21 @@ export class PageHistory extends LitElement {
           ></t-history-chart>`,
       )}
       <p class="hint">
-        Drag to zoom in, double-click to go back. Click a chart, then turn the wheel. Keys: ← → cursor, + − zoom, Page up and
-        down to move.
+        Drag to zoom in, double-click to go back. Click a chart, then turn the wheel. Keys: ← → move, + − zoom, Home its day,
+        End now, Escape back; on a chart shift and ← → move the cursor.
       </p>`;
   }
 
-  private trouble(): unknown {
-    const detail = this.detail.result;
-    if (detail.state !== "failed") return nothing;
-    const advice = adviceFor(detail.error, "this site");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.siteAgain}></t-problem>`;
-  }
-
-  private chartTrouble(): unknown {
-    if (this.loader?.state !== "failed") return nothing;
-    const advice = adviceFor(this.loader.error, "the history of these signals");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
-  }
-
-  private waiting(): unknown {
-    return this.detail.result.state === "failed" ? nothing : html`<t-loading what="Loading the site"></t-loading>`;
-  }
-
-  private nothingChosen(): TemplateResult {
-    return this.rows.length === 0
-      ? html`<t-empty heading="Nothing to show" icon="history"><p>This site has no signals that you may see.</p></t-empty>`
-      : html`<t-empty heading="Choose a signal" icon="history"
-          ><p>Tick what you want to see under “Signals”. Signals of one unit share a chart.</p></t-empty
-        >`;
+  private trouble(load: { readonly state: string; readonly error?: unknown } | undefined, about: string, again: () => void): unknown {
+    if (load?.state !== "failed") return nothing;
+    const advice = adviceFor(load.error, about);
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${again}></t-problem>`;
   }
 
   // ── what is shown ───────────────────────────────────────────────────────────────────────
 
-  private view(): HistoryView {
-    return readView(this.router.store?.search ?? "");
-  }
-
-  private span(): Span {
-    return this.moving ?? spanOf(this.view().shown, this.nowUs);
-  }
-
   private chosen(): string[] {
-    const { channels } = this.view();
+    const { channels } = this.window.view;
     if (channels === null) return firstChoice(this.rows);
     const known = new Set(this.rows.map(({ address }) => address));
     return channels.filter((address) => known.has(address));
@@ -247,7 +242,7 @@ export class PageHistory extends LitElement {
 
   private group(): void {
     const chosen = this.chosen();
-    const { most, axisWidth } = axesFor(this.view().joined, this.width);
+    const { most, axisWidth } = axesFor(this.window.view.joined, this.width);
     const key = `${this.detail.value?.catalogue ?? ""} ${String(most)}\n${chosen.join("\n")}`;
     if (key === this.groupsKey) return;
     this.groupsKey = key;
@@ -256,25 +251,23 @@ export class PageHistory extends LitElement {
     this.indent = indentOf(Math.max(1, ...this.groups.map(({ rows }) => unitsOf(rows).length)), axisWidth);
   }
 
-  private ask(): void {
-    if (this.width === 0 || this.loader === null) return;
+  private ask(data: WindowData, clock: ZoneClock): void {
+    const { span, view, moving, following } = this.window;
+    this.ghostUs = ghostUs(span, view.versus, clock);
+    if (this.width === 0) return;
     const channels = this.groups.flatMap(({ rows }) => rows).map(({ address, maxAge }) => ({ address, maxAge }));
-    const question = { site: this.site, channels, span: this.span(), width: this.width };
-    this.loader.ask(question, this.moving !== null);
+    data.ask({ site: this.site, channels, span, width: this.width, ghostUs: this.ghostUs, moving: moving !== null, following });
   }
 
-  private mark(detail: SiteDetail): void {
-    if (this.events === null) return;
-    this.events.ask(this.site, this.span());
-    const { list } = this.events;
-    if (list === this.markedOf) return;
-    this.markedOf = list;
-    this.marks = marksOf(list.events, new Map(detail.devices.map(({ id, name }) => [id, name])));
+  private mark({ events }: WindowData, detail: SiteDetail): void {
+    if (events === this.markedOf) return;
+    this.markedOf = events;
+    this.marks = marksOf(events.events, new Map(detail.devices.map(({ id, name }) => [id, name])));
   }
 
   /** Chosen channels of which nothing has come for this window. */
   private silent(): string[] {
-    const { loader } = this;
+    const loader = this.data?.now;
     if (loader?.state !== "ready") return [];
     return this.chosen().filter((address) => loader.data.get(address)?.count === 0);
   }
@@ -283,56 +276,37 @@ export class PageHistory extends LitElement {
     return matchMedia("(min-width: 60.01rem)").matches;
   }
 
-  private show(view: Partial<HistoryView>): void {
-    const next: HistoryView = { ...this.view(), ...view };
-    this.nowUs = Date.now() * 1000;
-    this.router.store?.go(sitePath(this.site, "history") + writeView(next));
-    this.follow();
-  }
-
-  /** Moves the window on, as often as it is worth it. */
-  private follow(): void {
-    clearTimeout(this.timer);
-    const { shown } = this.view();
-    const pixelMs = "last" in shown ? (shown.last * 1000) / Math.max(300, this.width) : Infinity;
-    const everyMs = Math.min(HOUR_US / 1000, Math.max(FOLLOW_LEAST_MS, pixelMs * FOLLOW_PIXELS));
-    this.timer = setTimeout(() => {
-      if (document.visibilityState === "visible" && "last" in this.view().shown && this.moving === null) this.nowUs = Date.now() * 1000;
-      this.follow();
-    }, everyMs);
-  }
-
   private readonly showAnother = (event: CustomEvent<HistoryView["shown"]>): void => {
-    this.show({ shown: event.detail });
+    this.window.show({ shown: event.detail });
   };
 
   private readonly hide = (event: CustomEvent<readonly MarkKind[]>): void => {
-    this.show({ without: event.detail });
+    this.window.show({ without: event.detail });
   };
 
   private readonly viewChanged = (event: CustomEvent<Partial<HistoryView>>): void => {
-    this.show(event.detail);
-  };
-
-  private readonly share = (): void => {
-    void navigator.clipboard.writeText(location.href).then(() => {
-      this.copied = true;
-      setTimeout(() => {
-        this.copied = false;
-      }, COPIED_MS);
-    });
+    this.window.show(event.detail);
   };
 
   private readonly pick = (event: CustomEvent<readonly string[]>): void => {
-    this.show({ channels: event.detail });
+    this.window.show({ channels: event.detail });
   };
 
   private readonly spanChanged = (event: CustomEvent<SpanChange>): void => {
-    const { span, settled } = event.detail;
-    const latest = Date.now() * 1000 + Math.max(lengthOf(span) * AHEAD, SECOND_US);
-    const next = notAfter(span, latest);
-    this.moving = next;
-    if (settled) this.show({ shown: { fromUs: Math.round(next.fromUs), toUs: Math.round(next.toUs) } });
+    this.window.move(event.detail);
+  };
+
+  private readonly key = (event: KeyboardEvent): void => {
+    const { clock } = this;
+    if (clock === null || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || isBusy(event.composedPath())) return;
+    const wish = pageWish(event.key, event.shiftKey, this.window.span, clock);
+    if (wish === null) return;
+    event.preventDefault();
+    if (wish.wish === "back") this.window.back();
+    else if (wish.wish === "shown") this.window.show({ shown: wish.shown });
+    else this.window.move({ span: wish.span, settled: false });
+    const { fromUs, toUs } = this.window.span;
+    this.said = `${momentText(fromUs, clock.zone, DAY_US)} to ${momentText(toUs, clock.zone, DAY_US)}`;
   };
 
   private readonly cursorMoved = (event: CustomEvent<number | null>): void => {
@@ -340,17 +314,25 @@ export class PageHistory extends LitElement {
   };
 
   private readonly back = (): void => {
-    history.back();
+    this.window.back();
   };
 
   private readonly again = (): void => {
-    this.loader?.forget();
+    this.data?.forget();
     this.requestUpdate();
   };
 
   private readonly siteAgain = (): void => {
     this.detail.again();
   };
+}
+
+function nothingChosen(rows: readonly Row[]): TemplateResult {
+  return rows.length === 0
+    ? html`<t-empty heading="Nothing to show" icon="history"><p>This site has no signals that you may see.</p></t-empty>`
+    : html`<t-empty heading="Choose a signal" icon="history"
+        ><p>Tick what you want to see under “Signals”. Signals of one unit share a chart.</p></t-empty
+      >`;
 }
 
 declare global {

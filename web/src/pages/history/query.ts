@@ -13,6 +13,8 @@ export interface HistoryView {
   readonly joined: boolean;
   /** Kinds of events that are not shown. */
   readonly without: readonly MarkKind[];
+  /** The window so many days before is drawn behind (negative: after); 0 for none. */
+  readonly versus: number;
 }
 
 export const FIRST_LAST = 900;
@@ -27,6 +29,7 @@ export function readView(search: string): HistoryView {
     shown: readShown(query),
     joined: query.has("joined"),
     without: KINDS.map(({ kind }) => kind).filter((kind) => (query.get("without") ?? "").split(",").includes(kind)),
+    versus: readVersus(query),
   };
 }
 
@@ -42,9 +45,28 @@ export function writeView(view: HistoryView): string {
     query.set("to", String(Math.round(view.shown.toUs)));
   }
   if (view.without.length > 0) query.set("without", view.without.join(","));
+  if (view.versus !== 0) query.set("versus", String(view.versus));
   if (view.joined) query.set("joined", "");
   // Slashes and commas may stand in a query, and addresses read better with them.
   return `?${query.toString().replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll(/=(?=&|$)/g, "")}`;
+}
+
+const MOST_DAYS = 3660;
+
+function readVersus(query: URLSearchParams): number {
+  const days = Number(query.get("versus") ?? 0);
+  return Number.isInteger(days) && Math.abs(days) <= MOST_DAYS ? days : 0;
+}
+
+/** How much before the shown window the other one lies (µs); whole days of the site's zone. */
+export function ghostUs(span: Span, versus: number, clock: ZoneClock): number {
+  return versus === 0 ? 0 : span.fromUs - clock.sameTime(span.fromUs, -versus);
+}
+
+/** How far the other day is away: `1 day before`. */
+export function daysText(versus: number): string {
+  const days = Math.abs(versus);
+  return `${String(days)} ${days === 1 ? "day" : "days"} ${versus > 0 ? "before" : "after"}`;
 }
 
 function readShown(query: URLSearchParams): { last: number } | Span {

@@ -4,6 +4,7 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base.js";
+import { control } from "../../elements/control.js";
 import type { Row } from "./rows.js";
 import "../../elements/button.js";
 
@@ -12,6 +13,7 @@ import "../../elements/button.js";
 export class SignalPicker extends LitElement {
   static override styles = [
     base,
+    control,
     css`
       :host {
         display: grid;
@@ -26,18 +28,6 @@ export class SignalPicker extends LitElement {
       }
       input[type="search"] {
         flex: 1;
-        min-inline-size: 0;
-        min-block-size: var(--t-touch);
-        padding: var(--t-space-2) var(--t-space-3);
-        border: 1px solid var(--t-edge);
-        border-radius: var(--t-radius-s);
-        background: var(--t-surface);
-        color: var(--t-text);
-        font: inherit;
-      }
-      ::placeholder {
-        color: var(--t-muted);
-        opacity: 1;
       }
       fieldset {
         display: grid;

@@ -17,9 +17,17 @@ export const historyStyle = css`
     font-size: var(--t-size-s);
     font-variant-numeric: tabular-nums;
   }
-  .share {
+  .menus {
+    position: relative;
+    display: flex;
     align-self: center;
     margin-inline-start: auto;
+    font-weight: var(--t-weight-strong);
+  }
+  .then {
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+    font-weight: var(--t-weight-strong);
   }
   .body {
     display: grid;

@@ -12,9 +12,12 @@ export interface TextBand {
   readonly samples: Trace;
 }
 
-/** @param maxAgeUs the signal's limit of age (µs): after it nobody knows whether the text still holds */
-export function textBand({ texts, gaps, trace }: Loaded, maxAgeUs: number): TextBand {
-  const places = new Map<string, number>();
+/**
+ * @param maxAgeUs the signal's limit of age (µs): after it nobody knows whether the text still holds
+ * @param known words that have their places already
+ */
+export function textBand({ texts, gaps, trace }: Loaded, maxAgeUs: number, known: readonly string[] = []): TextBand {
+  const places = new Map(known.map((word, place) => [word, place]));
   for (const { text } of texts) if (!places.has(text)) places.set(text, places.size);
   const points = texts.map(({ timeUs, text }) => ({ timeUs, place: places.get(text) ?? NaN }));
   for (const { from_us } of gaps) points.push({ timeUs: from_us + 1, place: NaN });

@@ -1,36 +1,103 @@
-/** How the history page shows what is chosen. */
+/** How the history page shows what is chosen: units together, another day behind. */
 
-import { css, html, LitElement, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base.js";
+import { control } from "../../elements/control.js";
+import { knownZone } from "../../format/time.js";
+import type { Span } from "../../series/window.js";
+import { DAY_US, ZoneClock } from "../../series/zone.js";
 import type { HistoryView } from "./query.js";
 import "../../elements/button.js";
+
+const DAYS = [
+  { days: 1, name: "the day before" },
+  { days: 7, name: "a week before" },
+  { days: 28, name: "four weeks before" },
+] as const;
+const OTHER = "other";
 
 /** @fires t-view detail is what of the view is asked to be otherwise */
 @customElement("t-view-options")
 export class ViewOptions extends LitElement {
   static override styles = [
     base,
+    control,
     css`
       :host {
         display: flex;
         flex-wrap: wrap;
         align-items: center;
+        gap: var(--t-space-2) var(--t-space-3);
+      }
+      label {
+        display: inline-flex;
+        align-items: center;
         gap: var(--t-space-2);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight-strong);
       }
     `,
   ];
 
   @property({ attribute: false }) view: HistoryView | null = null;
+  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property() zone = "UTC";
+
+  /** A day of one's own is being chosen. */
+  @state() private choosing = false;
 
   override render(): TemplateResult | null {
     const { view } = this;
     if (view === null) return null;
-    return html`<t-button pressed=${view.joined ? "true" : "false"} @click=${this.join}>Units in one chart</t-button>`;
+    const { versus } = view;
+    const known = versus === 0 || DAYS.some(({ days }) => days === versus);
+    const other = this.choosing || !known;
+    return html`
+      <t-button pressed=${view.joined ? "true" : "false"} @click=${this.join}>Units in one chart</t-button>
+      <label
+        >Compare with
+        <select @change=${this.compare}>
+          <option value="0" .selected=${versus === 0 && !other}>nothing</option>
+          ${map(DAYS, ({ days, name }) => html`<option value=${days} .selected=${days === versus && !other}>${name}</option>`)}
+          <option value=${OTHER} .selected=${other}>another day…</option>
+        </select>
+      </label>
+      ${other
+        ? html`<input type="date" aria-label="Day to compare with" .value=${this.clock().toInput(this.then()).slice(0, 10)} @change=${this.dated} />`
+        : nothing}
+    `;
+  }
+
+  private clock(): ZoneClock {
+    return new ZoneClock(knownZone(this.zone));
+  }
+
+  private then(): number {
+    return this.clock().sameTime(this.span.fromUs, -(this.view?.versus ?? 0));
   }
 
   private readonly join = (): void => {
     this.tell({ joined: this.view?.joined !== true });
+  };
+
+  private readonly compare = (event: Event): void => {
+    if (!(event.target instanceof HTMLSelectElement)) return;
+    this.choosing = event.target.value === OTHER;
+    if (!this.choosing) this.tell({ versus: Number(event.target.value) });
+  };
+
+  private readonly dated = (event: Event): void => {
+    if (!(event.target instanceof HTMLInputElement)) return;
+    const clock = this.clock();
+    // Days are counted at their middle: those on which summer time begins or ends have another length.
+    const then = clock.fromInput(`${event.target.value}T12:00:00`);
+    const now = clock.fromInput(`${clock.toInput(this.span.fromUs).slice(0, 10)}T12:00:00`);
+    if (!Number.isFinite(then)) return;
+    this.choosing = false;
+    this.tell({ versus: Math.round((now - then) / DAY_US) });
   };
 
   private tell(detail: Partial<HistoryView>): void {

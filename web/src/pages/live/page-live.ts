@@ -8,6 +8,7 @@ import { LinkController } from "../../controllers/link.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
+import { control } from "../../elements/control.js";
 import { Painter } from "../../elements/chart/painter.js";
 import type { Option } from "../../elements/choice.js";
 import { adviceFor } from "../../format/problem.js";
@@ -41,7 +42,7 @@ interface Group {
 
 @customElement("t-page-live")
 export class PageLive extends LitElement {
-  static override styles = [base, liveStyle];
+  static override styles = [base, control, liveStyle];
 
   @property() site = "";
 

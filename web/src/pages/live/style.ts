@@ -27,18 +27,6 @@ export const liveStyle = css`
   }
   input[type="search"] {
     flex: 1 1 9rem;
-    min-inline-size: 0;
-    min-block-size: var(--t-touch);
-    padding: var(--t-space-2) var(--t-space-3);
-    border: 1px solid var(--t-edge);
-    border-radius: var(--t-radius-s);
-    background: var(--t-surface);
-    color: var(--t-text);
-    font: inherit;
-  }
-  ::placeholder {
-    color: var(--t-muted);
-    opacity: 1;
   }
   kbd {
     padding: 0 0.4em;

@@ -17,6 +17,15 @@ describe("keys on a chart", () => {
     expect(keyWish("-", false, null, SPAN, true)).toEqual({ wish: "span", span: { fromUs: 950e6, toUs: 1150e6 } });
   });
 
+  it("move the window of a chart that zooms, and with shift its cursor", () => {
+    expect(keyWish("ArrowRight", false, 0.5, SPAN, true)).toEqual({ wish: "span", span: { fromUs: 1010e6, toUs: 1110e6 } });
+    expect(keyWish("ArrowLeft", false, null, SPAN, true)).toEqual({ wish: "span", span: { fromUs: 990e6, toUs: 1090e6 } });
+    expect(keyWish("PageDown", false, null, SPAN, true)).toEqual({ wish: "span", span: { fromUs: 1050e6, toUs: 1150e6 } });
+    expect(keyWish("ArrowRight", true, 0.5, SPAN, true)).toEqual({ wish: "cursor", part: 0.51 });
+    expect(keyWish("End", true, 0.5, SPAN, true)).toEqual({ wish: "cursor", part: 1 });
+    expect(keyWish("End", false, 0.5, SPAN, true)).toBeNull();
+  });
+
   it("leave all else to the page, and zooming to charts that zoom", () => {
     expect(keyWish("Tab", false, 0.5, SPAN, true)).toBeNull();
     expect(keyWish(" ", false, 0.5, SPAN, true)).toBeNull();

@@ -1,0 +1,114 @@
+/** Samples as files to take away. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { base } from "../../elements/base.js";
+import type { Option } from "../../elements/choice.js";
+import type { Span } from "../../series/window.js";
+import { exportPath, type ExportQuery } from "../../wire/http.js";
+import "../../elements/choice.js";
+import "../../elements/menu.js";
+
+const EXTENTS: readonly Option[] = [
+  { id: "window", label: "Window" },
+  { id: "drawn", label: "As drawn" },
+  { id: "all", label: "Everything" },
+];
+const SAYS: Readonly<Record<string, string>> = {
+  window: "Every sample of the chosen signals in the window that is shown.",
+  drawn: "Only what the charts show: the least and the greatest of each pixel.",
+  all: "Every sample of the chosen signals that is stored. This may be much.",
+};
+const FORMATS = [
+  { format: "csv", name: "CSV", for: "spreadsheets" },
+  { format: "parquet", name: "Parquet", for: "pandas, DuckDB" },
+  { format: "arrow", name: "Arrow", for: "Arrow, Polars" },
+] as const;
+
+@customElement("t-export-menu")
+export class ExportMenu extends LitElement {
+  static override styles = [
+    base,
+    css`
+      p {
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight);
+      }
+      @media (max-width: 45rem) {
+        /* The panel hangs on what holds the menus: beside its own button there is no room. */
+        t-menu {
+          position: static;
+        }
+      }
+      .files {
+        display: grid;
+        gap: var(--t-space-2);
+      }
+      a {
+        display: flex;
+        align-items: center;
+        justify-content: space-between;
+        min-block-size: var(--t-touch);
+        padding-inline: var(--t-space-3);
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        color: var(--t-text);
+        font-weight: var(--t-weight-strong);
+        text-decoration: none;
+      }
+      a:hover {
+        background: var(--t-raised);
+      }
+      a span {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight);
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) channels: readonly string[] = [];
+  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  /** CSS pixels of the charts. */
+  @property({ type: Number }) width = 1000;
+
+  @state() private extent = "window";
+
+  override render(): TemplateResult {
+    return html`<t-menu>
+      <span slot="label">Export</span>
+      ${this.channels.length === 0 ? html`<p>Choose a signal first.</p>` : this.files()}
+    </t-menu>`;
+  }
+
+  private files(): TemplateResult {
+    return html`
+      <t-choice label="How much" .options=${EXTENTS} chosen=${this.extent} @t-choose=${this.choose}></t-choice>
+      <p>${SAYS[this.extent]} One row for each time, one column for each signal; times in UTC.</p>
+      <div class="files">
+        ${map(
+          FORMATS,
+          ({ format, name, for: use }) => html`<a href=${exportPath(this.site, this.query(format))} download>${name} <span>${use}</span></a>`,
+        )}
+      </div>
+    `;
+  }
+
+  private query(format: ExportQuery["format"]): ExportQuery {
+    const { channels } = this;
+    if (this.extent === "all") return { channels, fromUs: 0, toUs: Date.now() * 1000, width: 0, format };
+    return { channels, ...this.span, width: this.extent === "drawn" ? this.width : 0, format };
+  }
+
+  private readonly choose = (event: CustomEvent<string>): void => {
+    this.extent = event.detail;
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-export-menu": ExportMenu;
+  }
+}

@@ -1,0 +1,37 @@
+/** What a key asks of the history page while no chart has the focus. */
+
+import { keyWish } from "../../elements/chart/keys.js";
+import { lengthOf, type Span } from "../../series/window.js";
+import { SECOND_US, type ZoneClock } from "../../series/zone.js";
+import type { HistoryView } from "./query.js";
+
+export type PageWish =
+  | { readonly wish: "span"; readonly span: Span }
+  | { readonly wish: "shown"; readonly shown: HistoryView["shown"] }
+  | { readonly wish: "back" };
+
+/** These scroll the page, as everywhere. */
+const SCROLLS: readonly string[] = ["PageUp", "PageDown"];
+
+/**
+ * Arrows pan, plus and minus zoom; Home begins the window with its day (and then with the day
+ * before), End follows the time; Escape and 0 go back to the window from before. Null: not ours.
+ */
+export function pageWish(key: string, shift: boolean, span: Span, clock: ZoneClock): PageWish | null {
+  if (SCROLLS.includes(key)) return null;
+  if (key === "Home") {
+    const start = clock.dayStart(span.fromUs);
+    const fromUs = start < span.fromUs ? start : clock.dayAfter(span.fromUs, -1);
+    return { wish: "span", span: { fromUs, toUs: fromUs + lengthOf(span) } };
+  }
+  if (key === "End") return { wish: "shown", shown: { last: Math.max(1, Math.round(lengthOf(span) / SECOND_US)) } };
+  if (key === "Escape") return { wish: "back" };
+  const wish = keyWish(key, shift, null, span, true);
+  if (wish?.wish === "span") return wish;
+  return wish?.wish === "reset" ? { wish: "back" } : null;
+}
+
+/** Somebody types, or chooses among what the same keys go through. */
+export function isBusy(path: readonly EventTarget[]): boolean {
+  return path.some((each) => each instanceof HTMLElement && each.matches("input, select, textarea, [role=toolbar], t-menu, dialog"));
+}
