@@ -10,8 +10,9 @@ from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.commanding import Commanding, Journal
-from talaia.gateway.commands import FINAL, CommandBook, fields_of
+from talaia.gateway.commands import FINAL, CommandBook
 from talaia.gateway.ports import Outcome
+from talaia.model.arguments import fields_of
 from talaia.model.load import load_site
 from talaia.model.site import Argument, ArgumentType, Command
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState

@@ -16,6 +16,7 @@ from talaia.wire.browser import (
     CommandNews,
     DriveNews,
     Ended,
+    InterlockNews,
     LeaseNews,
     Pong,
     Problem,
@@ -191,6 +192,8 @@ def _state_key(message: ToBrowser) -> Hashable | None:
             return type(message), message.site
         case DriveNews() | LeaseNews(refused=""):
             return type(message), message.site, message.device
+        case InterlockNews():
+            return InterlockNews, message.site, message.interlock
         case StopNews():
             # A repeated STOP waits for the answer with its own id.
             return StopNews, message.site, message.device, message.id
