@@ -44,7 +44,7 @@ class Step(Shape, frozen=True, kw_only=True):
     Attributes:
         command: ``<device>/<command>``.
         args: its arguments, by name.
-        within: its end is waited for so long (s); none takes the command's own time-out.
+        within: its end is waited for so long (s), and never beyond the command's own time-out.
         required: without success the steps behind it are not done. ``false`` goes on in any
             case once ``within`` is over: a dome that must close even if the telescope does
             not park.

@@ -284,10 +284,9 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
         unsafe: its conditions hold now; not so while it only waits for its dwell time.
         since_us: locked since (UTC).
         clears_ms: released after so long, if nothing unsafe comes between.
-        refuses: what it refuses, ``device/command``, ``device/drive`` or ``device/*``; of the
-            devices that you may see.
+        refuses: what it refuses, as people call it; of the devices that you may see.
         override_ms: overridden for so long yet, by whom and why.
-        longest_s: it may be overridden for so long at the most; 0: never.
+        longest_s: you may override it for so long at the most; 0: you may not.
 
     """
 
