@@ -34,7 +34,11 @@ devices:
   weather:
     name: Weather
     signals:
-      wind: {name: Wind, unit: m/s, max_age: 2, source: {topic: /w, type: std_msgs/msg/Float64, field: data}}
+      wind:
+        name: Wind
+        unit: m/s
+        max_age: 2
+        source: {topic: /w, type: std_msgs/msg/Float64, field: data}
       rain:
         name: Rain
         type: state
@@ -300,7 +304,10 @@ anything = st.floats(allow_nan=True, allow_infinity=True)
 
 @given(anything, st.integers(0, 10 * SECOND), st.booleans(), anything)
 def test_only_a_fresh_finite_value_within_limits_is_safe(
-    value: float, age: int, known: bool, limit: float
+    value: float,
+    age: int,
+    known: bool,  # noqa: FBT001 - given by the test's own table
+    limit: float,
 ) -> None:
     reading = Reading(value, 0) if known else None
     verdict = judged(Condition(signal="w/w", above=limit), WIND, reading, age)

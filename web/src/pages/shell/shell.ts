@@ -13,6 +13,7 @@ import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "../../elements/time.js";
 import "./header.js";
+import "./interlocks.js";
 import "./nav.js";
 
 @customElement("t-shell")
@@ -123,6 +124,7 @@ export class Shell extends LitElement {
           ${inside ? html`<t-nav class="beside" .page=${page} .site=${site}></t-nav>` : nothing}
         </t-header>
         ${this.banner()}
+        ${inside ? html`<t-interlocks></t-interlocks>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.content()}</main>
       ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site}></t-nav>` : nothing}
