@@ -10,8 +10,11 @@ from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.commanding import Commanding, Journal
-from talaia.gateway.commands import FINAL, CommandBook, fields_of
+from talaia.gateway.commands import FINAL, CommandBook
 from talaia.gateway.ports import Outcome
+from talaia.gateway.sequences import Sequences
+from talaia.model.arguments import fields_of
+from talaia.model.interlock import Step
 from talaia.model.load import load_site
 from talaia.model.site import Argument, ArgumentType, Command
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState
@@ -136,8 +139,15 @@ class Bench:
         self.dome = Dome()
         self.said: list[CommandState] = []
         self.disk: Callable[[], None] = lambda: None
+        self.barred = ""
         self.commanding = Commanding(
-            SITE, self.clock, self.dome, Journal(folder / "c.jsonl"), self.on_disk, self.say
+            SITE,
+            self.clock,
+            self.dome,
+            Journal(folder / "c.jsonl"),
+            self.on_disk,
+            self.say,
+            lambda _device, _command: self.barred,
         )
         self.changed = asyncio.Event()
 
@@ -257,3 +267,83 @@ def test_journal_ignores_a_line_cut_short(tmp_path: Path) -> None:
     later = Journal(path)
     later.write(state(P.FAILED, "b"), sure=True)
     assert [each.phase for each in Journal(path).remembered] == [P.ACCEPTED, P.FAILED]
+
+
+STEPS = (Step(command="dome/open", within=0.05), Step(command="dome/open"))
+
+
+async def run_sequence(bench: Bench, steps: tuple[Step, ...]) -> list[str]:
+    """Run one to its end; give what was written down."""
+    notes: list[str] = []
+    done = asyncio.Event()
+
+    class Mouth:
+        def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+            notes.append(f"{kind}: {message}")
+            if kind == "sequence_done" or "not done" in message:
+                done.set()
+
+    sequences = Sequences(bench.commanding, Mouth(), "boot")
+    sequences.begin("interlock rain", steps)
+    sequences.begin("interlock rain", steps)
+    async with asyncio.timeout(5):
+        await done.wait()
+    await sequences.close()
+    await bench.commanding.close()
+    return notes
+
+
+async def test_a_sequence_does_its_steps_in_order_once_though_an_interlock_refuses_people(
+    tmp_path: Path,
+) -> None:
+    bench = Bench(tmp_path)
+    bench.barred = "Rain: it rains"
+    notes = await run_sequence(bench, STEPS)
+    assert bench.dome.asked == ["dome/open", "dome/open"]
+    assert {each.who for each in bench.said} == {"interlock rain"}
+    assert notes == ["sequence_done: interlock rain"]
+
+
+async def test_a_required_step_that_fails_ends_the_sequence(tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    bench.dome.answer = Outcome(P.FAILED, "stuck")
+    notes = await run_sequence(bench, STEPS)
+    assert bench.dome.asked == ["dome/open"]
+    assert "failed: stuck; the rest is not done" in notes[0]
+
+
+async def test_a_step_that_is_not_required_holds_the_next_up_for_its_bound_only(
+    tmp_path: Path,
+) -> None:
+    bench = Bench(tmp_path)
+    bench.dome.answer = None
+    park = Step(command="dome/open", within=0.02, required=False)
+    late = Step(command="dome/open", within=0.01)
+    notes = await run_sequence(bench, (park, late))
+    assert bench.dome.asked == ["dome/open", "dome/open"]
+    assert "dome/open running; going on" in notes[0]
+
+
+async def test_a_command_that_an_interlock_refuses_is_not_acted_on(tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    bench.barred = "Rain: it rains"
+    await bench.ask()
+    assert (await bench.ended()).phase is P.REFUSED
+    assert bench.said[-1].message == "Rain: it rains"
+    assert bench.dome.asked == []
+    await bench.commanding.close()
+
+
+async def test_a_command_is_refused_when_it_became_unsafe_while_the_disk_was_busy(
+    tmp_path: Path,
+) -> None:
+    bench = Bench(tmp_path)
+
+    def raining() -> None:
+        bench.barred = "Rain: it rains"
+
+    bench.disk = raining
+    await bench.ask()
+    assert (await bench.ended()).phase is P.REFUSED
+    assert bench.dome.asked == []
+    await bench.commanding.close()

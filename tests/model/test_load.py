@@ -172,3 +172,66 @@ def test_text_has_no_unit_and_no_list_of_states() -> None:
         "$.devices.d.signals.t.states",
         "$.devices.d.signals.t.unit",
     ]
+
+
+GUARDED = """
+talaia: 1
+site: s
+name: S
+ros2: {}
+devices:
+  weather:
+    name: Weather
+    signals:
+      wind: {name: Wind, unit: m/s, source: {topic: /w, type: std_msgs/msg/Float64, field: data}}
+      rain:
+        name: Rain
+        type: state
+        states: [dry, raining]
+        source: {topic: /r, type: std_msgs/msg/Int8, field: data}
+  dome:
+    name: Dome
+    commands:
+      close: {name: Close, target: /close, type: std_srvs/srv/Trigger}
+    link_loss: {after: 60, run: [{command: dome/close}]}
+interlocks:
+  rain:
+    name: Rain
+    when: [{signal: weather/rain, is: [raining]}, {signal: weather/wind, above: 12}]
+    refuse: [dome/*]
+    run: [{command: dome/close, within: 60, required: false}]
+"""
+
+
+def test_interlocks_are_read_and_written_back_equal() -> None:
+    site = load_site(GUARDED)
+    assert check(site) == []
+    assert load_site(dump_site(site)) == site
+    assert site.interlocks["rain"].when[0].is_one_of == ("raining",)
+    assert site.guarded() == {"weather/rain", "weather/wind"}
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "where", "word"),
+    [
+        ("is: [raining]", "is: [rainig]", "$.interlocks.rain.when[0].is[0]", "raining"),
+        ("weather/wind, above", "weather/win, above", ".when[1].signal", "weather/wind"),
+        ("weather/rain, is: [raining]", "weather/rain, above: 1", ".when[0]", "write is"),
+        ("above: 12", "above: .nan", ".when[1].above", "finite"),
+        ("refuse: [dome/*]", "refuse: [dome/open]", ".refuse[0]", "dome/close"),
+        ("command: dome/close, within", "command: dome/clos, within", ".run[0].command", "close"),
+        ("within: 60", "within: 0", ".run[0].within", "above 0"),
+        ("required: false", "args: {speed: 1}", ".run[0].args", "speed"),
+        ("after: 60", "after: -1", "$.devices.dome.link_loss.after", "0 or more"),
+        ("name: Rain\n    when", "name: Rain\n    dwell: 100000.0\n    when", ".dwell", "86400"),
+        ("{signal: weather/wind, above: 12}", "{}", ".when[1].signal", "number or state"),
+    ],
+)
+def test_what_does_not_fit_in_an_interlock_is_told_with_its_place(
+    good: str, bad: str, where: str, word: str
+) -> None:
+    assert GUARDED.count(good) >= 1
+    findings = check(load_site(GUARDED.replace(good, bad, 1)))
+    assert len(findings) == 1, findings
+    assert where in findings[0].where
+    assert word in str(findings[0])

@@ -146,16 +146,19 @@ class Process:
 class Stack:
     """A hub, a gateway and a robot in one folder."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(
+        self, folder: Path, description: str = DESCRIPTION, people: dict[str, str] | None = None
+    ) -> None:
         """Make accounts and a key, and start all three; see `ready`."""
         self.folder = folder
+        self._people = PEOPLE if people is None else people
         self._world = domain.reserve()
         self._ros = domain.environment(self._world.domain)
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = int(probe.getsockname()[1])
         asyncio.run(self._accounts())
-        (folder / "site.yaml").write_text(DESCRIPTION)
+        (folder / "site.yaml").write_text(description)
         self.heard_file, self.ledger_file = folder / "heard.jsonl", folder / "ledger.txt"
         self.robot = Process(
             [str(Path(__file__).parent / "robot.py"), str(self.heard_file), str(self.ledger_file)],
@@ -175,7 +178,7 @@ class Stack:
         settings = Settings(
             data=self.folder, host="127.0.0.1", port=self.port, plain=True, password_cost=4
         )
-        for name, role in PEOPLE.items():
+        for name, role in self._people.items():
             await accounts.create_user(settings, name, PASSWORD, role)
         (self.folder / "key").write_text(await accounts.create_gateway(settings, SITE))
 

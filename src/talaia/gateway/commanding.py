@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.gateway.commands import FINAL, CommandBook, fields_of
+from talaia.gateway.commands import FINAL, CommandBook
 from talaia.gateway.errors import SpoolError
 from talaia.gateway.keep import write_whole
+from talaia.model.arguments import fields_of
 from talaia.wire.frames import CommandPhase, CommandState
 
 if TYPE_CHECKING:
@@ -90,8 +91,18 @@ class Commanding:
         journal: Journal,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
         send: Callable[[CommandState], None],
+        refusal: Callable[[str, str], str] = lambda _device, _command: "",
     ) -> None:
         """Take up what the journal remembers.
+
+        Args:
+            site: the description.
+            clock: monotonic.
+            target: who acts.
+            journal: see `Journal`.
+            on_disk: runs a blocking write elsewhere, in order; raises what it raises.
+            send: tells the hub.
+            refusal: says why a command of a device may not be given now, if so: interlocks.
 
         Raises:
             SpoolError: the journal cannot be written.
@@ -103,6 +114,8 @@ class Commanding:
         self._journal = journal
         self._on_disk = on_disk
         self._send = send
+        self._refusal = refusal
+        self._ends: dict[str, asyncio.Future[CommandState]] = {}
         self._book = CommandBook(journal.remembered)
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._writes: set[asyncio.Task[None]] = set()
@@ -119,7 +132,30 @@ class Commanding:
             self._send(state)
         self._book.interrupted.clear()
 
-    async def ask(self, ask: CommandAsk) -> None:
+    async def perform(self, ask: CommandAsk, within: float | None) -> CommandState:
+        """Act on a command of the gateway's own, which no interlock refuses.
+
+        Gives how it ended, or how it stands after ``within`` (s).
+        """
+        ended: asyncio.Future[CommandState] = asyncio.get_running_loop().create_future()
+        self._ends[ask.id] = ended
+        try:
+            await self.ask(ask, guarded=False)
+            await asyncio.wait([ended], timeout=within)
+            if ended.done():
+                return ended.result()
+            state = self._book.get(ask.id)
+            return (
+                state
+                if state is not None
+                else CommandState(
+                    id=ask.id, device=ask.device, command=ask.command, phase=CommandPhase.UNKNOWN
+                )
+            )
+        finally:
+            self._ends.pop(ask.id, None)
+
+    async def ask(self, ask: CommandAsk, *, guarded: bool = True) -> None:
         """Act on a command, or say why not. A known id is only answered."""
         began_ns = self._clock.monotonic_ns()
         known = self._book.get(ask.id)
@@ -144,16 +180,23 @@ class Commanding:
         if isinstance(fields, str):
             self._move(ask.id, CommandPhase.REFUSED, fields)
             return
+        if barred := guarded and self._refusal(ask.device, ask.command):
+            self._move(ask.id, CommandPhase.REFUSED, barred)
+            return
         try:
             await self._on_disk(lambda: self._journal.write(state, sure=True))
         except OSError as error:
             problem = f"the gateway cannot write its journal: {error}"
             self._move(ask.id, CommandPhase.REFUSED, problem)
             return
-        ttl_ns = min(ask.ttl_ms * 1e6, command.ttl * 1e9)
+        ttl_ns = min(ask.ttl_ms * 1e6, command.ttl * 1e9) if guarded else ask.ttl_ms * 1e6
         # Written so that NaN refuses as well.
         if not self._clock.monotonic_ns() - began_ns <= ttl_ns or ttl_ns <= 0:
             self._move(ask.id, CommandPhase.REFUSED, "it came too late to be accepted")
+            return
+        # Once more: it may have begun to rain while the disk was busy.
+        if barred := guarded and self._refusal(ask.device, ask.command):
+            self._move(ask.id, CommandPhase.REFUSED, barred)
             return
         self._send(state)
         self._begin(ask, command, fields)
@@ -183,6 +226,9 @@ class Commanding:
             timer = self._timers.pop(command_id, None)
             if timer is not None:
                 timer.cancel()
+            ended = self._ends.get(command_id)
+            if ended is not None and not ended.done():
+                ended.set_result(state)
             # Not forced to disk: should this line be lost, the command reads as unknown.
             task = asyncio.ensure_future(self._keep(state))
             self._writes.add(task)

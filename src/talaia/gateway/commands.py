@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Final
 
-from talaia.model.site import ArgumentType
 from talaia.wire.frames import CommandPhase, CommandState
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from talaia.model.site import Argument, Command
-    from talaia.wire.frames import Scalar
-
-__all__ = ["FINAL", "CommandBook", "fields_of"]
+__all__ = ["FINAL", "CommandBook"]
 
 _P = CommandPhase
 FINAL: Final = frozenset({_P.SUCCEEDED, _P.FAILED, _P.REFUSED, _P.CANCELLED, _P.UNKNOWN})
@@ -24,57 +19,6 @@ _STEPS: Final[Mapping[CommandPhase, frozenset[CommandPhase]]] = {
     _P.RUNNING: frozenset({_P.RUNNING}) | FINAL,
     **{phase: frozenset[CommandPhase]() for phase in FINAL},
 }
-
-
-def fields_of(command: Command, args: Mapping[str, Scalar]) -> dict[str, Scalar] | str:
-    """Give the request's fields by path, or the sentence that says what is wrong with ``args``."""
-    unknown = sorted(set(args) - set(command.arguments))
-    if unknown:
-        return f"there is no argument {unknown[0]!r}"
-    fields: dict[str, Scalar] = dict(command.fixed)
-    for name, argument in command.arguments.items():
-        value = args.get(name, argument.default)
-        if value is None:
-            return f"the argument {name!r} is missing"
-        problem = _problem(argument, value)
-        if problem:
-            return f"{name}: {problem}"
-        fields[argument.field] = float(value) if argument.type is ArgumentType.NUMBER else value
-    return fields
-
-
-def _problem(argument: Argument, value: Scalar) -> str:
-    match argument.type:
-        case ArgumentType.BOOLEAN:
-            return "" if isinstance(value, bool) else f"expected true or false, found {value!r}"
-        case ArgumentType.TEXT:
-            if not isinstance(value, str):
-                return f"expected a text, found {value!r}"
-            if len(value) > argument.max_length:
-                return f"at most {argument.max_length} characters, found {len(value)}"
-            return ""
-        case ArgumentType.INTEGER:
-            if not isinstance(value, int) or isinstance(value, bool):
-                return f"expected a whole number, found {value!r}"
-            return _range_problem(argument, value)
-        case ArgumentType.NUMBER:
-            if not isinstance(value, int | float) or isinstance(value, bool):
-                return f"expected a number, found {value!r}"
-            return _range_problem(argument, value)
-
-
-def _range_problem(argument: Argument, value: float) -> str:
-    try:
-        finite = math.isfinite(value)
-    except OverflowError:
-        finite = False
-    if not finite:
-        return "expected a finite number"
-    if argument.minimum is not None and value < argument.minimum:
-        return f"{value} is below {argument.minimum}"
-    if argument.maximum is not None and value > argument.maximum:
-        return f"{value} is above {argument.maximum}"
-    return ""
 
 
 class CommandBook:

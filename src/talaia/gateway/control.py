@@ -20,11 +20,12 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from talaia.clock import Clock
+    from talaia.gateway.interlocks import Interlocks
     from talaia.gateway.keep import KeptStops
     from talaia.gateway.ports import Readings
     from talaia.gateway.seat import Mouth
     from talaia.model.site import Site
-    from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, ResetAsk, StopAsk
+    from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, OverrideAsk, ResetAsk, StopAsk
 
 __all__ = ["Control", "Ticks"]
 
@@ -71,6 +72,7 @@ class Control:
         next_epoch: Callable[[], int],
         stops: KeptStops,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
+        interlocks: Interlocks | None = None,
     ) -> None:
         """Make a seat for each driven device.
 
@@ -82,8 +84,10 @@ class Control:
             next_epoch: see `Lease`.
             stops: latches kept on disk.
             on_disk: runs a blocking write elsewhere, in order; raises what it raises.
+            interlocks: say when a device may not be driven; kept in time with the rest.
 
         """
+        self._interlocks = interlocks
         self._site = site
         self._clock = clock
         self._mouth = mouth
@@ -127,6 +131,7 @@ class Control:
         seat = self.seats.get(frame.device)
         if seat is not None:
             now = self._clock.monotonic_ns()
+            seat.bar(self._barred(frame.device, now), now)
             seat.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
     def stop(self, ask: StopAsk) -> Latched | None:
@@ -194,6 +199,8 @@ class Control:
         for seat in self.seats.values():
             self._mouth.send(seat.stop_state())
             self._mouth.send(seat.lease_state(now))
+        if self._interlocks is not None:
+            self._interlocks.link_up(now)
 
     def link_lost(self) -> None:
         """End every lease and every hold."""
@@ -203,6 +210,13 @@ class Control:
         now = self._clock.monotonic_ns()
         for seat in self.seats.values():
             seat.vacate(now, "link lost", stop_robot=seat.rule.link_loss is LinkLoss.STOP)
+        if self._interlocks is not None:
+            self._interlocks.link_lost(now)
+
+    def override(self, ask: OverrideAsk) -> None:
+        """Override an interlock for a time, or end that."""
+        if self._interlocks is not None:
+            self._interlocks.override(ask, self._clock.monotonic_ns())
 
     def halt(self) -> None:
         """End every hold with a zero now: the process is about to end."""
@@ -215,15 +229,27 @@ class Control:
         times = [due for seat in self.seats.values() if (due := seat.due_ns()) is not None]
         if self._anyone_holds():
             times.append(self.ticks.last_ns + TICK_NS)
+        if self._interlocks is not None and (look := self._interlocks.due_ns()) is not None:
+            times.append(look)
         return min(times, default=None)
 
     def step(self) -> None:
         """Do what is due now."""
         now = self._clock.monotonic_ns()
+        if self._interlocks is not None:
+            self._interlocks.step(now)
         for seat in self.seats.values():
+            # Whoever drives when it becomes unsafe is stopped by this, and not by the next frame.
+            if seat.driving.moving:
+                seat.bar(self._barred(seat.device, now), now)
             seat.step(now, lambda seat=seat: self._proofs(seat))  # type: ignore[misc]
         if self._anyone_holds() and now - self.ticks.last_ns >= TICK_NS:
             self._tick(now)
+
+    def _barred(self, device: str, now_ns: int) -> str:
+        if self._interlocks is None:
+            return ""
+        return self._interlocks.refusal(device, "drive", now_ns)
 
     def _anyone_holds(self) -> bool:
         now = self._clock.monotonic_ns()

@@ -14,6 +14,7 @@ from talaia.wire.frames import (
     Event,
     LeaseAsk,
     LeaseForce,
+    OverrideAsk,
     Reconnect,
     ResetAsk,
     StopAsk,
@@ -187,6 +188,8 @@ class FrontDesk:
                 self._spawn(self._control.reset(message))
             case CommandAsk():
                 self._spawn(self._commanding.ask(message))
+            case OverrideAsk():
+                self._control.override(message)
             case Watch():
                 self._adapter.watch(message.streams)
             case Reconnect():

@@ -27,7 +27,9 @@ from talaia.gateway.commanding import Commanding, Journal
 from talaia.gateway.control import Control
 from talaia.gateway.desk import FrontDesk, Pacer, Voice
 from talaia.gateway.errors import AdapterLost, SettingsError
+from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.keep import Epochs, KeptStops, locked
+from talaia.gateway.sequences import Sequences
 from talaia.gateway.spool.journal import Head, Spool
 from talaia.gateway.spool.keeper import Keeper
 from talaia.gateway.uplink.catchup import CatchUp
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import Adapter
     from talaia.gateway.settings import Settings
     from talaia.gateway.spool.segment import Record
+    from talaia.model.interlock import Step
     from talaia.model.site import Site
     from talaia.wire.frames import Welcome
 
@@ -105,6 +108,9 @@ class Gateway:
         )
         self._adapter = self._make_adapter()
         self._voice.adapter = self._adapter
+        interlocks = Interlocks(
+            site, self._adapter, self._voice, self._begin_sequence, clock.monotonic_ns()
+        )
         self._control = Control(
             site,
             clock,
@@ -113,6 +119,7 @@ class Gateway:
             Epochs(data / "epochs.json").next,
             KeptStops(data / "stops.json"),
             self._on_disk,
+            interlocks,
         )
         self._pacer = Pacer(loop, clock, self._control)
         self._commanding = Commanding(
@@ -122,7 +129,9 @@ class Gateway:
             Journal(data / "commands.jsonl"),
             self._on_disk,
             self._lanes.send,
+            lambda device, command: interlocks.refusal(device, command, clock.monotonic_ns()),
         )
+        self._sequences = Sequences(self._commanding, self._voice, self._boot)
         self._desk = FrontDesk(
             self._boot,
             self._control,
@@ -152,6 +161,9 @@ class Gateway:
             self._voice,
             self._settings.domain,
         )
+
+    def _begin_sequence(self, label: str, steps: tuple[Step, ...]) -> None:
+        self._sequences.begin(label, steps)
 
     def _on_batch(self, record: Record) -> None:
         self._lanes.live(record.body, record.first, record.end)
@@ -188,6 +200,7 @@ class Gateway:
     async def close(self) -> None:
         """Release everything; what waits is on disk then."""
         self._pacer.close()
+        await self._sequences.close()
         self._batcher.flush()
         await self._desk.close()
         await self._keeper.close()

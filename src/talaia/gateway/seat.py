@@ -17,9 +17,9 @@ from talaia.wire.frames import DriveState, StopState
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from talaia.gateway.lease import Lease
     from talaia.gateway.stop import Proof
     from talaia.model.site import Drive as DriveRule
-    from talaia.gateway.lease import Lease
     from talaia.wire.frames import Drive, FromGateway, LeaseAsk, LeaseForce, LeaseState
 
 __all__ = ["Mouth", "Seat"]
@@ -78,6 +78,7 @@ class Seat:
         self._told: tuple[Demand, float, str] | None = None
         self._reported_ns = -REPORT_NS
         self._why = ""
+        self._barred = ""
         self._noted_refusal = False
 
     @property
@@ -118,6 +119,10 @@ class Seat:
         if self.latch.latched is not None:
             self.driving.demand_rest(now_ns)
             why = "STOP is on"
+        elif self._barred:
+            # Whoever still holds a key down when it is safe again has to let go first.
+            self.driving.demand_rest(now_ns)
+            why = self._barred
         elif held is None:
             why = "nobody holds the lease"
         elif held.session != frame.session:
@@ -135,10 +140,16 @@ class Seat:
                     self._publish(now_ns)
                 self._report(now_ns)
                 return
-        if self.latch.latched is not None or held is None or held.session != frame.session:
+        if why in {"STOP is on", self._barred} or held is None or held.session != frame.session:
             self.driving.refused += 1
         self._refuse(why, "" if held is None else held.who)
         self._report(now_ns)
+
+    def bar(self, why: str, now_ns: int) -> None:
+        """Let nobody drive it while an interlock gives this reason; none when it is empty."""
+        self._barred = why
+        if why and self.driving.moving:
+            self._end(now_ns, why)
 
     def _refuse(self, why: str, who: str) -> None:
         changed, self._why = why != self._why, why

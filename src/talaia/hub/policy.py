@@ -124,6 +124,8 @@ FROM_BROWSER: Mapping[type[Message], Need] = {
     browser.Stop: Need.VIEW,
     browser.Reset: Need.USE,
     browser.Command: Need.USE,
+    # Of the whole site: an interlock guards more than one device.
+    browser.Override: Need.ADMIN,
     browser.Ping: Need.SESSION,
     browser.Shown: Need.SESSION,
 }
@@ -141,6 +143,8 @@ TO_BROWSER: Mapping[type[Message], Need] = {
     browser.StopNews: Need.VIEW,
     browser.ResetKey: Need.USE,
     browser.CommandNews: Need.VIEW,
+    # Whoever sees a site knows why nothing moves there; names only the devices they may see.
+    browser.InterlockNews: Need.SEE,
     browser.EventNews: Need.VIEW,
     browser.Pong: Need.SESSION,
     browser.Problem: Need.SESSION,
@@ -162,6 +166,7 @@ FROM_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.StopState,
         frames.ResetToken,
         frames.CommandState,
+        frames.InterlockState,
         frames.Event,
         frames.Beat,
         frames.BeatReply,
@@ -181,6 +186,7 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.StopAsk,
         frames.ResetAsk,
         frames.CommandAsk,
+        frames.OverrideAsk,
         frames.Watch,
         frames.Reconnect,
         frames.Beat,

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 from zoneinfo import available_timezones
 
+from talaia.model.check_interlocks import interlock_findings
 from talaia.model.errors import DescriptionError, UnknownWord
 from talaia.model.site import ArgumentType, DriveMessage, SignalType, Site
 from talaia.model.unit import unit_of
@@ -69,6 +70,7 @@ def _site(site: Site) -> Iterator[Finding]:
         where = f"$.devices.{device_id}"
         yield from id_fits(where, device_id)
         yield from _device(site, where, device)
+    yield from interlock_findings(site)
 
 
 def _near_zones(zone: str) -> Iterable[str]:

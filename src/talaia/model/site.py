@@ -14,6 +14,10 @@ from enum import StrEnum
 
 import msgspec
 
+# These stand beside: what they need of a site is its addresses only.
+from talaia.model.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
+from talaia.model.shape import Shape
+
 __all__ = [
     "Argument",
     "ArgumentType",
@@ -98,17 +102,19 @@ class DriveMessage(StrEnum):
 
 
 class LinkLoss(StrEnum):
-    """What the gateway does with a device when the hub cannot be reached."""
+    """What a driven device is told when the hub cannot be reached.
+
+    A hold that is on ends with zeros in any case. ``stop`` says zeros also to a device that
+    nobody drives, so that it halts whatever it is doing; ``hold`` leaves that as it is.
+    """
 
     STOP = "stop"
+    HOLD = "hold"
+    # The former word for `HOLD`.
     NOTHING = "nothing"
 
 
-class _Shape(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
-    """Immutable, and a key we do not know is an error, not a silence."""
-
-
-class Source(_Shape, frozen=True, kw_only=True):
+class Source(Shape, frozen=True, kw_only=True):
     """Where a signal or a picture comes from.
 
     Attributes:
@@ -125,7 +131,7 @@ class Source(_Shape, frozen=True, kw_only=True):
     name: str = ""
 
 
-class Signal(_Shape, frozen=True, kw_only=True):
+class Signal(Shape, frozen=True, kw_only=True):
     """Something that can be read.
 
     Attributes:
@@ -161,7 +167,7 @@ class Signal(_Shape, frozen=True, kw_only=True):
     visibility: Visibility = Visibility.VIEW
 
 
-class Stream(_Shape, frozen=True, kw_only=True):
+class Stream(Shape, frozen=True, kw_only=True):
     """A camera.
 
     Attributes:
@@ -179,7 +185,7 @@ class Stream(_Shape, frozen=True, kw_only=True):
     visibility: Visibility = Visibility.VIEW
 
 
-class Stop(_Shape, frozen=True, kw_only=True):
+class Stop(Shape, frozen=True, kw_only=True):
     """How STOP (software) reaches a device, beside zero velocity.
 
     Attributes:
@@ -195,7 +201,7 @@ class Stop(_Shape, frozen=True, kw_only=True):
     below: float = 0.02
 
 
-class Drive(_Shape, frozen=True, kw_only=True):
+class Drive(Shape, frozen=True, kw_only=True):
     """Continuous control of a device (teleoperation), under a lease.
 
     Attributes:
@@ -230,7 +236,7 @@ class Drive(_Shape, frozen=True, kw_only=True):
     position: str = ""
 
 
-class Argument(_Shape, frozen=True, kw_only=True):
+class Argument(Shape, frozen=True, kw_only=True):
     """One typed argument of a command, with the field of the request it fills."""
 
     type: ArgumentType
@@ -243,7 +249,7 @@ class Argument(_Shape, frozen=True, kw_only=True):
     default: float | int | bool | str | None = None
 
 
-class Command(_Shape, frozen=True, kw_only=True):
+class Command(Shape, frozen=True, kw_only=True):
     """Something a device can be asked to do once.
 
     Attributes:
@@ -269,8 +275,13 @@ class Command(_Shape, frozen=True, kw_only=True):
     confirm: bool = False
 
 
-class Device(_Shape, frozen=True, kw_only=True):
-    """A part of a site that people think of as one thing."""
+class Device(Shape, frozen=True, kw_only=True):
+    """A part of a site that people think of as one thing.
+
+    Attributes:
+        link_loss: what is done with it when the hub is out of reach, beside `Drive.link_loss`.
+
+    """
 
     name: str
     kind: DeviceKind = DeviceKind.OTHER
@@ -278,10 +289,11 @@ class Device(_Shape, frozen=True, kw_only=True):
     streams: dict[str, Stream] = {}
     commands: dict[str, Command] = {}
     drive: Drive | None = None
+    link_loss: LinkLossPolicy | None = None
     visibility: Visibility = Visibility.VIEW
 
 
-class Ros2Settings(_Shape, frozen=True, kw_only=True):
+class Ros2Settings(Shape, frozen=True, kw_only=True):
     """How the gateway joins ROS 2.
 
     Attributes:
@@ -304,7 +316,7 @@ class Channel(msgspec.Struct, frozen=True):
     text: bool
 
 
-class Site(_Shape, frozen=True, kw_only=True):
+class Site(Shape, frozen=True, kw_only=True):
     """One robot system behind one gateway.
 
     Attributes:
@@ -312,6 +324,7 @@ class Site(_Shape, frozen=True, kw_only=True):
         site: short name, for addresses and files.
         name: what people call it.
         zone: the site's time zone, by its IANA name.
+        interlocks: by name; see `Interlock`.
 
     """
 
@@ -321,6 +334,7 @@ class Site(_Shape, frozen=True, kw_only=True):
     zone: str = "UTC"
     ros2: Ros2Settings | None = None
     devices: dict[str, Device] = {}
+    interlocks: dict[str, Interlock] = {}
 
     def channels(self) -> tuple[Channel, ...]:
         """List every channel, in the order of the description. The order is the wire's index."""
@@ -336,6 +350,17 @@ class Site(_Shape, frozen=True, kw_only=True):
             for signal_id, signal in device.signals.items()
             for part in parts_of(signal)
         )
+
+    def guarded(self) -> frozenset[str]:
+        """Name the signals that safety depends on: their newest readings stay at hand."""
+        confirming = {
+            address
+            for device in self.devices.values()
+            if device.drive is not None
+            for address in device.drive.stop.confirmed_by
+        }
+        conditions = (each for one in self.interlocks.values() for each in one.when)
+        return frozenset(confirming | {each.signal for each in conditions if each.signal})
 
 
 def parts_of(signal: Signal) -> tuple[str, ...]:

@@ -29,9 +29,11 @@ __all__ = [
     "EventNews",
     "FromBrowser",
     "Greeting",
+    "InterlockNews",
     "Lease",
     "LeaseForce",
     "LeaseNews",
+    "Override",
     "Ping",
     "Pong",
     "Problem",
@@ -131,6 +133,15 @@ class Command(Message, frozen=True, kw_only=True, tag="command"):
     command: Name
     id: Name
     args: dict[str, Scalar] = {}
+
+
+class Override(Message, frozen=True, kw_only=True, tag="override"):
+    """Override an interlock of a site for so many seconds, with the reason; 0 s ends that."""
+
+    site: Name
+    interlock: Name
+    reason: Annotated[str, Meta(max_length=500)] = ""
+    seconds: Annotated[float, Meta(ge=0, le=86_400)]
 
 
 class Ping(Message, frozen=True, kw_only=True, tag="ping"):
@@ -273,6 +284,35 @@ class CommandNews(Message, frozen=True, kw_only=True, tag="command_news"):
     who: str = ""
 
 
+class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
+    """How an interlock of a site stands; shown on every page while it locks or is overridden.
+
+    Attributes:
+        locked: it refuses what it guards, unless overridden.
+        unsafe: its conditions hold now; not so while it only waits for its dwell time.
+        since_us: locked since (UTC).
+        clears_ms: released after so long, if nothing unsafe comes between.
+        refuses: what it refuses, as people call it; of the devices that you may see.
+        override_ms: overridden for so long yet, by whom and why.
+        longest_s: you may override it for so long at the most; 0: you may not.
+
+    """
+
+    site: str
+    interlock: str
+    name: str
+    locked: bool
+    unsafe: bool = False
+    why: str = ""
+    since_us: int = 0
+    clears_ms: int = 0
+    refuses: list[str] = []
+    overridden_by: str = ""
+    reason: str = ""
+    override_ms: int = 0
+    longest_s: float = 0.0
+
+
 class EventNews(Message, frozen=True, kw_only=True, tag="event"):
     """Something happened at a site that people should know of."""
 
@@ -345,7 +385,9 @@ class Shown(Message, frozen=True, kw_only=True, tag="shown"):
     seq: Count
 
 
-FromBrowser = Subscribe | Unsubscribe | Lease | LeaseForce | Drive | Stop | Reset | Command | Ping
+FromBrowser = (
+    Subscribe | Unsubscribe | Lease | LeaseForce | Drive | Stop | Reset | Command | Override | Ping
+)
 ToBrowser = (
     Greeting
     | SiteNews
@@ -357,6 +399,7 @@ ToBrowser = (
     | StopNews
     | ResetKey
     | CommandNews
+    | InterlockNews
     | EventNews
     | Pong
     | Problem

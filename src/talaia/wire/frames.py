@@ -38,10 +38,12 @@ __all__ = [
     "FromHub",
     "Gap",
     "Hello",
+    "InterlockState",
     "LeaseAsk",
     "LeaseForce",
     "LeaseOp",
     "LeaseState",
+    "OverrideAsk",
     "Picture",
     "Reconnect",
     "ResetAsk",
@@ -228,6 +230,29 @@ class Event(Message, frozen=True, kw_only=True, tag="event"):
     good: bool = True
 
 
+class InterlockState(Message, frozen=True, kw_only=True, tag="interlock"):
+    """How an interlock stands. Sent on every change, and of all at the start of a link.
+
+    Attributes:
+        locked: it refuses what it guards, unless overridden.
+        unsafe: its conditions hold now; not so while it only waits for its dwell time.
+        for_ms: locked for so long.
+        clears_ms: it is released after so long, if nothing unsafe comes between.
+        override_ms: overridden for so long yet, by whom and why.
+
+    """
+
+    interlock: Name
+    locked: bool
+    unsafe: bool = False
+    why: Sentence = ""
+    for_ms: int = 0
+    clears_ms: int = 0
+    overridden_by: Sentence = ""
+    reason: Sentence = ""
+    override_ms: int = 0
+
+
 # ── both ways ───────────────────────────────────────────────────────────────────────────────
 
 
@@ -342,6 +367,15 @@ class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
     who: Name
 
 
+class OverrideAsk(Message, frozen=True, kw_only=True, tag="override"):
+    """Override an interlock for so many seconds; 0 ends that. The hub has seen to the right."""
+
+    interlock: Name
+    who: Name
+    reason: Sentence = ""
+    seconds: float
+
+
 class Watch(Message, frozen=True, kw_only=True, tag="watch"):
     """The streams (``device/stream``) that anyone looks at now; all others rest."""
 
@@ -381,6 +415,7 @@ FromGateway = (
     | StopState
     | ResetToken
     | CommandState
+    | InterlockState
     | Event
     | Beat
     | BeatReply
@@ -395,6 +430,7 @@ FromHub = (
     | StopAsk
     | ResetAsk
     | CommandAsk
+    | OverrideAsk
     | Watch
     | Reconnect
     | Beat

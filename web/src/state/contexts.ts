@@ -3,6 +3,7 @@
 import { createContext } from "@lit/context";
 import type { Connection } from "../wire/connection.js";
 import type { HubApi } from "../wire/http.js";
+import type { Interlocks } from "./interlocks.js";
 import type { LiveValues } from "./live.js";
 import type { RobotNews } from "./robot-news.js";
 import type { Router } from "./router.js";
@@ -12,6 +13,7 @@ import type { ThemeChoice } from "./theme.js";
 
 export const apiContext = createContext<HubApi>(Symbol("api"));
 export const connectionContext = createContext<Connection>(Symbol("connection"));
+export const interlocksContext = createContext<Interlocks>(Symbol("interlocks"));
 export const liveContext = createContext<LiveValues>(Symbol("live"));
 export const robotNewsContext = createContext<RobotNews>(Symbol("robot news"));
 export const routerContext = createContext<Router>(Symbol("router"));

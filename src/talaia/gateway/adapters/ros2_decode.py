@@ -196,12 +196,7 @@ def plans_of(
     first = {channel.address.split(".", 1)[0]: -1 for channel in site.channels()}
     for index, channel in reversed(list(enumerate(site.channels()))):
         first[f"{channel.device}/{channel.signal}"] = index
-    tapped = {
-        address
-        for device in site.devices.values()
-        if device.drive is not None
-        for address in device.drive.stop.confirmed_by
-    }
+    tapped = site.guarded()
     rows: dict[tuple[str, str], list[_Row]] = {}
     names: dict[tuple[str, str], dict[str, _Row]] = {}
     for device_id, device in site.devices.items():

@@ -18,6 +18,7 @@ from talaia.wire.frames import (
     CommandState,
     DriveState,
     Event,
+    InterlockState,
     LeaseState,
     ResetToken,
     StopState,
@@ -41,7 +42,9 @@ class Lane(IntEnum):
     BACKFILL = 3
 
 
-_CONTROL = (StopState, DriveState, Tick, LeaseState, ResetToken, Beat, BeatReply, Bye)
+_CONTROL = (
+    StopState, DriveState, Tick, LeaseState, InterlockState, ResetToken, Beat, BeatReply, Bye,
+)  # fmt: skip
 _COMMANDS = (CommandState, Event)
 
 

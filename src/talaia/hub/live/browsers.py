@@ -18,6 +18,7 @@ from talaia.wire.browser import (
     Drive,
     DriveNews,
     Ended,
+    InterlockNews,
     Lease,
     LeaseNews,
     Ping,
@@ -228,6 +229,8 @@ def _state_key(message: ToBrowser) -> Hashable | None:
             return type(message), message.site
         case DriveNews() | LeaseNews(refused=""):
             return type(message), message.site, message.device
+        case InterlockNews():
+            return InterlockNews, message.site, message.interlock
         case StopNews():
             # A repeated STOP waits for the answer with its own id.
             return StopNews, message.site, message.device, message.id

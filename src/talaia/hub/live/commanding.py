@@ -22,7 +22,15 @@ __all__ = ["Commanding"]
 
 _MOST_PENDING = 1000
 
-Asked = page.Lease | page.LeaseForce | page.Drive | page.Stop | page.Reset | page.Command
+Asked = (
+    page.Lease
+    | page.LeaseForce
+    | page.Drive
+    | page.Stop
+    | page.Reset
+    | page.Command
+    | page.Override
+)
 
 
 class Commanding:
@@ -75,6 +83,8 @@ class Commanding:
                     self._note(live, "stop reset asked", browser.who.name, asked.device)
             case page.Command():
                 self._command(browser, live, asked)
+            case page.Override():
+                self._override(browser, live, asked)
 
     def leave(self, browser: Browser) -> None:
         """Free, at once, what a page that has gone was holding or was about to get."""
@@ -101,6 +111,27 @@ class Commanding:
                 picture_ms=asked.picture_ms,
             )
         )
+
+    def _override(self, browser: Browser, live: LiveSite, asked: page.Override) -> None:
+        rule = live.description.interlocks.get(asked.interlock)
+        if rule is None or live.link is None:
+            self._refuse(browser, asked, "unknown", f"there is no interlock {asked.interlock!r}")
+            return
+        if asked.seconds > rule.longest_override:
+            most = f"at most {rule.longest_override:g} s" if rule.longest_override else "never"
+            self._refuse(browser, asked, "invalid", f"{rule.name} may be overridden {most}")
+            return
+        if asked.seconds and not asked.reason.strip():
+            self._refuse(browser, asked, "invalid", "say why it is overridden")
+            return
+        who = browser.who.name
+        live.link.send(
+            frames.OverrideAsk(
+                interlock=asked.interlock, who=who, reason=asked.reason, seconds=asked.seconds
+            )
+        )
+        said = f"{asked.interlock} for {asked.seconds:g} s: {asked.reason}"
+        self._note(live, "override asked", who, "", said)
 
     def _command(self, browser: Browser, live: LiveSite, asked: page.Command) -> None:
         command = live.description.devices[asked.device].commands.get(asked.command)
@@ -150,7 +181,7 @@ class Commanding:
                 f"{about} refused",
                 who=browser.who.name,
                 site=asked.site,
-                device=asked.device,
+                device=getattr(asked, "device", ""),
                 message=message,
                 good=False,
             )

@@ -11,6 +11,7 @@ from talaia.wire.frames import (
     Drive,
     LeaseAsk,
     LeaseForce,
+    OverrideAsk,
     ResetAsk,
     StopAsk,
 )
@@ -85,7 +86,7 @@ def _lane_of(message: FromHub) -> int:
             return 0
         case Drive() | LeaseAsk() | LeaseForce() | ResetAsk():
             return 1
-        case CommandAsk():
+        case CommandAsk() | OverrideAsk():
             return 2
         case _:
             return 3

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.clock import MS
+from talaia.hub.auth.permissions import Right, sees_device
 from talaia.wire import browser as page, frames
 from talaia.wire.frames import CommandPhase
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.browsers import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.store.audit import Audit
+    from talaia.model.site import Site
 
 __all__ = ["Reporting", "site_news"]
 
@@ -33,6 +35,7 @@ Told = (
     | frames.StopState
     | frames.ResetToken
     | frames.CommandState
+    | frames.InterlockState
     | frames.Event
 )
 
@@ -57,6 +60,8 @@ class Reporting:
                 browser.tell(_stop_news(live, stop))
             for drive in live.drives.values():
                 browser.tell(_drive_news(live, drive))
+            for name in live.interlocks:
+                self._tell_interlock(live, name, browser)
 
     def tell(self, live: LiveSite, told: Told) -> None:
         """Pass on what a gateway says, to each page that may know."""
@@ -87,6 +92,10 @@ class Reporting:
                     )
             case frames.CommandState():
                 self._command_state(live, told)
+            case frames.InterlockState():
+                live.interlocks[told.interlock] = (told, self._clock.monotonic_ns())
+                for browser in self._browsers:
+                    self._tell_interlock(live, told.interlock, browser)
             case frames.Event():
                 self.event(
                     live, told.kind, told.device, told.message, told.who, good=told.good,
@@ -126,6 +135,7 @@ class Reporting:
             self._lease(live, frames.LeaseState(device=device))
         live.leases.clear()
         live.drives.clear()
+        live.interlocks.clear()
         for pending in list(live.pending.values()):
             self._command_state(
                 live,
@@ -138,6 +148,36 @@ class Reporting:
                     who=pending.who,
                 ),
             )
+
+    def _tell_interlock(self, live: LiveSite, name: str, browser: Browser) -> None:
+        rule = live.description.interlocks.get(name)
+        if rule is None:
+            return
+        state, heard_ns = live.interlocks[name]
+        passed_ms = (self._clock.monotonic_ns() - heard_ns) // MS
+        since_ms = self._clock.wall_ns() // MS - state.for_ms - passed_ms
+        grants = browser.who.grants
+        browser.tell(
+            page.InterlockNews(
+                site=live.name,
+                interlock=name,
+                name=rule.name,
+                locked=state.locked,
+                unsafe=state.unsafe,
+                why=state.why,
+                since_us=since_ms * 1000 if state.locked else 0,
+                clears_ms=max(0, state.clears_ms - passed_ms),
+                refuses=[
+                    _named(live.description, each)
+                    for each in rule.refuse
+                    if sees_device(grants, live.description, each.split("/", 1)[0])
+                ],
+                overridden_by=state.overridden_by,
+                reason=state.reason,
+                override_ms=max(0, state.override_ms - passed_ms),
+                longest_s=rule.longest_override if grants.may(Right.ADMIN, live.name) else 0.0,
+            )
+        )
 
     def _lease(self, live: LiveSite, state: frames.LeaseState) -> None:
         before = live.leases.get(state.device)
@@ -215,6 +255,16 @@ class Reporting:
 
     def _note(self, live: LiveSite, kind: str, who: str, device: str, message: str = "") -> None:
         self._audit.note(kind, who=who, site=live.name, device=device, message=message)
+
+
+def _named(site: Site, target: str) -> str:
+    """Say what an interlock refuses, as people call it."""
+    device_id, _, what = target.partition("/")
+    device = site.devices[device_id]
+    if what == "*":
+        return f"{device.name}: everything"
+    command = device.commands.get(what)
+    return f"{device.name}: {command.name if command is not None else 'driving'}"
 
 
 def site_news(live: LiveSite) -> page.SiteNews:

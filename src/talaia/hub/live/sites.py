@@ -11,7 +11,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from talaia.model.site import Channel, Site
-    from talaia.wire.frames import DriveState, FromHub, LeaseState, StopState
+    from talaia.wire.frames import (
+        DriveState,
+        FromHub,
+        InterlockState,
+        LeaseState,
+        StopState,
+    )
 
 __all__ = ["LiveSite", "Pending", "SiteLink", "Sites"]
 
@@ -48,6 +54,7 @@ class LiveSite:
         skew_ms: how far the gateway's wall clock is ahead of ours.
         link: the way down; None while the gateway is away.
         leases: by device, with the moment it was heard (monotonic ns).
+        interlocks: by name, with the moment it was heard (monotonic ns).
 
     """
 
@@ -64,6 +71,7 @@ class LiveSite:
     leases: dict[str, tuple[LeaseState, int]] = field(default_factory=dict)
     stops: dict[str, StopState] = field(default_factory=dict)
     drives: dict[str, DriveState] = field(default_factory=dict)
+    interlocks: dict[str, tuple[InterlockState, int]] = field(default_factory=dict)
     pending: dict[str, Pending] = field(default_factory=dict)
 
     @property

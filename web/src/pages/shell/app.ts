@@ -6,6 +6,7 @@ import { customElement, state } from "lit/decorators.js";
 import {
   apiContext,
   connectionContext,
+  interlocksContext,
   liveContext,
   robotNewsContext,
   routerContext,
@@ -13,6 +14,7 @@ import {
   sitesContext,
   themeContext,
 } from "../../state/contexts.js";
+import { Interlocks } from "../../state/interlocks.js";
 import { LiveValues } from "../../state/live.js";
 import { RobotNews } from "../../state/robot-news.js";
 import { Router } from "../../state/router.js";
@@ -39,6 +41,7 @@ export class App extends LitElement {
     url: socketUrl("/ws", location),
     touched: () => this.touched.take(),
   });
+  private readonly interlocks = new Interlocks(this.connection);
   private readonly live = new LiveValues(this.connection);
   private readonly robotNews = new RobotNews(this.connection);
   private readonly router = new Router(window);
@@ -54,6 +57,7 @@ export class App extends LitElement {
     super();
     new ContextProvider(this, { context: apiContext, initialValue: this.api });
     new ContextProvider(this, { context: connectionContext, initialValue: this.connection });
+    new ContextProvider(this, { context: interlocksContext, initialValue: this.interlocks });
     new ContextProvider(this, { context: liveContext, initialValue: this.live });
     new ContextProvider(this, { context: robotNewsContext, initialValue: this.robotNews });
     new ContextProvider(this, { context: routerContext, initialValue: this.router });

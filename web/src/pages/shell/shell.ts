@@ -16,6 +16,7 @@ import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "../../elements/time.js";
 import "./header.js";
+import "./interlocks.js";
 import "./nav.js";
 import "./session-end.js";
 
@@ -150,6 +151,7 @@ export class Shell extends LitElement {
           ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable}></t-nav>` : nothing}
         </t-header>
         ${this.banner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
+        ${inside ? html`<t-interlocks></t-interlocks>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.content()}</main>
       ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person} ?actuable=${actuable}></t-nav>` : nothing}

@@ -1,0 +1,209 @@
+"""All interlocks and link-loss policies of a site, from the gateway's own copy of it. Pure.
+
+Conditions are judged anew at each command and each driving frame, and ten times a second. A hub
+is not needed for any of it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Protocol
+
+from talaia.clock import MS, SECOND
+from talaia.gateway.latch import Change, Latch, Verdict
+from talaia.model.site import SignalType
+
+if TYPE_CHECKING:
+    from talaia.gateway.ports import Reading, Readings
+    from talaia.gateway.seat import Mouth
+    from talaia.model.interlock import Condition, Step
+    from talaia.model.site import Signal, Site
+    from talaia.wire.frames import OverrideAsk
+
+__all__ = ["Interlocks", "Runner", "judged"]
+
+LOOK_NS = 100 * MS
+
+
+class Runner(Protocol):
+    """Begins sequences of commands."""
+
+    def __call__(self, label: str, steps: tuple[Step, ...]) -> None:
+        """Begin one; one of the same label that still runs goes on instead."""
+        ...
+
+
+def judged(condition: Condition, signal: Signal, reading: Reading | None, age_ns: int) -> Verdict:
+    """Say what is unsafe about a signal.
+
+    Args:
+        condition: what is unsafe.
+        signal: its description.
+        reading: its newest, if there ever was one.
+        age_ns: of the reading; where there is none, how long it has been listened for.
+
+    """
+    max_age = signal.max_age if condition.max_age is None else condition.max_age
+    fresh = age_ns <= round(max_age * SECOND)
+    if reading is None:
+        return Verdict(f"{signal.name}: no value yet", certain=not fresh)
+    if not fresh:
+        return Verdict(f"{signal.name}: no value newer than {max_age:g} s")
+    value = reading.value
+    if not math.isfinite(value):
+        return Verdict(f"{signal.name}: not a number")
+    if signal.type is SignalType.STATE:
+        return Verdict(_state_problem(condition, signal, value))
+    unit = f" {signal.unit}" if signal.unit else ""
+    if condition.above is not None and value > condition.above:
+        return Verdict(f"{signal.name} is above {condition.above:g}{unit}")
+    if condition.below is not None and value < condition.below:
+        return Verdict(f"{signal.name} is below {condition.below:g}{unit}")
+    return Verdict()
+
+
+def _state_problem(condition: Condition, signal: Signal, value: float) -> str:
+    if value != int(value) or not 0 <= value < len(signal.states):
+        return f"{signal.name}: an unknown state"
+    word = signal.states[int(value)]
+    if word in condition.is_one_of or (condition.is_not and word not in condition.is_not):
+        return f"{signal.name} is {word}"
+    return ""
+
+
+class Interlocks:
+    """What may not be done now, and why; and what is done by itself."""
+
+    def __init__(
+        self, site: Site, readings: Readings, mouth: Mouth, run: Runner, now_ns: int
+    ) -> None:
+        """Start locked and without a link.
+
+        Args:
+            site: the description.
+            readings: the newest values, see `Site.guarded`.
+            mouth: tells the hub, and writes down.
+            run: begins sequences.
+            now_ns: monotonic.
+
+        """
+        self._site = site
+        self._readings = readings
+        self._mouth = mouth
+        self._run = run
+        self._began_ns = now_ns
+        self._lost_ns: int | None = now_ns
+        self._looked_ns = now_ns - LOOK_NS
+        self._latches = {name: Latch(name, rule, now_ns) for name, rule in site.interlocks.items()}
+        self._waiting = {
+            name: device.link_loss
+            for name, device in site.devices.items()
+            if device.link_loss is not None
+        }
+        self._due = dict(self._waiting)
+
+    def refusal(self, device: str, what: str, now_ns: int) -> str:
+        """Say why a command of a device (or ``drive``) may not be done now; empty when it may."""
+        for name, rule in self._site.interlocks.items():
+            if f"{device}/{what}" in rule.refuse or f"{device}/*" in rule.refuse:
+                self._look(name, now_ns)
+                latch = self._latches[name]
+                if latch.locked:
+                    return f"{rule.name}: {latch.why}"
+        return ""
+
+    def override(self, ask: OverrideAsk, now_ns: int) -> None:
+        """Override an interlock for a time, or end that; who asked is told by the state."""
+        latch = self._latches.get(ask.interlock)
+        refused = f"there is no interlock {ask.interlock!r}"
+        if latch is not None:
+            refused = latch.overrule(ask.who, ask.reason, ask.seconds, now_ns)
+        if refused:
+            self._mouth.note("override_refused", "", refused, ask.who, good=False)
+            return
+        if latch is not None and ask.seconds:
+            said = f"{ask.interlock} for {ask.seconds:g} s: {ask.reason.strip()}"
+            self._mouth.note("interlock_overridden", "", said, ask.who, good=False)
+            self._mouth.send(latch.state(now_ns))
+        self._look(ask.interlock, now_ns)
+
+    def link_up(self, now_ns: int) -> None:
+        """Tell a new link how all stand; what was to follow its loss is called off."""
+        self._lost_ns = None
+        self._due = dict(self._waiting)
+        for latch in self._latches.values():
+            self._mouth.send(latch.state(now_ns))
+
+    def link_lost(self, now_ns: int) -> None:
+        """Count from now."""
+        self._lost_ns = now_ns
+
+    def due_ns(self) -> int | None:
+        """Give when `step` wants to be called next, or none where there is nothing to watch."""
+        if not self._latches and (self._lost_ns is None or not self._due):
+            return None
+        return self._looked_ns + LOOK_NS
+
+    def step(self, now_ns: int) -> None:
+        """Look at everything."""
+        if now_ns - self._looked_ns < LOOK_NS:
+            return
+        self._looked_ns = now_ns
+        for name in self._latches:
+            self._look(name, now_ns)
+        if self._lost_ns is None:
+            return
+        for device, policy in list(self._due.items()):
+            if now_ns - self._lost_ns >= round(policy.after * SECOND):
+                del self._due[device]
+                away = f"no hub for {policy.after:g} s"
+                self._mouth.note("link_loss_acted", device, away, "", good=False)
+                self._run(f"link loss {device}", policy.run)
+
+    def _look(self, name: str, now_ns: int) -> None:
+        latch, rule = self._latches[name], self._site.interlocks[name]
+        before = latch.override
+        verdict = self._verdict(name, now_ns)
+        for change in latch.look(verdict, now_ns):
+            match change:
+                case Change.LOCKED:
+                    self._note("interlock_locked", f"{name}: {latch.why}", good=False)
+                case Change.RELEASED:
+                    self._note("interlock_released", name, good=True)
+                case Change.OVERRIDE_ENDED:
+                    who = "" if before is None else before.who
+                    self._mouth.note("override_ended", "", name, who, good=True)
+                case Change.FIRED:
+                    if rule.run:
+                        self._note("interlock_acts", f"{name}: {latch.why}", good=False)
+                        self._run(f"interlock {name}", rule.run)
+                    continue
+                case Change.TOLD:
+                    pass
+            self._mouth.send(latch.state(now_ns))
+
+    def _verdict(self, name: str, now_ns: int) -> Verdict:
+        """Give the first thing that is certainly unsafe, or else the first that is unknown."""
+        found = Verdict()
+        for condition in self._site.interlocks[name].when:
+            verdict = self._judge(condition, now_ns)
+            if verdict.why and verdict.certain:
+                return verdict
+            if verdict.why and not found.why:
+                found = verdict
+        return found
+
+    def _judge(self, condition: Condition, now_ns: int) -> Verdict:
+        if condition.link_lost is not None:
+            lost = self._lost_ns
+            if lost is None or now_ns - lost < round(condition.link_lost * SECOND):
+                return Verdict()
+            return Verdict(f"the hub has been out of reach for {condition.link_lost:g} s")
+        device, _, signal = condition.signal.partition("/")
+        reading = self._readings.latest(condition.signal)
+        since = self._began_ns if reading is None else reading.mono_ns
+        described = self._site.devices[device].signals[signal]
+        return judged(condition, described, reading, now_ns - since)
+
+    def _note(self, kind: str, message: str, *, good: bool) -> None:
+        self._mouth.note(kind, "", message, "", good=good)

@@ -1,0 +1,143 @@
+"""One interlock over time: unsafe at once, safe again after a dwell time, overridden. Pure."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import MS, SECOND
+from talaia.wire.frames import InterlockState
+
+if TYPE_CHECKING:
+    from talaia.model.interlock import Interlock
+
+__all__ = ["Change", "Latch", "Override", "Verdict"]
+
+
+class Verdict(NamedTuple):
+    """What the conditions say now.
+
+    Attributes:
+        why: what is unsafe, as a sentence; empty when nothing is.
+        certain: not merely unknown because the gateway has just begun to listen.
+
+    """
+
+    why: str = ""
+    certain: bool = True
+
+
+class Override(NamedTuple):
+    """Who lets people act in spite of an interlock, why, and until when (ns, monotonic)."""
+
+    who: str
+    reason: str
+    until_ns: int
+
+
+class Change(Enum):
+    """What a look brought about; several may come at once, in this order."""
+
+    OVERRIDE_ENDED = "override ended"
+    LOCKED = "locked"
+    FIRED = "fired"
+    RELEASED = "released"
+    # Nothing to write down, but what pages show is no longer so.
+    TOLD = "told"
+
+
+class Latch:
+    """The state of one interlock. It begins locked, until all has been safe for the dwell time."""
+
+    def __init__(self, name: str, rule: Interlock, now_ns: int) -> None:
+        """Start as after a restart: nothing is known, so nothing may be done."""
+        self._name = name
+        self._rule = rule
+        self._dwell_ns = round(rule.dwell * SECOND)
+        self._locked = True
+        self._since_ns = now_ns
+        self._unsafe = True
+        self._safe_ns = now_ns
+        self._fired = False
+        self._override: Override | None = None
+        self.why = "the gateway has just started"
+
+    @property
+    def locked(self) -> bool:
+        """Tell whether it refuses now."""
+        return self._locked and self._override is None
+
+    @property
+    def override(self) -> Override | None:
+        """Who has overridden it, if anybody."""
+        return self._override
+
+    def look(self, verdict: Verdict, now_ns: int) -> list[Change]:
+        """Take in what the conditions say; give what follows."""
+        changes: list[Change] = []
+        if self._override is not None and now_ns >= self._override.until_ns:
+            self._override = None
+            self._fired = False
+            changes.append(Change.OVERRIDE_ENDED)
+        if verdict.why:
+            if not self._locked:
+                self._locked, self._since_ns = True, now_ns
+                changes.append(Change.LOCKED)
+            elif not self._unsafe or verdict.why != self.why:
+                changes.append(Change.TOLD)
+            self._unsafe, self.why = True, verdict.why
+            if verdict.certain and not self._fired and self._override is None:
+                self._fired = True
+                changes.append(Change.FIRED)
+            return changes
+        if self._unsafe:
+            self._unsafe, self._safe_ns = False, now_ns
+            changes.append(Change.TOLD)
+        if self._locked and now_ns - self._safe_ns >= self._dwell_ns:
+            self._locked = self._fired = False
+            self.why = ""
+            changes.append(Change.RELEASED)
+        return changes
+
+    def due_ns(self) -> int | None:
+        """Give when time alone changes it: the dwell time or an override ends; none if it can't."""
+        times = []
+        if self._locked and not self._unsafe:
+            times.append(self._safe_ns + self._dwell_ns)
+        if self._override is not None:
+            times.append(self._override.until_ns)
+        return min(times, default=None)
+
+    def overrule(self, who: str, reason: str, seconds: float, now_ns: int) -> str:
+        """Override it for a time, or end that with 0 s; give the reason why not."""
+        if seconds == 0:
+            if self._override is None:
+                return f"{self._rule.name} is not overridden"
+            self._override = self._override._replace(until_ns=now_ns)
+            return ""
+        longest = self._rule.longest_override
+        if not 0 < seconds <= longest:
+            most = f"at most {longest:g} s" if longest else "never"
+            return f"{self._rule.name} may be overridden {most}"
+        if not reason.strip():
+            return "say why it is overridden"
+        self._override = Override(who, reason.strip(), now_ns + round(seconds * SECOND))
+        return ""
+
+    def state(self, now_ns: int) -> InterlockState:
+        """Say how it stands."""
+        over = self._override
+        clears_ns = 0
+        if self._locked and not self._unsafe:
+            clears_ns = max(0, self._safe_ns + self._dwell_ns - now_ns)
+        return InterlockState(
+            interlock=self._name,
+            locked=self._locked,
+            unsafe=self._unsafe,
+            why=self.why,
+            for_ms=(now_ns - self._since_ns) // MS if self._locked else 0,
+            clears_ms=clears_ns // MS,
+            overridden_by="" if over is None else over.who,
+            reason="" if over is None else over.reason,
+            override_ms=0 if over is None else max(0, over.until_ns - now_ns) // MS,
+        )

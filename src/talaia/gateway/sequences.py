@@ -1,0 +1,67 @@
+"""Commands that the gateway gives by itself, one after the other: of interlocks and link loss."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from talaia.wire.frames import CommandAsk, CommandPhase
+
+if TYPE_CHECKING:
+    from talaia.gateway.commanding import Commanding
+    from talaia.gateway.seat import Mouth
+    from talaia.model.interlock import Step
+
+__all__ = ["Sequences"]
+
+
+class Sequences:
+    """Runs sequences; each step once, and never again by itself."""
+
+    def __init__(self, commanding: Commanding, mouth: Mouth, boot: str) -> None:
+        """Act through ``commanding``; ``boot`` keeps the ids of this run apart from others'."""
+        self._commanding = commanding
+        self._mouth = mouth
+        self._boot = boot
+        self._count = 0
+        self._running: dict[str, asyncio.Task[None]] = {}
+
+    def begin(self, label: str, steps: tuple[Step, ...]) -> None:
+        """See `Runner`."""
+        if not steps or label in self._running:
+            return
+        task = asyncio.ensure_future(self._run(label, steps))
+        self._running[label] = task
+        task.add_done_callback(lambda _: self._running.pop(label, None))
+
+    async def _run(self, label: str, steps: tuple[Step, ...]) -> None:
+        for step in steps:
+            device, _, command = step.command.partition("/")
+            self._count += 1
+            ask = CommandAsk(
+                id=f"{label.replace(' ', '-')}-{self._boot}-{self._count}",
+                device=device,
+                command=command,
+                args=step.args,
+                # Nobody waits on a network for it: what makes it late is our own disk, and late
+                # is better than never for what makes things safe.
+                ttl_ms=3_600_000,
+                who=label,
+            )
+            state = await self._commanding.perform(ask, step.within)
+            if state.phase is CommandPhase.SUCCEEDED:
+                continue
+            said = f"{step.command} {state.phase}: {state.message}".rstrip(": ")
+            then = "the rest is not done" if step.required else "going on"
+            message = f"{label}: {said}; {then}"
+            self._mouth.note("sequence_failed", device, message, label, good=False)
+            if step.required:
+                return
+        self._mouth.note("sequence_done", "", label, label, good=True)
+
+    async def close(self) -> None:
+        """Wait for nothing more; what is under way reads as unknown."""
+        tasks = list(self._running.values())
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)

@@ -1,0 +1,82 @@
+"""Whether the arguments of a command fit its description. Pure; the hub and the gateway ask."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from talaia.model.site import ArgumentType
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.model.site import Argument, Command
+
+__all__ = ["Value", "fields_of", "unit_problem"]
+
+Value = float | int | bool | str
+
+
+def fields_of(command: Command, args: Mapping[str, Value]) -> dict[str, Value] | str:
+    """Give the request's fields by path, or the sentence that says what is wrong with ``args``."""
+    unknown = sorted(set(args) - set(command.arguments))
+    if unknown:
+        return f"there is no argument {unknown[0]!r}"
+    fields: dict[str, Value] = dict(command.fixed)
+    for name, argument in command.arguments.items():
+        value = args.get(name, argument.default)
+        if value is None:
+            return f"the argument {name!r} is missing"
+        problem = _problem(argument, value)
+        if problem:
+            return f"{name}: {problem}"
+        fields[argument.field] = float(value) if argument.type is ArgumentType.NUMBER else value
+    return fields
+
+
+def unit_problem(command: Command, units: Mapping[str, str]) -> str:
+    """Say which argument was asked in another unit than the description has now, if any.
+
+    Whoever asks says the unit that was shown beside each number: a page that was opened before
+    the description changed must not send degrees where radians are meant.
+    """
+    for name, unit in units.items():
+        argument = command.arguments.get(name)
+        if argument is not None and argument.unit != unit:
+            asked, meant = unit or "no unit", argument.unit or "no unit"
+            return f"{name}: asked in {asked}, but it is {meant} here; load the page anew"
+    return ""
+
+
+def _problem(argument: Argument, value: Value) -> str:
+    match argument.type:
+        case ArgumentType.BOOLEAN:
+            return "" if isinstance(value, bool) else f"expected true or false, found {value!r}"
+        case ArgumentType.TEXT:
+            if not isinstance(value, str):
+                return f"expected a text, found {value!r}"
+            if len(value) > argument.max_length:
+                return f"at most {argument.max_length} characters, found {len(value)}"
+            return ""
+        case ArgumentType.INTEGER:
+            if not isinstance(value, int) or isinstance(value, bool):
+                return f"expected a whole number, found {value!r}"
+            return _range_problem(argument, value)
+        case ArgumentType.NUMBER:
+            if not isinstance(value, int | float) or isinstance(value, bool):
+                return f"expected a number, found {value!r}"
+            return _range_problem(argument, value)
+
+
+def _range_problem(argument: Argument, value: float) -> str:
+    try:
+        finite = math.isfinite(value)
+    except OverflowError:
+        finite = False
+    if not finite:
+        return "expected a finite number"
+    if argument.minimum is not None and value < argument.minimum:
+        return f"{value} is below {argument.minimum}"
+    if argument.maximum is not None and value > argument.maximum:
+        return f"{value} is above {argument.maximum}"
+    return ""

@@ -1,0 +1,130 @@
+"""Cross-checks of interlocks and link-loss policies; part of `check`."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from talaia.model.arguments import fields_of
+from talaia.model.errors import UnknownWord
+from talaia.model.site import SignalType
+from talaia.model.words import Finding, above, at_least, id_fits, name_fits
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.interlock import Condition, Interlock, Step
+    from talaia.model.site import Signal, Site
+
+__all__ = ["interlock_findings"]
+
+_DAY = 86_400.0
+_READABLE = (SignalType.NUMBER, SignalType.STATE)
+
+
+def interlock_findings(site: Site) -> Iterator[Finding]:
+    """List what does not fit in a site's interlocks and link-loss policies."""
+    for interlock_id, interlock in site.interlocks.items():
+        where = f"$.interlocks.{interlock_id}"
+        yield from id_fits(where, interlock_id)
+        yield from _interlock(site, where, interlock)
+    for device_id, device in site.devices.items():
+        if device.link_loss is not None:
+            where = f"$.devices.{device_id}.link_loss"
+            yield from at_least(f"{where}.after", device.link_loss.after, 0)
+            if not device.link_loss.run:
+                yield Finding(f"{where}.run", "nothing is to be done", "name a command")
+            for index, step in enumerate(device.link_loss.run):
+                yield from _step(site, f"{where}.run[{index}]", step)
+
+
+def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding]:
+    yield from name_fits(f"{where}.name", interlock.name)
+    if not interlock.when:
+        yield Finding(f"{where}.when", "there is no condition", "write at least one")
+    if not interlock.refuse and not interlock.run:
+        yield Finding(where, "it neither refuses nor does anything", "add refuse or run")
+    for key in ("dwell", "longest_override"):
+        found = getattr(interlock, key)
+        if not 0 <= found <= _DAY:
+            yield Finding(f"{where}.{key}", f"expected 0 to {_DAY:g} s, found {found}")
+    for index, condition in enumerate(interlock.when):
+        yield from _condition(site, f"{where}.when[{index}]", condition)
+    known = [*_refusable(site)]
+    for index, target in enumerate(interlock.refuse):
+        if target not in known:
+            yield _of(UnknownWord(f"{where}.refuse[{index}]", "command", target, known))
+    for index, step in enumerate(interlock.run):
+        yield from _step(site, f"{where}.run[{index}]", step)
+
+
+def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
+    if condition.link_lost is not None:
+        yield from at_least(f"{where}.link_lost", condition.link_lost, 0)
+        if condition.signal:
+            yield Finding(where, "both signal and link_lost are given", "make two conditions")
+        return
+    signals = {
+        f"{device_id}/{signal_id}": signal
+        for device_id, device in site.devices.items()
+        for signal_id, signal in device.signals.items()
+        if signal.type in _READABLE
+    }
+    signal = signals.get(condition.signal)
+    if signal is None:
+        known = list(signals)
+        yield _of(UnknownWord(f"{where}.signal", "number or state", condition.signal, known))
+        return
+    if condition.max_age is not None:
+        yield from above(f"{where}.max_age", condition.max_age, 0)
+    if signal.type is SignalType.STATE:
+        yield from _states(where, condition, signal)
+    else:
+        yield from _limits(where, condition)
+
+
+def _states(where: str, condition: Condition, signal: Signal) -> Iterator[Finding]:
+    if condition.above is not None or condition.below is not None:
+        yield Finding(where, "a state is neither above nor below", "write is or is_not")
+    for key, words in (("is", condition.is_one_of), ("is_not", condition.is_not)):
+        for index, word in enumerate(words):
+            if word not in signal.states:
+                at = f"{where}.{key}[{index}]"
+                yield _of(UnknownWord(at, "state", word, signal.states))
+
+
+def _limits(where: str, condition: Condition) -> Iterator[Finding]:
+    if condition.is_one_of or condition.is_not:
+        yield Finding(where, "a number has no states", "write above or below")
+    for key in ("above", "below"):
+        value = getattr(condition, key)
+        if value is not None and not math.isfinite(value):
+            yield Finding(f"{where}.{key}", f"expected a finite number, found {value}")
+
+
+def _step(site: Site, where: str, step: Step) -> Iterator[Finding]:
+    device_id, _, command_id = step.command.partition("/")
+    device = site.devices.get(device_id)
+    command = device.commands.get(command_id) if device is not None else None
+    if command is None:
+        known = [each for each in _refusable(site) if not each.endswith(("/*", "/drive"))]
+        yield _of(UnknownWord(f"{where}.command", "command", step.command, known))
+        return
+    fields = fields_of(command, step.args)
+    if isinstance(fields, str):
+        yield Finding(f"{where}.args", fields)
+    if step.within is not None:
+        yield from above(f"{where}.within", step.within, 0)
+
+
+def _refusable(site: Site) -> Iterator[str]:
+    for device_id, device in site.devices.items():
+        yield f"{device_id}/*"
+        if device.drive is not None:
+            yield f"{device_id}/drive"
+        for command_id in device.commands:
+            yield f"{device_id}/{command_id}"
+
+
+def _of(error: UnknownWord) -> Finding:
+    return Finding(error.where, error.problem, error.remedy)

@@ -1,0 +1,383 @@
+"""Interlocks: unsafe at once, safe after a dwell time, never OK for unknown, without a hub."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given, strategies as st
+from test_control import Bench as ControlBench, Robot
+
+from talaia.clock import MS, SECOND, HandClock
+from talaia.gateway.control import Control
+from talaia.gateway.interlocks import Interlocks, judged
+from talaia.gateway.keep import Epochs, KeptStops
+from talaia.gateway.latch import Change, Latch, Verdict
+from talaia.gateway.ports import Reading
+from talaia.model.interlock import Condition, Interlock
+from talaia.model.load import load_site
+from talaia.model.site import Signal, SignalType, Source
+from talaia.wire.frames import DriveState, InterlockState, LeaseOp, OverrideAsk
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from talaia.model.interlock import Step
+
+SITE = load_site(
+    """
+talaia: 1
+site: s
+name: S
+ros2: {}
+devices:
+  weather:
+    name: Weather
+    signals:
+      wind:
+        name: Wind
+        unit: m/s
+        max_age: 2
+        source: {topic: /w, type: std_msgs/msg/Float64, field: data}
+      rain:
+        name: Rain
+        type: state
+        states: [dry, raining]
+        source: {topic: /r, type: std_msgs/msg/Int8, field: data}
+  base:
+    name: Base
+    drive: {topic: /cmd_vel, max_speed: 0.2, max_turn: 2}
+  dome:
+    name: Dome
+    commands:
+      open: {name: Open, target: /open, type: std_srvs/srv/Trigger}
+      close: {name: Close, target: /close, type: std_srvs/srv/Trigger}
+    link_loss: {after: 60, run: [{command: dome/close}]}
+interlocks:
+  weather:
+    name: Bad weather
+    when:
+      - {signal: weather/wind, above: 12}
+      - {signal: weather/rain, is: [raining]}
+    refuse: [dome/open, base/drive]
+    run: [{command: dome/close}]
+    dwell: 30
+"""
+)
+GOOD = {"weather/wind": 3.0, "weather/rain": 0.0}
+
+
+class World(Robot):
+    """A robot with weather about it."""
+
+    def __init__(self, clock: HandClock) -> None:  # noqa: D107
+        super().__init__(clock)
+        self.values: dict[str, float] = {}
+        self.said: dict[str, Reading] = {}
+        self.ran: list[str] = []
+
+    def latest(self, address: str) -> Reading | None:
+        if address in self.values:
+            return Reading(self.values[address], self.clock.monotonic_ns())
+        return self.said.get(address)
+
+    def run(self, label: str, steps: tuple[Step, ...]) -> None:
+        self.ran.append(f"{label}: {', '.join(step.command for step in steps)}")
+
+
+class Bench(ControlBench):
+    """A control with interlocks; values are as young as `World.values` says."""
+
+    def build(self) -> Control:
+        self.world = self.robot = World(self.clock)
+        now = self.clock.monotonic_ns()
+        self.interlocks = Interlocks(SITE, self.world, self.world, self.world.run, now)
+
+        async def on_disk(work) -> None:
+            work()
+
+        return Control(
+            SITE,
+            self.clock,
+            self.world,
+            self.world,
+            Epochs(self.folder / "epochs.json").next,
+            KeptStops(self.folder / "stops.json"),
+            on_disk,
+            self.interlocks,
+        )
+
+    def refusal(self, device: str = "dome", what: str = "open") -> str:
+        return self.interlocks.refusal(device, what, self.clock.monotonic_ns())
+
+    def override(self, seconds: float, reason: str = "testing the shutter") -> None:
+        ask = OverrideAsk(interlock="weather", who="Ada", reason=reason, seconds=seconds)
+        self.control.override(ask)
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Bench:
+    one = Bench(tmp_path)
+    one.world.values = dict(GOOD)
+    return one
+
+
+@pytest.fixture
+def safe(bench: Bench) -> Bench:
+    """Long enough after the start, in good weather."""
+    bench.pass_time(31 * SECOND)
+    assert bench.refusal() == ""
+    return bench
+
+
+def test_after_a_start_it_stays_locked_until_all_was_safe_for_the_dwell_time(bench: Bench) -> None:
+    bench.pass_time(29 * SECOND)
+    assert bench.refusal() == "Bad weather: the gateway has just started"
+    state = bench.robot.last(InterlockState)
+    assert (state.locked, state.unsafe) == (True, False)
+    bench.pass_time(2 * SECOND)
+    assert bench.refusal() == ""
+    assert bench.world.ran == []
+
+
+def test_unsafe_refuses_at_once_what_it_names_and_nothing_else(safe: Bench) -> None:
+    safe.world.values["weather/wind"] = 12.5
+    assert safe.refusal() == "Bad weather: Wind is above 12 m/s"
+    assert safe.refusal("dome", "close") == ""
+
+
+def test_unsafe_is_told_written_down_and_acted_on_once(safe: Bench) -> None:
+    safe.world.values["weather/rain"] = 1.0
+    safe.pass_time(200 * MS)
+    state = safe.robot.last(InterlockState)
+    assert (state.locked, state.unsafe, state.why) == (True, True, "Rain is raining")
+    safe.world.values["weather/rain"] = 0.0
+    safe.pass_time(5 * SECOND)
+    safe.world.values["weather/rain"] = 1.0
+    safe.pass_time(5 * SECOND)
+    assert safe.world.ran == ["interlock weather: dome/close"]
+    assert safe.robot.notes.count("interlock_locked") == 1
+
+
+def test_a_passing_cloud_does_not_pump_the_shutter(safe: Bench) -> None:
+    for _ in range(5):
+        safe.world.values["weather/rain"] = 1.0
+        safe.pass_time(SECOND)
+        safe.world.values["weather/rain"] = 0.0
+        safe.pass_time(29 * SECOND)
+        assert safe.refusal()
+    safe.pass_time(2 * SECOND)
+    assert safe.refusal() == ""
+    assert safe.robot.notes.count("interlock_released") == 2
+    assert len(safe.world.ran) == 1
+
+
+def test_a_value_that_stops_coming_is_unsafe_within_its_limit(safe: Bench) -> None:
+    now = safe.clock.monotonic_ns()
+    safe.world.said["weather/wind"] = Reading(safe.world.values.pop("weather/wind"), now)
+    safe.pass_time(1900 * MS)
+    assert safe.refusal() == ""
+    safe.pass_time(200 * MS)
+    assert safe.refusal() == "Bad weather: Wind: no value newer than 2 s"
+    assert safe.world.ran == ["interlock weather: dome/close"]
+
+
+def test_a_gateway_that_hears_nothing_yet_is_locked_but_does_not_act_before_it_can_know(
+    bench: Bench,
+) -> None:
+    bench.world.values = {"weather/rain": 0.0}
+    bench.pass_time(1900 * MS)
+    assert bench.refusal() == "Bad weather: Wind: no value yet"
+    assert bench.world.ran == []
+    bench.pass_time(200 * MS)
+    assert bench.world.ran == ["interlock weather: dome/close"]
+
+
+def test_driving_ends_with_zero_when_it_becomes_unsafe_and_needs_a_new_press(safe: Bench) -> None:
+    safe.lease()
+    safe.drive()
+    assert safe.robot.driven[-1][1] > 0
+    safe.world.values["weather/rain"] = 1.0
+    safe.pass_time(100 * MS)
+    assert safe.robot.driven[-1][1:] == (0.0, 0.0)
+    safe.drive()
+    safe.pass_time(100 * MS)
+    assert safe.robot.last(DriveState).why == "Bad weather: Rain is raining"
+    safe.world.values["weather/rain"] = 0.0
+    while safe.refusal("base", "drive"):
+        safe.lease(op=LeaseOp.RENEW)
+        safe.drive()
+        safe.pass_time(50 * MS)
+    moved = len(safe.robot.driven)
+    for _ in range(10):
+        safe.drive()
+        safe.pass_time(50 * MS)
+    assert {x[1] for x in safe.robot.driven[moved:]} <= {0.0}
+    safe.drive(linear=0.0)
+    safe.pass_time(50 * MS)
+    safe.drive()
+    assert safe.robot.driven[-1][1] > 0
+
+
+def test_no_hub_is_needed_for_any_of_it(safe: Bench) -> None:
+    safe.control.link_lost()
+    safe.world.values["weather/rain"] = 1.0
+    safe.pass_time(200 * MS)
+    assert safe.refusal()
+    assert safe.world.ran == ["interlock weather: dome/close"]
+
+
+def test_an_override_lasts_as_long_as_was_said_and_then_it_acts(safe: Bench) -> None:
+    safe.world.values["weather/rain"] = 1.0
+    safe.pass_time(200 * MS)
+    safe.override(60)
+    assert safe.refusal() == ""
+    state = safe.robot.last(InterlockState)
+    assert (state.overridden_by, state.reason) == ("Ada", "testing the shutter")
+    assert state.override_ms == 60_000
+    assert "interlock_overridden" in safe.robot.notes
+    safe.pass_time(59 * SECOND)
+    assert safe.refusal() == ""
+    safe.pass_time(2 * SECOND)
+    assert safe.refusal()
+    assert "override_ended" in safe.robot.notes
+    assert len(safe.world.ran) == 2
+
+
+@pytest.mark.parametrize(
+    ("seconds", "reason"), [(60, " "), (3601, "too long"), (-1, "never"), (float("nan"), "x")]
+)
+def test_an_override_without_reason_or_bound_is_refused(
+    safe: Bench, seconds: float, reason: str
+) -> None:
+    safe.world.values["weather/rain"] = 1.0
+    safe.pass_time(200 * MS)
+    safe.override(seconds, reason)
+    assert safe.refusal()
+    assert safe.robot.notes[-1] == "override_refused"
+
+
+def test_an_override_can_be_ended_early(safe: Bench) -> None:
+    safe.world.values["weather/rain"] = 1.0
+    safe.pass_time(200 * MS)
+    safe.override(600)
+    safe.override(0)
+    assert safe.refusal()
+
+
+def test_a_new_link_is_told_how_all_stand(safe: Bench) -> None:
+    safe.control.link_lost()
+    safe.robot.sent.clear()
+    safe.control.link_up()
+    assert safe.robot.last(InterlockState).locked is False
+
+
+def test_link_loss_policy_acts_once_after_its_time_and_not_if_the_link_is_back(
+    safe: Bench,
+) -> None:
+    safe.control.link_lost()
+    safe.pass_time(59 * SECOND)
+    safe.control.link_up()
+    safe.pass_time(10 * SECOND)
+    assert safe.world.ran == []
+    safe.control.link_lost()
+    safe.pass_time(61 * SECOND)
+    safe.pass_time(300 * SECOND)
+    assert safe.world.ran == ["link loss dome: dome/close"]
+    assert "link_loss_acted" in safe.robot.notes
+
+
+def test_a_gateway_that_never_finds_its_hub_acts_too(tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    bench.control = bench.build()
+    bench.world.values = dict(GOOD)
+    bench.pass_time(61 * SECOND)
+    assert bench.world.ran == ["link loss dome: dome/close"]
+
+
+WIND = Signal(
+    name="Wind", max_age=2.0, source=Source(topic="/w", type="std_msgs/msg/Float64", field="data")
+)
+RAIN = Signal(name="Rain", type=SignalType.STATE, states=("dry", "wet"), source=WIND.source)
+anything = st.floats(allow_nan=True, allow_infinity=True)
+
+
+@given(anything, st.integers(0, 10 * SECOND), st.booleans(), anything)
+def test_only_a_fresh_finite_value_within_limits_is_safe(
+    value: float,
+    age: int,
+    known: bool,  # noqa: FBT001 - given by the test's own table
+    limit: float,
+) -> None:
+    reading = Reading(value, 0) if known else None
+    verdict = judged(Condition(signal="w/w", above=limit), WIND, reading, age)
+    if not verdict.why:
+        assert known
+        assert age <= 2 * SECOND
+        assert abs(value) < float("inf")
+        assert not value > limit
+
+
+@given(anything, st.lists(st.sampled_from(["dry", "wet"])), st.lists(st.sampled_from(["dry"])))
+def test_a_state_that_is_none_of_the_described_is_never_safe(
+    value: float, bad: list[str], good: list[str]
+) -> None:
+    condition = Condition(signal="w/r", is_one_of=tuple(bad), is_not=tuple(good))
+    verdict = judged(condition, RAIN, Reading(value, 0), 0)
+    if not verdict.why:
+        assert value in (0.0, 1.0)
+        word = RAIN.states[int(value)]
+        assert word not in bad
+        assert not good or word in good
+
+
+looks = st.tuples(
+    st.sampled_from(["safe", "unsafe", "unsure", "override", "end"]), st.integers(0, 20)
+)
+
+
+@given(st.lists(looks, max_size=100))
+def test_it_refuses_while_unsafe_and_for_the_whole_dwell_time_after(
+    history: list[tuple[str, int]],
+) -> None:
+    rule = Interlock(name="R", when=(), dwell=30.0)
+    one, now, unsafe_ns, over_until = Latch("r", rule, 0), 0, 0, -1
+    verdict, fired = Verdict(), False
+    for what, seconds in history:
+        # Looked at each second, as the gateway does ten times a second.
+        for _ in range(seconds):
+            now += SECOND
+            changes = one.look(verdict, now)
+            if verdict.why:
+                unsafe_ns = now
+            overridden = now < over_until
+            safe_for = now - unsafe_ns
+            if overridden:
+                assert not one.locked
+            elif verdict.why or safe_for < 30 * SECOND:
+                assert one.locked
+            elif safe_for > 31 * SECOND:
+                assert not one.locked
+            if Change.OVERRIDE_ENDED in changes:
+                fired = False
+            if Change.FIRED in changes:
+                assert verdict.certain
+                assert verdict.why
+                assert not overridden
+                assert not fired
+                fired = True
+            if Change.RELEASED in changes:
+                fired = False
+        match what:
+            case "safe":
+                verdict = Verdict()
+            case "unsafe":
+                verdict = Verdict("it rains")
+            case "unsure":
+                verdict = Verdict("nothing yet", certain=False)
+            case "override":
+                if not one.overrule("Ada", "to see", 45.0, now):
+                    over_until = now + 45 * SECOND
+            case "end":
+                one.overrule("Ada", "", 0.0, now)
+                over_until = -1

@@ -1,0 +1,61 @@
+/** The interlocks that lock something now, or are overridden, at every site this person sees. */
+
+import type { InterlockNews } from "../generated/wire.js";
+import type { Connection } from "../wire/connection.js";
+import { Store } from "./store.js";
+
+type Line = Pick<Connection, "on" | "onState">;
+
+/** What was said of an interlock, and when by this page's monotonic clock (ms). */
+export interface Interlock {
+  readonly news: InterlockNews;
+  readonly heardAt: number;
+}
+
+export class Interlocks extends Store {
+  private readonly known = new Map<string, Interlock>();
+
+  /** Listens for as long as the connection lives. */
+  constructor(
+    line: Line,
+    private readonly now: () => number = () => performance.now(),
+  ) {
+    super();
+    line.on("interlock_news", (news) => {
+      this.known.set(`${news.site}\n${news.interlock}`, { news, heardAt: this.now() });
+      this.changed();
+    });
+    line.on("site", (news) => {
+      // Without its gateway nobody knows how they stand; that it is offline is shown instead.
+      if (!news.online) this.forget((one) => one.news.site === news.site);
+    });
+    line.onState((state) => {
+      if (state !== "open") this.forget(() => true);
+    });
+  }
+
+  /** Those that are worth a word, unsafe ones first. */
+  get list(): readonly Interlock[] {
+    return [...this.known.values()]
+      .filter(({ news }) => news.locked || news.overridden_by !== "")
+      .sort((a, b) => rank(a) - rank(b) || a.news.name.localeCompare(b.news.name));
+  }
+
+  /** How much is left of a time (ms) that was told with the news. */
+  left(one: Interlock, ms: number): number {
+    return Math.max(0, ms - (this.now() - one.heardAt));
+  }
+
+  private forget(which: (one: Interlock) => boolean): void {
+    let changed = false;
+    for (const [id, one] of this.known) {
+      if (which(one)) changed = this.known.delete(id) || changed;
+    }
+    if (changed) this.changed();
+  }
+}
+
+function rank({ news }: Interlock): number {
+  if (news.overridden_by !== "") return 0;
+  return news.unsafe ? 1 : 2;
+}
