@@ -94,6 +94,9 @@ class Gateways:
             return
         if hello is None or description is None:
             return
+        if self._is_second(hello):
+            await link.farewell("another gateway of this site, started later, is linked", REPLACED)
+            return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
@@ -156,19 +159,40 @@ class Gateways:
             raise PeerError(f"the description is of {description.site!r}, not {site!r}", REFUSED)
         return hello, description
 
+    def _is_second(self, hello: frames.Hello) -> bool:
+        """Tell whether a gateway must leave the site to another with the same identity.
+
+        Of two, the one whose run began later stays, however often and in whatever order they
+        dial: names of runs rise with time. One that no longer answers is none, and is gone after
+        three beats.
+        """
+        live = self._sites.get(hello.site)
+        if live is None or live.link is None or hello.boot >= live.boot:
+            return False
+        self._tell_second(live, hello.boot, "the one that was started earlier is kept out")
+        return True
+
+    def _tell_second(self, live: LiveSite, boot: str, message: str) -> None:
+        """Raise the alarm, once for each rival: the loser goes on dialling."""
+        if boot not in live.rivals:
+            live.rivals.add(boot)
+            self._reporting.event(live, "second gateway", message=message, good=False)
+
     def _attach(self, link: GatewayLink, hello: frames.Hello, description: Site) -> LiveSite:
         site = description.site
         before = self._sites.get(site)
         if before is not None and before.link is not None:
-            # Two with one identity: the newest wins, every time, and people are told.
+            # The same run dials anew when its old connection is half dead: then it is no other.
             before.link.dismiss("another gateway of this site has connected")
             self._reporting.link_lost(before)
-            self._reporting.event(
-                before, "second gateway", message="the newer connection was taken", good=False
-            )
+            if before.boot != hello.boot:
+                self._tell_second(before, before.boot, "the one that was started later was taken")
         changed = before is None or before.description != description
         live = self._sites.describe(description, hello.catalogue)
         live.link = link
+        if live.boot != hello.boot:
+            live.boot = hello.boot
+            live.rivals.discard(hello.boot)
         live.since_us = self._clock.wall_ns() // 1000
         live.why = ""
         live.stops.clear()
