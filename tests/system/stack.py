@@ -197,7 +197,8 @@ class Stack:
     def start_gateway(self) -> Process:
         words = [
             "-m", "talaia", "gateway", str(self.folder / "site.yaml"), "--allow-plain",
-            "--hub", f"ws://127.0.0.1:{self._link_port or self.port}", "--key-file", str(self.folder / "key"),
+            "--hub", f"ws://127.0.0.1:{self._link_port or self.port}",
+            "--key-file", str(self.folder / "key"),
             "--data", str(self.folder / "gateway"), "--ros-domain", str(self._world.domain),
         ]  # fmt: skip
         self.gateway = Process(words, self.folder / "gateway.log", self._ros)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from talaia.wire.frames import (
     Ack,
+    Again,
     CommandAsk,
     Drive,
     Event,
@@ -128,8 +129,10 @@ class FrontDesk:
         commanding: Commanding,
         keeper: Keeper,
         adapter: Adapter,
+        lanes: Lanes,
     ) -> None:
         """Take all who act."""
+        self._lanes = lanes
         self._boot = boot
         self._control = control
         self._pacer = pacer
@@ -161,6 +164,10 @@ class FrontDesk:
         match message:
             case Ack():
                 self._keeper.ack(message.boot, message.below)
+                self._lanes.acks += 1
+                return
+            case Again():
+                self._lanes.owe(message.boot, message.first, message.below)
                 return
             case Drive():
                 self._control.drive(message)

@@ -123,7 +123,13 @@ class Gateway:
             self._lanes.send,
         )
         self._desk = FrontDesk(
-            self._boot, self._control, self._pacer, self._commanding, self._keeper, self._adapter
+            self._boot,
+            self._control,
+            self._pacer,
+            self._commanding,
+            self._keeper,
+            self._adapter,
+            self._lanes,
         )
         self._trust = Trust(settings.hub)
 

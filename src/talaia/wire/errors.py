@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from talaia.errors import TalaiaError
 
-__all__ = ["PeerError"]
+__all__ = ["PeerError", "UnknownKind"]
 
 
 class PeerError(TalaiaError):
@@ -22,3 +22,12 @@ class PeerError(TalaiaError):
 
     def __str__(self) -> str:
         return f"{self.problem} (close code {self.code})"
+
+
+class UnknownKind(PeerError):
+    """A frame of a kind that this version does not know; whoever reads a running link skips it."""
+
+    def __init__(self, kind: str) -> None:
+        """Keep the tag."""
+        super().__init__(f"a message of the unknown kind {kind[:40]!r}")
+        self.kind = kind

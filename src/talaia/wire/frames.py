@@ -25,6 +25,7 @@ __all__ = [
     "MEDIA_FROM_GATEWAY",
     "MEDIA_FROM_HUB",
     "Ack",
+    "Again",
     "Beat",
     "BeatReply",
     "Bye",
@@ -257,6 +258,18 @@ class Ack(Message, frozen=True, kw_only=True, tag="ack"):
     below: Count
 
 
+class Again(Message, frozen=True, kw_only=True, tag="again"):
+    """Send samples ``first`` up to, not including, ``below`` of ``boot`` once more.
+
+    The hub had no room for them (its database was away), so they are not stored; live samples go
+    on meanwhile, and so do STOP and driving.
+    """
+
+    boot: Name
+    first: Count
+    below: Count
+
+
 class LeaseAsk(Message, frozen=True, kw_only=True, tag="lease_ask"):
     """Take, renew or free the lease of a device for a session."""
 
@@ -357,6 +370,7 @@ FromGateway = (
 FromHub = (
     Welcome
     | Ack
+    | Again
     | LeaseAsk
     | Drive
     | StopAsk

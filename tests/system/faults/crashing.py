@@ -31,7 +31,9 @@ POINTS = {
     "hub-before-commit": Point("talaia.hub.history.ledger", "Ledger._write", call=10),
     "hub-in-commit": Point("talaia.hub.history.ledger", "Ledger._write", after=True, call=10),
     "hub-after-commit": Point("talaia.hub.history.ledger", "Ledger.store", after=True, call=10),
-    "hub-mid-migration": Point("alembic.runtime.migration", "HeadMaintainer.update_to_step", call=2),
+    "hub-mid-migration": Point(
+        "alembic.runtime.migration", "HeadMaintainer.update_to_step", call=2
+    ),
     "hub-before-description": Point("talaia.hub.store.sites", "SiteRegistry.said_hello"),
     "hub-after-description": Point("talaia.hub.live.ingest", "Ingest.start"),
     "spool-before-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", call=2),

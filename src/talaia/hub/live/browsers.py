@@ -23,7 +23,7 @@ from talaia.wire.browser import (
     StopNews,
     TickNews,
 )
-from talaia.wire.errors import PeerError
+from talaia.wire.errors import PeerError, UnknownKind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterator
@@ -120,7 +120,11 @@ class Browser:
             if event["type"] == "websocket.disconnect":
                 return
             data = event.get("bytes")
-            message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
+            try:
+                message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
+            except UnknownKind as error:
+                self.tell(Problem(code="unknown", message=str(error), about=error.kind[:200]))
+                continue
             problem = self._gate.refusal(self.who.grants, message)
             if problem is not None:
                 self.tell(problem)

@@ -23,7 +23,7 @@ from talaia.model.load import load_site
 from talaia.wire import frames
 from talaia.wire.columns import unpack
 from talaia.wire.errors import PeerError
-from talaia.wire.shape import PROTOCOL
+from talaia.wire.shape import speaks
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,7 +47,9 @@ _LOG = logging.getLogger(__name__)
 _MISSED_BEATS = 3
 _NEWS_EVERY = 5
 _FINISH_S = 1.0
+_MOST_RIVALS = 100
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
+_SECOND = "another gateway of this site, started later, is linked"
 REFUSED = 4400
 REPLACED = 4409
 TRY_LATER = 1013
@@ -95,7 +97,7 @@ class Gateways:
         if hello is None or description is None:
             return
         if self._is_second(hello):
-            await link.farewell("another gateway of this site, started later, is linked", REPLACED)
+            await link.farewell(_SECOND, REPLACED)
             return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
@@ -104,6 +106,9 @@ class Gateways:
         except _STORE_FAILS as error:
             _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
             await link.farewell("the hub cannot store anything now; try again later", TRY_LATER)
+            return
+        if self._is_second(hello):
+            await link.farewell(_SECOND, REPLACED)
             return
         link.send(
             frames.Welcome(version=__version__, acked=acked, time_us=self._clock.wall_ns() // 1000)
@@ -149,7 +154,7 @@ class Gateways:
             return None, None
         if not isinstance(hello, frames.Hello):
             raise PeerError("expected hello as the first message", REFUSED)
-        if hello.protocol > PROTOCOL + 1 or hello.protocol < PROTOCOL - 1:
+        if not speaks(hello.protocol):
             raise PeerError(f"protocol {hello.protocol} is not spoken here; update", REFUSED)
         if hello.site != site:
             raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
@@ -175,6 +180,8 @@ class Gateways:
     def _tell_second(self, live: LiveSite, boot: str, message: str) -> None:
         """Raise the alarm, once for each rival: the loser goes on dialling."""
         if boot not in live.rivals:
+            if len(live.rivals) >= _MOST_RIVALS:
+                live.rivals.clear()
             live.rivals.add(boot)
             self._reporting.event(live, "second gateway", message=message, good=False)
 
@@ -245,9 +252,9 @@ class Gateways:
                     if message.live and batch.addresses is addresses:
                         live.latest.update(batch.columns, self._clock.monotonic_ns())
                         self._fanout.publish(live, batch.columns)
-                    await ingest.put(batch)
+                    ingest.put(batch)
                 case frames.Gap():
-                    await ingest.put(message)
+                    ingest.put(message)
                 case frames.Beat():
                     link.send(
                         frames.BeatReply(
