@@ -17,6 +17,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from talaia.wire.columns import MAX_SAMPLES
 from talaia.wire.shape import PROTOCOL, Codec, Message
 
 __all__ = [
@@ -57,7 +58,18 @@ __all__ = [
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
 Sentence = Annotated[str, Meta(max_length=2000)]
 Count = Annotated[int, Meta(ge=0, le=2**62)]
-Scalar = float | int | bool | str
+# May be empty.
+Word = Annotated[str, Meta(max_length=200)]
+Micros = Annotated[int, Meta(ge=-(2**62), le=2**62)]
+Millis = Annotated[int, Meta(ge=0, le=2**40)]
+Pixels = Annotated[int, Meta(ge=0, le=16_384)]
+Scalar = float | int | bool | Annotated[str, Meta(max_length=10_000)]
+Arguments = Annotated[dict[Name, Scalar], Meta(max_length=100)]
+# One column of a batch: so many bytes a sample; see `wire.columns`.
+ChannelColumn = Annotated[bytes, Meta(max_length=2 * MAX_SAMPLES)]
+OffsetColumn = Annotated[bytes, Meta(max_length=4 * MAX_SAMPLES)]
+ValueColumn = Annotated[bytes, Meta(max_length=8 * MAX_SAMPLES)]
+Texts = Annotated[dict[int, Sentence], Meta(max_length=MAX_SAMPLES)]
 # A picture is at most this large; a link frame is far smaller.
 MAX_PICTURE = 8 * 1024 * 1024
 
@@ -95,13 +107,13 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
 
     """
 
-    protocol: int = PROTOCOL
+    protocol: Count = PROTOCOL
     version: Sentence = ""
     site: Name
     boot: Name
     description: Annotated[str, Meta(max_length=4 * 1024 * 1024)]
     catalogue: Name
-    time_us: int = 0
+    time_us: Micros = 0
 
 
 class Samples(Message, frozen=True, kw_only=True, tag="samples"):
@@ -114,12 +126,12 @@ class Samples(Message, frozen=True, kw_only=True, tag="samples"):
     boot: Name
     first: Count
     catalogue: Name
-    base_us: int
-    channel: bytes
-    offset: bytes
-    value: bytes
-    texts: dict[int, Sentence] = {}
-    addresses: list[Name] = []
+    base_us: Micros
+    channel: ChannelColumn
+    offset: OffsetColumn
+    value: ValueColumn
+    texts: Texts = {}
+    addresses: Annotated[list[Name], Meta(max_length=MAX_SAMPLES)] = []
     live: bool = True
 
 
@@ -129,8 +141,8 @@ class Gap(Message, frozen=True, kw_only=True, tag="gap"):
     boot: Name
     first: Count
     last: Count
-    from_us: int
-    to_us: int
+    from_us: Micros
+    to_us: Micros
     reason: Sentence
 
 
@@ -145,11 +157,11 @@ class LeaseState(Message, frozen=True, kw_only=True, tag="lease"):
     """
 
     device: Name
-    session: str = ""
+    session: Word = ""
     who: Sentence = ""
     epoch: Count = 0
-    remains_ms: int = 0
-    asked: str = ""
+    remains_ms: Millis = 0
+    asked: Word = ""
     refused: Sentence = ""
 
 
@@ -179,8 +191,8 @@ class StopState(Message, frozen=True, kw_only=True, tag="stop_state"):
     latched: bool
     confirmed: bool = False
     who: Sentence = ""
-    time_us: int = 0
-    id: str = ""
+    time_us: Micros = 0
+    id: Word = ""
 
 
 class ResetToken(Message, frozen=True, kw_only=True, tag="reset_token"):
@@ -188,7 +200,7 @@ class ResetToken(Message, frozen=True, kw_only=True, tag="reset_token"):
 
     device: Name
     session: Name
-    token: str = ""
+    token: Word = ""
     refused: Sentence = ""
 
 
@@ -208,10 +220,10 @@ class Event(Message, frozen=True, kw_only=True, tag="event"):
     """Something worth writing down: adapter lost or back, drive started or ended, a refusal."""
 
     kind: Name
-    device: str = ""
+    device: Word = ""
     message: Sentence = ""
     who: Sentence = ""
-    time_us: int = 0
+    time_us: Micros = 0
     good: bool = True
 
 
@@ -222,15 +234,15 @@ class Beat(Message, frozen=True, kw_only=True, tag="beat"):
     """Are you there? Sent every second; three without a reply and the peer counts as gone."""
 
     n: Count
-    mono_us: int
+    mono_us: Micros
 
 
 class BeatReply(Message, frozen=True, kw_only=True, tag="beat_reply"):
     """Yes. Echoes the beat and adds the answerer's monotonic clock, so clocks can be compared."""
 
     n: Count
-    mono_us: int
-    peer_us: int
+    mono_us: Micros
+    peer_us: Micros
 
 
 class Bye(Message, frozen=True, kw_only=True, tag="bye"):
@@ -245,10 +257,10 @@ class Bye(Message, frozen=True, kw_only=True, tag="bye"):
 class Welcome(Message, frozen=True, kw_only=True, tag="welcome"):
     """Answer to `Hello`. ``acked`` is one past the last sequence of this boot that is stored."""
 
-    protocol: int = PROTOCOL
+    protocol: Count = PROTOCOL
     version: Sentence = ""
     acked: Count = 0
-    time_us: int = 0
+    time_us: Micros = 0
 
 
 class Ack(Message, frozen=True, kw_only=True, tag="ack"):
@@ -319,7 +331,7 @@ class ResetAsk(Message, frozen=True, kw_only=True, tag="reset_ask"):
     session: Name
     epoch: Count
     who: Name
-    token: str = ""
+    token: Word = ""
 
 
 class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
@@ -328,7 +340,7 @@ class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
     id: Name
     device: Name
     command: Name
-    args: dict[str, Scalar] = {}
+    args: Arguments = {}
     ttl_ms: float
     who: Name
 
@@ -336,7 +348,7 @@ class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
 class Watch(Message, frozen=True, kw_only=True, tag="watch"):
     """The streams (``device/stream``) that anyone looks at now; all others rest."""
 
-    streams: list[Name]
+    streams: Annotated[list[Name], Meta(max_length=1000)]
 
 
 class Picture(Message, frozen=True, kw_only=True, tag="picture"):
@@ -344,12 +356,12 @@ class Picture(Message, frozen=True, kw_only=True, tag="picture"):
 
     stream: Name
     seq: Count
-    time_us: int
-    mono_us: int
-    width: int
-    height: int
+    time_us: Micros
+    mono_us: Micros
+    width: Pixels
+    height: Pixels
     format: Name = "jpeg"
-    data: bytes
+    data: Annotated[bytes, Meta(max_length=MAX_PICTURE)]
 
 
 FromGateway = (

@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import random
+import shutil
 import signal
 import time
 from collections.abc import Awaitable, Callable
@@ -23,6 +24,7 @@ from ..stack import Process, until
 from . import ledgers
 from .crashing import POINTS
 from .ledgers import MS, Findings
+from .postgres import postgres
 from .weather import Way, Weather
 from .world import CRASHING, SITE, Run, World, now, small_disk, under_load
 
@@ -254,6 +256,97 @@ async def _reset(driver: Page) -> None:
     await driver.free()
 
 
+async def f3(world: World, chance: random.Random, findings: Findings) -> None:
+    """`kill -9` the database server; the hub holds what comes, and the gateway what it must."""
+    async with postgres(world) as server, under_load(world, findings) as run:
+        async with page(world, "driver") as driver:
+            await run.press(driver)
+            await _pause(chance)
+            server.kill()
+            await asyncio.sleep(0.5)
+            # Nothing that moves the robot waits for a database.
+            at = now()
+            await until(
+                lambda: any(each.moves for each in world.told(at)), 2, "driving without a database"
+            )
+            await run.let_go()
+            await run.stopped(at)
+            server.start()
+            async with _back(findings):
+                said = len(world.said())
+                await until(lambda: len(world.said()) > said, 5)
+                before = len((await run.stored())[0])
+                while len((await run.stored())[0]) <= before:
+                    await asyncio.sleep(0.1)
+
+
+async def f8(world: World, chance: random.Random, findings: Findings) -> None:
+    """The hub's disk is full: nothing is acknowledged, the gateway keeps it, driving goes on."""
+    world.hub.end()
+    with small_disk(world.folder / f"hub-{now()}", "48m") as disk:
+        for name in ("talaia.db", "talaia.db-wal", "talaia.db-shm"):
+            if (world.hub_data / name).exists():
+                shutil.copy(world.hub_data / name, disk / name)
+        kept, world.hub_data = world.hub_data, disk
+        try:
+            links = world.links
+            world.start_hub()
+            await world.linked_again(links)
+            async with under_load(world, findings) as run, page(world, "driver") as driver:
+                filler = disk / "filler"
+                with filler.open("wb", buffering=0) as file, contextlib.suppress(OSError):
+                    while file.write(bytes(4096)):
+                        pass
+                await run.press(driver)
+                await until(lambda: "cannot be stored" in world.hub.said(), 20, "a full disk")
+                await _pause(chance)
+                at = now()
+                await run.let_go()
+                await run.stopped(at)
+                filler.unlink()
+                async with _back(findings):
+                    await until(lambda: "stored again" in world.hub.said(), 30, "room again")
+        finally:
+            world.hub.end()
+            world.hub_data = kept
+            world.start_hub()
+
+
+async def f11(world: World, chance: random.Random, findings: Findings) -> None:
+    """The wall clock jumps on one side: by an hour, to 1970, by ten years."""
+    which = chance.choice(("hub", "gateway"))
+    year = 365 * 86400.0
+    offset = chance.choice((3600.0, -3600.0, -time.time(), 10 * year))
+    findings.counted[f"{which} {offset:+.0f} s"] += 1
+    world.offset_s[which] = offset
+    try:
+        (world.hub if which == "hub" else world.gateway).end()
+        world.gateway.end()
+        if which == "hub":
+            world.start_hub()
+            await world.hub.says("ready")
+        started = now()
+        world.start_gateway()
+        async with under_load(world, findings) as run, page(world, "driver") as driver:
+            if which == "gateway":
+                # The samples' times jump with the gateway's clock; their order does not.
+                run.from_us = min(run.from_us, max(0, run.from_us + round(offset * 1e6)))
+                run.to_us = round((time.time() + max(0.0, offset) + 60) * 1e6)
+            await run.press(driver)
+            await asyncio.sleep(max(0.0, 3.0 - (now() - started) / 1e9))
+            await run.mark(driver)
+            at = now()
+            await until(lambda: any(each.moves for each in world.told(at)), 2, "driving goes on")
+            at = now()
+            await run.let_go()
+            await run.stopped(at)
+    finally:
+        world.offset_s[which] = 0.0
+        world.hub.end()
+        world.gateway.end()
+        world.start_hub()
+
+
 async def f12(world: World, chance: random.Random, findings: Findings) -> None:
     """Partition: nothing passes for a while, then all that waited comes late."""
     seconds = chance.choice((1.0, 2.5, 5.0, 20.0)) if world.long else chance.uniform(1.0, 2.0)
@@ -341,7 +434,8 @@ async def f19(world: World, chance: random.Random, findings: Findings) -> None:
 
 async def f20(world: World, chance: random.Random, findings: Findings) -> None:
     """Two gateways with one identity: the same one wins every time, and people are told."""
-    async with under_load(world, findings), page(world, "driver") as driver:
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        run.one_gateway = False
         first, data = world.gateway, world.gateway_data
         since = len(driver.got)
         world.gateway_data = world.folder / f"twin-{now()}"
@@ -520,7 +614,7 @@ class Row(NamedTuple):
 
 ROWS = [
     Row(each.__name__.upper(), (each.__doc__ or "").rstrip(".").replace("\n", " "), each)
-    for each in (f1, f2, f4, f5, f7, f12, f13, f14, f19, f20, f21, f22, f23, f24)
+    for each in (f1, f2, f3, f4, f5, f7, f8, f11, f12, f13, f14, f19, f20, f21, f22, f23, f24)
 ]
 
 __all__ = ["ROWS", "Row", "Run"]
