@@ -3,7 +3,7 @@
 PYTHON ?= python3
 VENV := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check bench docs lock pages clean
+.PHONY: help setup demo test check bench faults docs lock pages clean
 
 help:  ## list the words
 	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 10
@@ -26,14 +26,20 @@ check: setup  ## style, types, import direction, generated files
 	$(VENV)/lint-imports
 	$(VENV)/python tools/generate_web_types.py --check
 	$(VENV)/python tools/generate_reference.py --check
+	$(VENV)/python tools/generate_asyncapi.py --check
 	$(VENV)/python tools/check_tree.py
 	$(VENV)/python tools/node.py run check
 
 bench: setup  ## measure speed and memory; prints each figure beside its limit
 	$(VENV)/python bench/run.py $(ARGS)
 
+faults: setup  ## every fault for 20 minutes (MINUTES=5 for less); writes docs/faults-table.md
+	TALAIA_FAULT_MINUTES=$(or $(MINUTES),20) TALAIA_FAULT_TABLE=docs/faults-table.md \
+	$(VENV)/python -m pytest tests/system/faults/test_rows.py -s $(ARGS)
+
 docs: setup  ## write docs/reference from the code
 	$(VENV)/python tools/generate_reference.py
+	$(VENV)/python tools/generate_asyncapi.py
 	$(VENV)/python tools/generate_web_types.py
 
 lock: setup  ## resolve the Python lock files anew

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import msgspec
+from wire_words import CHANNELS, CLOSE_CODES, limits, meaning
 
 from talaia.cli.main import WORDS
 from talaia.clock import SystemClock
@@ -27,6 +28,21 @@ from talaia.model.schema import site_schema
 from talaia.model.unit import UNITS
 from talaia.wire import browser, frames
 
+CODECS = {
+    "FromGateway": frames.LINK_FROM_GATEWAY,
+    "FromHub": frames.LINK_FROM_HUB,
+    "MediaFromGateway": frames.MEDIA_FROM_GATEWAY,
+    "MediaFromHub": frames.MEDIA_FROM_HUB,
+    "FromBrowser": browser.FROM_BROWSER,
+    "ToBrowser": browser.TO_BROWSER,
+    "MediaToBrowser": browser.MEDIA_TO_BROWSER,
+    "MediaFromBrowser": browser.MEDIA_FROM_BROWSER,
+}
+WIRE = """A binary frame is a MessagePack map, a text frame the same as JSON (bytes as base64);
+`t` is the message's kind, told behind its name below. Fields a reader does not know are ignored,
+fields it misses take their defaults, and kinds it does not know are skipped once hello and welcome
+are said: so version N talks with N-1 and N+1. A frame over its limit, or with a field over its
+own, closes the connection. [asyncapi.yaml](asyncapi.yaml) says the same to programs."""
 ROOT = Path(__file__).resolve().parent.parent
 TARGET = ROOT / "docs" / "reference"
 NOTE = "<!-- Made from the code by tools/generate_reference.py; do not edit. -->\n\n"
@@ -80,19 +96,15 @@ def site_page() -> str:
 
 def wire_page() -> str:
     """Describe every message, by who sends it."""
-    groups = [
-        ("Gateway to hub, `/gateway/link`", frames.FromGateway),
-        ("Hub to gateway, `/gateway/link`", frames.FromHub),
-        ("Gateway to hub, `/gateway/media`", frames.MediaFromGateway),
-        ("Browser to hub, `/ws`", browser.FromBrowser),
-        ("Hub to browser, `/ws`", browser.ToBrowser),
-        ("Hub to browser, `/ws/media`", browser.MediaToBrowser),
-        ("Browser to hub, `/ws/media`", browser.MediaFromBrowser),
-    ]
-    parts = [NOTE + "# Messages\n", (inspect.getdoc(frames) or "") + "\n"]
-    for title, union in groups:
-        parts.append(f"## {title}\n")
-        parts += [struct_section(shape, "###") for shape in (get_args(union) or (union,))]
+    rooms = {"frames": frames, "browser": browser}
+    parts = [NOTE + "# Messages\n", (inspect.getdoc(frames) or "") + "\n", WIRE + "\n"]
+    codes = [(str(code), who, what) for code, who, what in CLOSE_CODES]
+    parts += ["## Close codes\n", table(("code", "sent by", "meaning"), codes)]
+    for path, title, room, name in CHANNELS:
+        union = getattr(rooms[room], name)
+        codec = CODECS[name]
+        parts.append(f"## {title}, `{path}`\n\nA frame is at most {codec.max_frame:,} bytes.\n")
+        parts += [struct_section(s, "###", wire=True) for s in (get_args(union) or (union,))]
     return "\n".join(parts)
 
 
@@ -139,8 +151,8 @@ def child_environment() -> dict[str, str]:
     return {**os.environ, "COLUMNS": "100", "NO_COLOR": "1", "PYTHONPATH": str(ROOT / "src")}
 
 
-def struct_section(shape: type[msgspec.Struct], level: str = "##") -> str:
-    """Describe one struct: its sentence, then its fields."""
+def struct_section(shape: type[msgspec.Struct], level: str = "##", *, wire: bool = False) -> str:
+    """Describe one struct: its sentence, then its fields; of a message also their limits."""
     doc = inspect.getdoc(shape) or ""
     head, _, attributes = doc.partition("Attributes:")
     notes = attribute_notes(attributes)
@@ -151,14 +163,15 @@ def struct_section(shape: type[msgspec.Struct], level: str = "##") -> str:
         (
             f"`{field.encode_name}`",
             type_words(field.type),
+            *((limits(field.type),) if wire else ()),
             "required" if field.required else default_words(field),
-            notes.get(field.encode_name, ""),
+            meaning(shape, field.encode_name, notes) if wire else notes.get(field.encode_name, ""),
         )
         for field in info.fields
     ]
     tag = f" · `{info.tag}`" if isinstance(info.tag, str) else ""
     return f"{level} {shape.__name__}{tag}\n\n{head.strip()}\n\n" + table(
-        ("field", "type", "default", "meaning"), rows
+        ("field", "type", *(("limits",) if wire else ()), "default", "meaning"), rows
     )
 
 

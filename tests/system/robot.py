@@ -49,6 +49,7 @@ def listen(node: rclpy.node.Node, heard: TextIO) -> None:
     to("/cmd_vel", Twist, twist)
     to("/cmd_stamped", TwistStamped, stamped)
     to("/control", String, lambda message: message.data)
+    to("/mark", Float64, lambda message: message.data)
     latched = DurabilityPolicy.TRANSIENT_LOCAL
     to("/stop", Bool, lambda message: message.data, durability=latched)
 

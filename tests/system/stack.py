@@ -146,19 +146,28 @@ class Process:
 class Stack:
     """A hub, a gateway and a robot in one folder."""
 
+    description = DESCRIPTION
+
     def __init__(
-        self, folder: Path, description: str = DESCRIPTION, people: dict[str, str] | None = None
+        self,
+        folder: Path,
+        description: str = "",
+        people: dict[str, str] | None = None,
+        link_port: int = 0,
     ) -> None:
-        """Make accounts and a key, and start all three; see `ready`."""
+        """Make accounts and a key, and start all three; see `ready`.
+
+        The gateway dials ``link_port`` where one is given: something stands between.
+        """
         self.folder = folder
+        self.description = description or self.description
         self._people = PEOPLE if people is None else people
+        self._link_port = link_port
         self._world = domain.reserve()
         self._ros = domain.environment(self._world.domain)
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = int(probe.getsockname()[1])
+        self.port = self._free_port()
         asyncio.run(self._accounts())
-        (folder / "site.yaml").write_text(description)
+        (folder / "site.yaml").write_text(self.description)
         self.heard_file, self.ledger_file = folder / "heard.jsonl", folder / "ledger.txt"
         self.robot = Process(
             [str(Path(__file__).parent / "robot.py"), str(self.heard_file), str(self.ledger_file)],
@@ -173,6 +182,11 @@ class Stack:
     @property
     def address(self) -> str:
         return f"http://localhost:{self.port}"
+
+    def _free_port(self) -> int:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            return int(probe.getsockname()[1])
 
     async def _accounts(self) -> None:
         settings = Settings(
@@ -191,7 +205,8 @@ class Stack:
     def start_gateway(self) -> Process:
         words = [
             "-m", "talaia", "gateway", str(self.folder / "site.yaml"), "--allow-plain",
-            "--hub", f"ws://127.0.0.1:{self.port}", "--key-file", str(self.folder / "key"),
+            "--hub", f"ws://127.0.0.1:{self._link_port or self.port}",
+            "--key-file", str(self.folder / "key"),
             "--data", str(self.folder / "gateway"), "--ros-domain", str(self._world.domain),
         ]  # fmt: skip
         self.gateway = Process(words, self.folder / "gateway.log", self._ros)

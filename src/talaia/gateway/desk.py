@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from talaia.wire.frames import (
     Ack,
+    Again,
     CommandAsk,
     CommandPhase,
     Drive,
@@ -141,9 +142,11 @@ class FrontDesk:
         keeper: Keeper,
         adapter: Adapter,
         voice: Voice,
+        lanes: Lanes,
     ) -> None:
-        """Take all who act, and the voice that tells how it went."""
+        """Take all who act, the voice that tells how it went, and the lanes to the hub."""
         self._voice = voice
+        self._lanes = lanes
         self._boot = boot
         self._control = control
         self._pacer = pacer
@@ -175,6 +178,10 @@ class FrontDesk:
         match message:
             case Ack():
                 self._keeper.ack(message.boot, message.below)
+                self._lanes.acks += 1
+                return
+            case Again():
+                self._lanes.owe(message.boot, message.first, message.below)
                 return
             case Drive():
                 self._control.drive(message)

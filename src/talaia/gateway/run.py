@@ -140,6 +140,7 @@ class Gateway:
             self._keeper,
             self._adapter,
             self._voice,
+            self._lanes,
         )
         self._trust = Trust(settings.hub)
 

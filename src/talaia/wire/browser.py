@@ -13,7 +13,24 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from talaia.wire.frames import MAX_PICTURE, CommandPhase, Count, LeaseOp, Name, Scalar
+from talaia.wire.columns import MAX_SAMPLES
+from talaia.wire.frames import (
+    MAX_PICTURE,
+    Arguments,
+    ChannelColumn,
+    CommandPhase,
+    Count,
+    LeaseOp,
+    Micros,
+    Millis,
+    Name,
+    OffsetColumn,
+    Pixels,
+    Sentence,
+    Texts,
+    ValueColumn,
+    Word,
+)
 from talaia.wire.shape import PROTOCOL, Codec, Message
 
 __all__ = [
@@ -76,7 +93,7 @@ class Subscribe(Message, frozen=True, kw_only=True, tag="subscribe"):
 class Unsubscribe(Message, frozen=True, kw_only=True, tag="unsubscribe"):
     """No more of this subscription."""
 
-    sub: int
+    sub: Count
 
 
 class Lease(Message, frozen=True, kw_only=True, tag="lease"):
@@ -122,7 +139,7 @@ class Reset(Message, frozen=True, kw_only=True, tag="reset"):
     site: Name
     device: Name
     epoch: Count
-    token: str = ""
+    token: Word = ""
 
 
 class Command(Message, frozen=True, kw_only=True, tag="command"):
@@ -132,7 +149,7 @@ class Command(Message, frozen=True, kw_only=True, tag="command"):
     device: Name
     command: Name
     id: Name
-    args: dict[str, Scalar] = {}
+    args: Arguments = {}
 
 
 class Override(Message, frozen=True, kw_only=True, tag="override"):
@@ -164,30 +181,30 @@ class Ping(Message, frozen=True, kw_only=True, tag="ping"):
 class Greeting(Message, frozen=True, kw_only=True, tag="greeting"):
     """First frame: who the hub takes you for."""
 
-    protocol: int = PROTOCOL
-    version: str = ""
-    who: str
-    role: str
-    time_us: int
+    protocol: Count = PROTOCOL
+    version: Word = ""
+    who: Word
+    role: Word
+    time_us: Micros
 
 
 class SiteNews(Message, frozen=True, kw_only=True, tag="site"):
     """A site's link came up or went down, or its description changed (``catalogue``)."""
 
-    site: str
+    site: Word
     online: bool
-    since_us: int
-    catalogue: str = ""
+    since_us: Micros
+    catalogue: Word = ""
     loop_ms: float = 0.0
     skew_ms: float = 0.0
-    why: str = ""
+    why: Sentence = ""
 
 
 class Subscribed(Message, frozen=True, kw_only=True, tag="subscribed"):
     """Answer to `Subscribe`. Channels you may not see, or that are not there, are refused."""
 
-    sub: int
-    refused: list[str] = []
+    sub: Count
+    refused: Annotated[list[Name], Meta(max_length=10_000)] = []
 
 
 class Values(Message, frozen=True, kw_only=True, tag="values"):
@@ -197,13 +214,13 @@ class Values(Message, frozen=True, kw_only=True, tag="values"):
     ``age_ms`` then tells the age of each by the hub's clock, by position in the batch.
     """
 
-    sub: int
-    base_us: int
-    channel: bytes
-    offset: bytes
-    value: bytes
-    texts: dict[int, str] = {}
-    age_ms: list[float] = []
+    sub: Count
+    base_us: Micros
+    channel: ChannelColumn
+    offset: OffsetColumn
+    value: ValueColumn
+    texts: Texts = {}
+    age_ms: Annotated[list[float], Meta(max_length=MAX_SAMPLES)] = []
 
 
 class LeaseNews(Message, frozen=True, kw_only=True, tag="lease_news"):
@@ -216,72 +233,72 @@ class LeaseNews(Message, frozen=True, kw_only=True, tag="lease_news"):
 
     """
 
-    site: str
-    device: str
-    holder: str = ""
+    site: Word
+    device: Word
+    holder: Word = ""
     yours: bool = False
-    epoch: int = 0
-    remains_ms: int = 0
-    rival: str = ""
+    epoch: Count = 0
+    remains_ms: Millis = 0
+    rival: Word = ""
     asking: bool = False
-    answer_ms: int = 0
-    refused: str = ""
+    answer_ms: Millis = 0
+    refused: Sentence = ""
     forceable: bool = False
 
 
 class TickNews(Message, frozen=True, kw_only=True, tag="tick"):
     """The gateway's newest time mark; echo it in `Drive`."""
 
-    site: str
-    tick: int
+    site: Word
+    tick: Count
 
 
 class DriveNews(Message, frozen=True, kw_only=True, tag="drive_news"):
     """What the robot is being told; see `frames.DriveState`."""
 
-    site: str
-    device: str
+    site: Word
+    device: Word
     linear: float
     angular: float
     cap: float
     loop_ms: float = 0.0
-    accepted: int = 0
-    refused: int = 0
-    why: str = ""
+    accepted: Count = 0
+    refused: Count = 0
+    why: Sentence = ""
 
 
 class StopNews(Message, frozen=True, kw_only=True, tag="stop_news"):
     """STOP (software): see `frames.StopState`."""
 
-    site: str
-    device: str
+    site: Word
+    device: Word
     latched: bool
     confirmed: bool = False
-    who: str = ""
-    time_us: int = 0
-    id: str = ""
+    who: Word = ""
+    time_us: Micros = 0
+    id: Word = ""
 
 
 class ResetKey(Message, frozen=True, kw_only=True, tag="reset_key"):
     """The token for the second step of a reset, or why there is none."""
 
-    site: str
-    device: str
-    token: str = ""
-    refused: str = ""
+    site: Word
+    device: Word
+    token: Word = ""
+    refused: Sentence = ""
 
 
 class CommandNews(Message, frozen=True, kw_only=True, tag="command_news"):
     """Where a one-shot command stands."""
 
-    site: str
-    device: str
-    command: str
-    id: str
+    site: Word
+    device: Word
+    command: Word
+    id: Word
     phase: CommandPhase
-    message: str = ""
+    message: Sentence = ""
     progress: float = 0.0
-    who: str = ""
+    who: Word = ""
 
 
 class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
@@ -298,39 +315,39 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
 
     """
 
-    site: str
-    interlock: str
-    name: str
+    site: Word
+    interlock: Word
+    name: Word
     locked: bool
     unsafe: bool = False
-    why: str = ""
-    since_us: int = 0
-    clears_ms: int = 0
+    why: Sentence = ""
+    since_us: Micros = 0
+    clears_ms: Millis = 0
     refuses: list[str] = []
-    overridden_by: str = ""
-    reason: str = ""
-    override_ms: int = 0
+    overridden_by: Word = ""
+    reason: Sentence = ""
+    override_ms: Millis = 0
     longest_s: float = 0.0
 
 
 class EventNews(Message, frozen=True, kw_only=True, tag="event"):
     """Something happened at a site that people should know of."""
 
-    site: str
-    kind: str
-    device: str = ""
-    message: str = ""
-    who: str = ""
-    time_us: int = 0
+    site: Word
+    kind: Word
+    device: Word = ""
+    message: Sentence = ""
+    who: Word = ""
+    time_us: Micros = 0
     good: bool = True
 
 
 class Pong(Message, frozen=True, kw_only=True, tag="pong"):
     """Answer to `Ping`, with the hub's monotonic clock (µs) so that ages can be told."""
 
-    n: int
+    n: Count
     at_ms: float
-    hub_us: int
+    hub_us: Micros
 
 
 class Problem(Message, frozen=True, kw_only=True, tag="problem"):
@@ -343,9 +360,9 @@ class Problem(Message, frozen=True, kw_only=True, tag="problem"):
 
     """
 
-    code: str
-    message: str
-    about: str = ""
+    code: Word
+    message: Sentence
+    about: Word = ""
 
 
 class SessionNews(Message, frozen=True, kw_only=True, tag="session"):
@@ -357,26 +374,26 @@ class SessionNews(Message, frozen=True, kw_only=True, tag="session"):
 
     """
 
-    ends_us: int
+    ends_us: Micros
     idle: bool = False
 
 
 class Ended(Message, frozen=True, kw_only=True, tag="ended"):
     """Your session is over; the socket closes after this."""
 
-    reason: str
+    reason: Sentence
 
 
 class Shot(Message, frozen=True, kw_only=True, tag="shot"):
     """One picture. ``hub_us`` is the moment of capture on the hub's monotonic clock."""
 
-    seq: int
-    time_us: int
-    hub_us: int
-    width: int
-    height: int
-    format: str
-    data: bytes
+    seq: Count
+    time_us: Micros
+    hub_us: Micros
+    width: Pixels
+    height: Pixels
+    format: Word
+    data: Annotated[bytes, Meta(max_length=MAX_PICTURE)]
 
 
 class Shown(Message, frozen=True, kw_only=True, tag="shown"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from talaia.errors import TalaiaError
 
-__all__ = ["CodeMistyped", "PeerError"]
+__all__ = ["CodeMistyped", "PeerError", "UnknownKind"]
 
 
 class PeerError(TalaiaError):
@@ -34,3 +34,12 @@ class CodeMistyped(TalaiaError):
 
     def __str__(self) -> str:
         return f"the code was mistyped: {self.problem}; compare it with the page, or paste it"
+
+
+class UnknownKind(PeerError):
+    """A frame of a kind that this version does not know; whoever reads a running link skips it."""
+
+    def __init__(self, kind: str) -> None:
+        """Keep the tag."""
+        super().__init__(f"a message of the unknown kind {kind[:40]!r}")
+        self.kind = kind

@@ -17,6 +17,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from talaia.wire.columns import MAX_SAMPLES
 from talaia.wire.shape import PROTOCOL, Codec, Message
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "MEDIA_FROM_GATEWAY",
     "MEDIA_FROM_HUB",
     "Ack",
+    "Again",
     "Beat",
     "BeatReply",
     "Bye",
@@ -60,7 +62,18 @@ __all__ = [
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
 Sentence = Annotated[str, Meta(max_length=2000)]
 Count = Annotated[int, Meta(ge=0, le=2**62)]
-Scalar = float | int | bool | str
+# May be empty.
+Word = Annotated[str, Meta(max_length=200)]
+Micros = Annotated[int, Meta(ge=-(2**62), le=2**62)]
+Millis = Annotated[int, Meta(ge=0, le=2**40)]
+Pixels = Annotated[int, Meta(ge=0, le=16_384)]
+Scalar = float | int | bool | Annotated[str, Meta(max_length=10_000)]
+Arguments = Annotated[dict[Name, Scalar], Meta(max_length=100)]
+# One column of a batch: so many bytes a sample; see `wire.columns`.
+ChannelColumn = Annotated[bytes, Meta(max_length=2 * MAX_SAMPLES)]
+OffsetColumn = Annotated[bytes, Meta(max_length=4 * MAX_SAMPLES)]
+ValueColumn = Annotated[bytes, Meta(max_length=8 * MAX_SAMPLES)]
+Texts = Annotated[dict[int, Sentence], Meta(max_length=MAX_SAMPLES)]
 # A picture is at most this large; a link frame is far smaller.
 MAX_PICTURE = 8 * 1024 * 1024
 
@@ -103,13 +116,13 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
 
     """
 
-    protocol: int = PROTOCOL
+    protocol: Count = PROTOCOL
     version: Sentence = ""
     site: Name
     boot: Name
     description: Annotated[str, Meta(max_length=4 * 1024 * 1024)]
     catalogue: Name
-    time_us: int = 0
+    time_us: Micros = 0
 
 
 class Samples(Message, frozen=True, kw_only=True, tag="samples"):
@@ -122,12 +135,12 @@ class Samples(Message, frozen=True, kw_only=True, tag="samples"):
     boot: Name
     first: Count
     catalogue: Name
-    base_us: int
-    channel: bytes
-    offset: bytes
-    value: bytes
-    texts: dict[int, Sentence] = {}
-    addresses: list[Name] = []
+    base_us: Micros
+    channel: ChannelColumn
+    offset: OffsetColumn
+    value: ValueColumn
+    texts: Texts = {}
+    addresses: Annotated[list[Name], Meta(max_length=MAX_SAMPLES)] = []
     live: bool = True
 
 
@@ -137,8 +150,8 @@ class Gap(Message, frozen=True, kw_only=True, tag="gap"):
     boot: Name
     first: Count
     last: Count
-    from_us: int
-    to_us: int
+    from_us: Micros
+    to_us: Micros
     reason: Sentence
 
 
@@ -156,14 +169,14 @@ class LeaseState(Message, frozen=True, kw_only=True, tag="lease"):
     """
 
     device: Name
-    session: str = ""
+    session: Word = ""
     who: Sentence = ""
     epoch: Count = 0
-    remains_ms: int = 0
-    rival: str = ""
+    remains_ms: Millis = 0
+    rival: Word = ""
     rival_who: Sentence = ""
-    rival_ms: int = 0
-    asked: str = ""
+    rival_ms: Millis = 0
+    asked: Word = ""
     refused: Sentence = ""
     forceable: bool = False
 
@@ -194,8 +207,8 @@ class StopState(Message, frozen=True, kw_only=True, tag="stop_state"):
     latched: bool
     confirmed: bool = False
     who: Sentence = ""
-    time_us: int = 0
-    id: str = ""
+    time_us: Micros = 0
+    id: Word = ""
 
 
 class ResetToken(Message, frozen=True, kw_only=True, tag="reset_token"):
@@ -203,7 +216,7 @@ class ResetToken(Message, frozen=True, kw_only=True, tag="reset_token"):
 
     device: Name
     session: Name
-    token: str = ""
+    token: Word = ""
     refused: Sentence = ""
 
 
@@ -223,10 +236,10 @@ class Event(Message, frozen=True, kw_only=True, tag="event"):
     """Something worth writing down: adapter lost or back, drive started or ended, a refusal."""
 
     kind: Name
-    device: str = ""
+    device: Word = ""
     message: Sentence = ""
     who: Sentence = ""
-    time_us: int = 0
+    time_us: Micros = 0
     good: bool = True
 
 
@@ -260,15 +273,15 @@ class Beat(Message, frozen=True, kw_only=True, tag="beat"):
     """Are you there? Sent every second; three without a reply and the peer counts as gone."""
 
     n: Count
-    mono_us: int
+    mono_us: Micros
 
 
 class BeatReply(Message, frozen=True, kw_only=True, tag="beat_reply"):
     """Yes. Echoes the beat and adds the answerer's monotonic clock, so clocks can be compared."""
 
     n: Count
-    mono_us: int
-    peer_us: int
+    mono_us: Micros
+    peer_us: Micros
 
 
 class Bye(Message, frozen=True, kw_only=True, tag="bye"):
@@ -283,16 +296,28 @@ class Bye(Message, frozen=True, kw_only=True, tag="bye"):
 class Welcome(Message, frozen=True, kw_only=True, tag="welcome"):
     """Answer to `Hello`. ``acked`` is one past the last sequence of this boot that is stored."""
 
-    protocol: int = PROTOCOL
+    protocol: Count = PROTOCOL
     version: Sentence = ""
     acked: Count = 0
-    time_us: int = 0
+    time_us: Micros = 0
 
 
 class Ack(Message, frozen=True, kw_only=True, tag="ack"):
     """Every sample of ``boot`` below sequence ``below`` is stored for good."""
 
     boot: Name
+    below: Count
+
+
+class Again(Message, frozen=True, kw_only=True, tag="again"):
+    """Send samples ``first`` up to, not including, ``below`` of ``boot`` once more.
+
+    The hub had no room for them (its database was away), so they are not stored; live samples go
+    on meanwhile, and so do STOP and driving.
+    """
+
+    boot: Name
+    first: Count
     below: Count
 
 
@@ -353,7 +378,7 @@ class ResetAsk(Message, frozen=True, kw_only=True, tag="reset_ask"):
     session: Name
     epoch: Count
     who: Name
-    token: str = ""
+    token: Word = ""
 
 
 class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
@@ -362,7 +387,7 @@ class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
     id: Name
     device: Name
     command: Name
-    args: dict[str, Scalar] = {}
+    args: Arguments = {}
     ttl_ms: float
     who: Name
 
@@ -379,7 +404,7 @@ class OverrideAsk(Message, frozen=True, kw_only=True, tag="override"):
 class Watch(Message, frozen=True, kw_only=True, tag="watch"):
     """The streams (``device/stream``) that anyone looks at now; all others rest."""
 
-    streams: list[Name]
+    streams: Annotated[list[Name], Meta(max_length=1000)]
 
 
 class Reconnect(Message, frozen=True, kw_only=True, tag="reconnect"):
@@ -397,12 +422,12 @@ class Picture(Message, frozen=True, kw_only=True, tag="picture"):
 
     stream: Name
     seq: Count
-    time_us: int
-    mono_us: int
-    width: int
-    height: int
+    time_us: Micros
+    mono_us: Micros
+    width: Pixels
+    height: Pixels
     format: Name = "jpeg"
-    data: bytes
+    data: Annotated[bytes, Meta(max_length=MAX_PICTURE)]
 
 
 FromGateway = (
@@ -424,6 +449,7 @@ FromGateway = (
 FromHub = (
     Welcome
     | Ack
+    | Again
     | LeaseAsk
     | LeaseForce
     | Drive

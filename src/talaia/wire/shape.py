@@ -1,29 +1,39 @@
 """What every message has in common: a tag, a closed list, limits, two encodings.
 
-A message is a map with the key ``t`` for its kind. Fields a reader does not know are ignored
-and fields it misses take their defaults, so that version N talks with N-1. MessagePack is what
+A message is a map with the key ``t`` for its kind. Fields a reader does not know are ignored,
+fields it misses take their defaults, and kinds it does not know are skipped once a link stands,
+so that version N talks with N-1. MessagePack is what
 the programs speak; JSON (bytes as base64) says the same to a person with a console.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar, get_args
 
 import msgspec
 
-from talaia.wire.errors import PeerError
+from talaia.wire.errors import PeerError, UnknownKind
 
 if TYPE_CHECKING:
     from types import UnionType
 
-__all__ = ["MAX_FRAME", "PROTOCOL", "Codec", "Message"]
+__all__ = ["MAX_FRAME", "PROTOCOL", "Codec", "Message", "speaks"]
 
 PROTOCOL = 1
 MAX_FRAME = 4 * 1024 * 1024
 
 
+def speaks(protocol: int) -> bool:
+    """Tell whether a peer of this protocol is understood: ours, the one before, the one after."""
+    return abs(protocol - PROTOCOL) <= 1
+
+
 class Message(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="t"):
     """Base of every message."""
+
+
+class _Tagged(msgspec.Struct, frozen=True):
+    t: str
 
 
 M = TypeVar("M")
@@ -35,6 +45,9 @@ class Codec(Generic[M]):
     def __init__(self, union: UnionType | type, max_frame: int = MAX_FRAME) -> None:
         """Take the messages that may be met, as a union of `Message` classes."""
         self.max_frame = max_frame
+        self._kinds = frozenset(
+            each.__struct_config__.tag for each in (get_args(union) or (union,))
+        )
         self._binary: msgspec.msgpack.Decoder[M] = msgspec.msgpack.Decoder(union)
         self._text: msgspec.json.Decoder[M] = msgspec.json.Decoder(union)
         self._pack = msgspec.msgpack.Encoder()
@@ -44,7 +57,8 @@ class Codec(Generic[M]):
         """Read one frame: MessagePack from bytes, JSON from text.
 
         Raises:
-            PeerError: too large, not in the list, a field of the wrong type, or too deep.
+            PeerError: too large, a field of the wrong type or over its limit, or too deep.
+            UnknownKind: a whole message, but none of the list.
 
         """
         if len(data) > self.max_frame:
@@ -55,8 +69,23 @@ class Codec(Generic[M]):
             if isinstance(data, str):
                 return self._text.decode(data)
             return self._binary.decode(data)
+        except msgspec.ValidationError as error:
+            kind = self._kind(data)
+            if kind is not None and kind not in self._kinds:
+                raise UnknownKind(kind) from error
+            raise PeerError(f"a frame that is not in the protocol: {error}") from error
         except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
             raise PeerError(f"a frame that is not in the protocol: {error}") from error
+
+    @staticmethod
+    def _kind(data: bytes | str) -> str | None:
+        """Tell the tag of a frame that could not be decoded."""
+        try:
+            if isinstance(data, str):
+                return msgspec.json.decode(data, type=_Tagged).t
+            return msgspec.msgpack.decode(data, type=_Tagged).t
+        except (msgspec.DecodeError, RecursionError, UnicodeDecodeError):
+            return None
 
     def encode(self, message: M) -> bytes:
         """Write MessagePack."""

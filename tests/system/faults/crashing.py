@@ -1,11 +1,12 @@
-"""Run one word of ``talaia`` so that it dies at a named point, as if by ``kill -9``.
+"""Run one word of ``talaia`` with a trouble: death at a named point, or a wall clock gone wrong.
 
     TALAIA_CRASH_AT=POINT python crashing.py WORD …
+    TALAIA_CLOCK_OFFSET_S=3600 python crashing.py WORD …
 
 The product knows nothing of this: no hook, no variable, nothing to be switched on by mistake or
-by malice. This starter replaces a function by one that kills the process before it, after it, or
-in its middle, and then calls the command line as always. A point that is no longer there fails
-loudly.
+by malice. This starter replaces a function by one that kills the process before it or after it
+(as if by ``kill -9``), or shifts what the wall clock says after a moment, and then calls the
+command line as always. A point that is no longer there fails loudly.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import importlib
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -31,7 +33,9 @@ POINTS = {
     "hub-before-commit": Point("talaia.hub.history.ledger", "Ledger._write", call=10),
     "hub-in-commit": Point("talaia.hub.history.ledger", "Ledger._write", after=True, call=10),
     "hub-after-commit": Point("talaia.hub.history.ledger", "Ledger.store", after=True, call=10),
-    "hub-mid-migration": Point("alembic.runtime.migration", "HeadMaintainer.update_to_step", call=2),
+    "hub-mid-migration": Point(
+        "alembic.runtime.migration", "HeadMaintainer.update_to_step", call=2
+    ),
     "hub-before-description": Point("talaia.hub.store.sites", "SiteRegistry.said_hello"),
     "hub-after-description": Point("talaia.hub.live.ingest", "Ingest.start"),
     "spool-before-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", call=2),
@@ -68,9 +72,26 @@ def arm(point: Point) -> None:
     setattr(holder, last, dying)
 
 
+def shift(offset_s: float, after_s: float = 2.0) -> None:
+    """Let the wall clock jump a little after the start, as when the machine finds the time."""
+    from talaia.clock import SystemClock
+
+    began = time.monotonic()
+    original = SystemClock.wall_ns
+
+    def wall_ns(self: SystemClock) -> int:
+        jumped = time.monotonic() - began > after_s
+        return max(0, original(self) + (round(offset_s * 1e9) if jumped else 0))
+
+    SystemClock.wall_ns = wall_ns  # type: ignore[method-assign]
+
+
 def main() -> int:
     """Arm and run."""
-    arm(POINTS[os.environ["TALAIA_CRASH_AT"]])
+    if point := os.environ.get("TALAIA_CRASH_AT"):
+        arm(POINTS[point])
+    if offset := os.environ.get("TALAIA_CLOCK_OFFSET_S"):
+        shift(float(offset))
     from talaia.cli.main import main as talaia
 
     sys.argv[0] = "talaia"

@@ -6,7 +6,6 @@ It runs on a thread of its own, so that a test that is busy does not hold up the
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import threading
 from collections import deque
 from collections.abc import Coroutine
@@ -33,6 +32,7 @@ class _Pipe:
         self._bytes = 0
         self._changed = asyncio.Event()
         self._ended = False
+        self.shut = False
         self._due = 0.0
 
     async def run(self) -> None:
@@ -70,7 +70,7 @@ class _Pipe:
         while True:
             while not self._queue:
                 if self._ended:
-                    if self.writer.can_write_eof():
+                    if not self.shut and self.writer.can_write_eof():
                         self.writer.write_eof()
                     return
                 self._changed.clear()
@@ -80,8 +80,9 @@ class _Pipe:
             await self._proxy.light(self.way)
             self._queue.popleft()
             self._bytes -= len(bit)
-            self.writer.write(bit)
-            await self.writer.drain()
+            if not self.shut:
+                self.writer.write(bit)
+                await self.writer.drain()
             self._proxy.passed[self.way] += len(bit)
             if self._proxy.weather.rate:
                 await asyncio.sleep(len(bit) / self._proxy.weather.rate)
@@ -138,6 +139,7 @@ class Proxy:
         async def close() -> None:
             for pipe in self._pipes:
                 if pipe.way is way and not pipe.writer.transport.is_closing():
+                    pipe.shut = True
                     pipe.writer.write_eof()
 
         self._do(close())
@@ -199,11 +201,13 @@ class Proxy:
             _Pipe(Way.DOWN, self, far_reader, writer, f"{name}:down"),
         ]
         self._pipes += pipes
+        runs = [asyncio.ensure_future(pipe.run()) for pipe in pipes]
         try:
-            await asyncio.gather(*(pipe.run() for pipe in pipes))
-        except OSError:
-            pass
+            await asyncio.wait(runs, return_when=asyncio.FIRST_EXCEPTION)
         finally:
+            for each in runs:
+                each.cancel()
+            # That one side went away is no news here: the other is told by the abort.
+            await asyncio.gather(*runs, return_exceptions=True)
             for pipe in pipes:
-                with contextlib.suppress(OSError):
-                    pipe.writer.transport.abort()
+                pipe.writer.transport.abort()

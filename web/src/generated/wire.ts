@@ -79,6 +79,15 @@ export interface Command {
   readonly args: Readonly<Record<string, number | boolean | string>>;
 }
 
+/** Override an interlock of a site for so many seconds, with the reason; 0 s ends that. */
+export interface Override {
+  readonly t: "override";
+  readonly site: string;
+  readonly interlock: string;
+  readonly reason: string;
+  readonly seconds: number;
+}
+
 /** Every second. */
 export interface Ping {
   readonly t: "ping";
@@ -199,6 +208,24 @@ export interface CommandNews {
   readonly who: string;
 }
 
+/** How an interlock of a site stands; shown on every page while it locks or is overridden. */
+export interface InterlockNews {
+  readonly t: "interlock_news";
+  readonly site: string;
+  readonly interlock: string;
+  readonly name: string;
+  readonly locked: boolean;
+  readonly unsafe: boolean;
+  readonly why: string;
+  readonly since_us: number;
+  readonly clears_ms: number;
+  readonly refuses: readonly string[];
+  readonly overridden_by: string;
+  readonly reason: string;
+  readonly override_ms: number;
+  readonly longest_s: number;
+}
+
 /** Something happened at a site that people should know of. */
 export interface EventNews {
   readonly t: "event";
@@ -267,6 +294,7 @@ export type FromBrowser =
   | Stop
   | Reset
   | Command
+  | Override
   | Ping;
 
 export type ToBrowser =
@@ -280,6 +308,7 @@ export type ToBrowser =
   | StopNews
   | ResetKey
   | CommandNews
+  | InterlockNews
   | EventNews
   | Pong
   | Problem
@@ -306,6 +335,7 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
   "stop_news",
   "reset_key",
   "command_news",
+  "interlock_news",
   "event",
   "pong",
   "problem",
@@ -329,6 +359,7 @@ export const DEFAULTS = {
   stop: {},
   reset: { token: "" },
   command: { args: {} },
+  override: { reason: "" },
   ping: { active: false },
   greeting: { protocol: 1, version: "" },
   site: { catalogue: "", loop_ms: 0.0, skew_ms: 0.0, why: "" },
@@ -340,6 +371,7 @@ export const DEFAULTS = {
   stop_news: { confirmed: false, who: "", time_us: 0, id: "" },
   reset_key: { token: "", refused: "" },
   command_news: { message: "", progress: 0.0, who: "" },
+  interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0 },
   event: { device: "", message: "", who: "", time_us: 0, good: true },
   pong: {},
   problem: { about: "" },

@@ -327,6 +327,13 @@ class Spool:
             return [Stored(self._head, each) for each in self._memory], Place(last, 0, 0)
         return [], place
 
+    def seek(self, boot: str, first: int) -> Place:
+        """Give where to read from to be given sample ``first`` of ``boot`` early on."""
+        for segment in self._segments:
+            if segment.head.boot == boot and segment.end > first:
+                return Place(segment.number, -1)
+        return Place()
+
     def _read_segment(
         self, segment: Segment, place: Place, most: int
     ) -> tuple[list[Stored], Place]:

@@ -71,6 +71,10 @@ class Keeper:
         """See `Spool.gaps`."""
         return await self._do(self._spool.gaps)
 
+    async def seek(self, boot: str, first: int) -> Place:
+        """See `Spool.seek`."""
+        return await self._do(lambda: self._spool.seek(boot, first))
+
     async def read(self, place: Place, most: int) -> tuple[list[Stored], Place]:
         """See `Spool.read`."""
         return await self._do(lambda: self._spool.read(place, most))

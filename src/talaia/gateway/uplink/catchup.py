@@ -12,6 +12,8 @@ from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from talaia.gateway.spool.journal import Stored
     from talaia.gateway.spool.keeper import Keeper
     from talaia.gateway.uplink.lanes import Lanes
@@ -20,6 +22,8 @@ __all__ = ["CatchUp", "as_old"]
 
 STEP_S = 0.05
 MAX_WAITING = 8
+# Bytes that may go out without any word of the hub that it stores.
+MOST_UNHEARD = 8 * 1024 * 1024
 
 
 def as_old(stored: Stored, catalogue: str) -> bytes:
@@ -39,7 +43,7 @@ def as_old(stored: Stored, catalogue: str) -> bytes:
 
 
 class CatchUp:
-    """Sends what the spool held when the link came up, then what the live lane had to drop."""
+    """Sends what the spool held when the link came up, then what was dropped or is asked again."""
 
     def __init__(self, keeper: Keeper, lanes: Lanes, boot: str, catalogue: str, rate: int) -> None:
         """Take the spool, the lanes, this boot's and channel list's names, and bytes a second."""
@@ -56,45 +60,78 @@ class CatchUp:
             live_from: samples of this boot from here on go out live.
 
         """
-        for gap in await self._keeper.gaps():
-            self._lanes.backfill(LINK_FROM_GATEWAY.encode(gap))
-        told = len(await self._keeper.gaps())
-        await self._range(0, live_from, old_boots=True)
+        told = await self._tell_gaps(0)
+        await self._send(
+            Place(),
+            lambda boot, first, _: boot != self._boot or first < live_from,
+            until=(self._boot, live_from),
+        )
         while True:
             await asyncio.sleep(1.0)
+            owed, self._lanes.owed = self._lanes.owed, {}
             if self._lanes.overflowed is not None:
-                (first, end), self._lanes.overflowed = self._lanes.overflowed, None
-                await self._range(first, end, old_boots=False)
-            gaps = await self._keeper.gaps()
-            if len(gaps) != told:
-                told = len(gaps)
-                for gap in gaps:
-                    self._lanes.backfill(LINK_FROM_GATEWAY.encode(gap))
+                (first, below), self._lanes.overflowed = self._lanes.overflowed, None
+                before = owed.get(self._boot, (first, below))
+                owed[self._boot] = (min(first, before[0]), max(below, before[1]))
+            for boot, (first, below) in owed.items():
+                await self._again(boot, first, below)
+            told = await self._tell_gaps(told)
 
-    async def _range(self, first: int, end: int, *, old_boots: bool) -> None:
-        place = Place()
+    async def _tell_gaps(self, told: int) -> int:
+        """Tell all gaps when their number has changed; give their number."""
+        gaps = await self._keeper.gaps()
+        if len(gaps) != told:
+            for gap in gaps:
+                self._lanes.backfill(LINK_FROM_GATEWAY.encode(gap))
+        return len(gaps)
+
+    async def _again(self, boot: str, first: int, below: int) -> None:
+        """Send a range of one boot that did not arrive or was not kept."""
+
+        def wanted(of: str, begin: int, end: int) -> bool:
+            return of == boot and begin < below and end > first
+
+        await self._send(await self._keeper.seek(boot, first), wanted, until=(boot, below))
+
+    async def _send(
+        self,
+        place: Place,
+        wanted: Callable[[str, int, int], bool],
+        until: tuple[str, int],
+    ) -> None:
+        """Send what is wanted from a place on, at the rate, until the end or past a sample."""
         step = max(1, round(self._rate * STEP_S))
+        acks, unheard = self._lanes.acks, 0
         while True:
             found, place = await self._keeper.read(place, step)
             if not found:
                 return
-            sent = 0
-            for stored in found:
-                ours = stored.head.boot == self._boot
-                if (ours and stored.record.end > first and stored.record.first < end) or (
-                    not ours and old_boots
-                ):
-                    try:
-                        data = as_old(stored, self._catalogue)
-                    except PeerError as error:
-                        # Whole on disk, yet written by a version that said it differently.
-                        self._keeper.lose(stored.record, str(error), stored.head.boot)
-                        continue
-                    self._lanes.backfill(data)
-                    sent += len(data)
-            await asyncio.sleep(sent / self._rate)
+            sent = self._queue(found, wanted)
+            # Even where nothing is wanted, the reading is not to take the machine for itself.
+            await asyncio.sleep(max(sent, step // 10) / self._rate)
+            unheard = unheard + sent if acks == self._lanes.acks else sent
+            acks = self._lanes.acks
             # Asked from time to time: the writer has more urgent things to do than to tell us.
-            while self._lanes.backfill_waiting > MAX_WAITING:  # noqa: ASYNC110
+            while self._lanes.backfill_waiting > MAX_WAITING or (  # noqa: ASYNC110
+                # A hub that stores nothing now has no room for old samples either.
+                unheard > MOST_UNHEARD and acks == self._lanes.acks
+            ):
                 await asyncio.sleep(STEP_S)
-            if found[-1].head.boot == self._boot and found[-1].record.first >= end:
+            last = found[-1]
+            if last.head.boot == until[0] and last.record.end >= until[1]:
                 return
+
+    def _queue(self, found: list[Stored], wanted: Callable[[str, int, int], bool]) -> int:
+        sent = 0
+        for stored in found:
+            boot, record = stored.head.boot, stored.record
+            if wanted(boot, record.first, record.end):
+                try:
+                    data = as_old(stored, self._catalogue)
+                except PeerError as error:
+                    # Whole on disk, yet written by a version that said it differently.
+                    self._keeper.lose(record, str(error), boot)
+                    continue
+                self._lanes.backfill(data)
+                sent += len(data)
+        return sent

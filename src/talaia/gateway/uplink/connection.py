@@ -17,7 +17,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketExce
 from talaia.gateway.errors import KeyRefused, LinkLost
 from talaia.gateway.uplink.beats import Beats, reply_to
 from talaia.gateway.uplink.dialling import first_to_end
-from talaia.wire.errors import PeerError
+from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.frames import (
     LINK_FROM_GATEWAY,
     LINK_FROM_HUB,
@@ -29,7 +29,7 @@ from talaia.wire.frames import (
     Hello,
     Welcome,
 )
-from talaia.wire.shape import PROTOCOL
+from talaia.wire.shape import PROTOCOL, speaks
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -214,7 +214,7 @@ class LinkRun:
             raise LinkLost(f"the hub refuses this gateway: {welcome.reason}")
         if not isinstance(welcome, Welcome):
             raise PeerError(f"{type(welcome).__name__} before the welcome")
-        if welcome.protocol != PROTOCOL:
+        if not speaks(welcome.protocol):
             raise LinkLost(
                 f"the hub speaks protocol {welcome.protocol}, this gateway {PROTOCOL}; "
                 "bring both to the same version"
@@ -223,7 +223,11 @@ class LinkRun:
     async def _read(self, socket: ClientConnection, beats: Beats) -> None:
         while True:
             data = await socket.recv()
-            message = LINK_FROM_HUB.decode(data)
+            try:
+                message = LINK_FROM_HUB.decode(data)
+            except UnknownKind as error:
+                log.debug("the hub sent %s", error)
+                continue
             _check_awake(beats, self._clock)
             now = self._clock.monotonic_ns()
             match message:

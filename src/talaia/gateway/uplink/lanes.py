@@ -76,6 +76,8 @@ class Lanes:
         self.linked = False
         self.dropped_events = 0
         self.overflowed: tuple[int, int] | None = None
+        self.owed: dict[str, tuple[int, int]] = {}
+        self.acks = 0
 
     def send(self, message: FromGateway) -> None:
         """Queue a message in the lane of its kind."""
@@ -114,6 +116,11 @@ class Lanes:
         self._lanes[Lane.BACKFILL].append(Waiting(data))
         self._wake()
 
+    def owe(self, boot: str, first: int, below: int) -> None:
+        """Note that the hub asks for samples again."""
+        before = self.owed.get(boot, (first, below))
+        self.owed[boot] = (min(first, before[0]), max(below, before[1]))
+
     @property
     def backfill_waiting(self) -> int:
         """How many old frames wait."""
@@ -139,6 +146,7 @@ class Lanes:
         """Forget all but results and events."""
         self.linked = False
         self.overflowed = None
+        self.owed.clear()
         self._live_bytes = 0
         for lane in (Lane.CONTROL, Lane.LIVE, Lane.BACKFILL):
             self._lanes[lane].clear()

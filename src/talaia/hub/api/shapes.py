@@ -364,6 +364,9 @@ class AuditRow(Shape):
     good: bool
 
 
+_TEXT = Field(default=None, max_length=200, pattern=r"^[^\x00]*$")
+
+
 class AuditAsk(Shape):
     """Which rows of the audit log are meant; what is left out does not matter.
 

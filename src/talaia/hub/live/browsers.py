@@ -31,7 +31,7 @@ from talaia.wire.browser import (
     StopNews,
     TickNews,
 )
-from talaia.wire.errors import PeerError
+from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
@@ -142,7 +142,11 @@ class Browser:
             if event["type"] == "websocket.disconnect":
                 return
             data = event.get("bytes")
-            message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
+            try:
+                message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
+            except UnknownKind as error:
+                self.tell(Problem(code="unknown", message=str(error), about=error.kind[:200]))
+                continue
             if self._over.is_set():
                 return
             self._used = self._used or _by_hand(message)

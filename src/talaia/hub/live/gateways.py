@@ -23,7 +23,7 @@ from talaia.model.load import load_site
 from talaia.wire import frames
 from talaia.wire.columns import unpack
 from talaia.wire.errors import PeerError
-from talaia.wire.shape import PROTOCOL
+from talaia.wire.shape import speaks
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,7 +48,9 @@ _LOG = logging.getLogger(__name__)
 _MISSED_BEATS = 3
 _NEWS_EVERY = 5
 _FINISH_S = 1.0
+_MOST_RIVALS = 100
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
+_SECOND = "another gateway of this site, started later, is linked"
 REFUSED = 4400
 REPLACED = 4409
 TRY_LATER = 1013
@@ -102,6 +104,9 @@ class Gateways:
             return
         if hello is None or description is None:
             return
+        if self._is_second(hello):
+            await link.farewell(_SECOND, REPLACED)
+            return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
@@ -111,6 +116,9 @@ class Gateways:
         except _STORE_FAILS as error:
             _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
             await link.farewell("the hub cannot store anything now; try again later", TRY_LATER)
+            return
+        if self._is_second(hello):
+            await link.farewell(_SECOND, REPLACED)
             return
         link.send(
             frames.Welcome(version=__version__, acked=acked, time_us=self._clock.wall_ns() // 1000)
@@ -158,7 +166,7 @@ class Gateways:
             return None, None
         if not isinstance(hello, frames.Hello):
             raise PeerError("expected hello as the first message", REFUSED)
-        if hello.protocol > PROTOCOL + 1 or hello.protocol < PROTOCOL - 1:
+        if not speaks(hello.protocol):
             raise PeerError(f"protocol {hello.protocol} is not spoken here; update", REFUSED)
         if hello.site != site:
             raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
@@ -168,19 +176,42 @@ class Gateways:
             raise PeerError(f"the description is of {description.site!r}, not {site!r}", REFUSED)
         return hello, description
 
+    def _is_second(self, hello: frames.Hello) -> bool:
+        """Tell whether a gateway must leave the site to another with the same identity.
+
+        Of two, the one whose run began later stays, however often and in whatever order they
+        dial: names of runs rise with time. One that no longer answers is none, and is gone after
+        three beats.
+        """
+        live = self._sites.get(hello.site)
+        if live is None or live.link is None or hello.boot >= live.boot:
+            return False
+        self._tell_second(live, hello.boot, "the one that was started earlier is kept out")
+        return True
+
+    def _tell_second(self, live: LiveSite, boot: str, message: str) -> None:
+        """Raise the alarm, once for each rival: the loser goes on dialling."""
+        if boot not in live.rivals:
+            if len(live.rivals) >= _MOST_RIVALS:
+                live.rivals.clear()
+            live.rivals.add(boot)
+            self._reporting.event(live, "second gateway", message=message, good=False)
+
     def _attach(self, link: GatewayLink, hello: frames.Hello, description: Site) -> LiveSite:
         site = description.site
         before = self._sites.get(site)
         if before is not None and before.link is not None:
-            # Two with one identity: the newest wins, every time, and people are told.
+            # The same run dials anew when its old connection is half dead: then it is no other.
             before.link.dismiss("another gateway of this site has connected")
             self._reporting.link_lost(before)
-            self._reporting.event(
-                before, "second gateway", message="the newer connection was taken", good=False
-            )
+            if before.boot != hello.boot:
+                self._tell_second(before, before.boot, "the one that was started later was taken")
         changed = before is None or before.description != description
         live = self._sites.describe(description, hello.catalogue)
         live.link = link
+        if live.boot != hello.boot:
+            live.boot = hello.boot
+            live.rivals.discard(hello.boot)
         live.since_us = self._clock.wall_ns() // 1000
         live.why = ""
         live.stops.clear()
@@ -237,9 +268,9 @@ class Gateways:
                     if message.live and batch.addresses is addresses:
                         live.latest.update(batch.columns, self._clock.monotonic_ns())
                         self._fanout.publish(live, batch.columns)
-                    await ingest.put(batch)
+                    ingest.put(batch)
                 case frames.Gap():
-                    await ingest.put(message)
+                    ingest.put(message)
                 case frames.Beat():
                     link.send(
                         frames.BeatReply(

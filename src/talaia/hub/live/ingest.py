@@ -1,4 +1,9 @@
-"""Samples of one gateway on their way to the history: bounded, then it presses back."""
+"""Samples of one gateway on their way to the history: bounded, then it presses back.
+
+To press back by not reading the link would hold up STOP, driving and beats as well. So what finds
+no room is put down as owed, and the gateway, which keeps it until it is stored, is asked for it
+again once there is room.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +18,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from talaia.errors import TalaiaError
 from talaia.hub.live.conflate import join
 from talaia.hub.live.stored import StoredRun
-from talaia.wire.frames import Ack, Gap
+from talaia.wire.frames import Ack, Again, Gap
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,6 +32,8 @@ _LOG = logging.getLogger(__name__)
 # Samples that may wait, and that one commit holds at the most.
 _MOST_WAITING = 500_000
 _MOST_A_COMMIT = 100_000
+# When so few wait, what is owed is asked for.
+_ROOM = _MOST_WAITING // 4
 _RETRY_S = 1.0
 
 
@@ -44,18 +51,17 @@ class Ingest:
     """Stores batches and gaps in the order they came and acknowledges once for each commit."""
 
     def __init__(
-        self, history: History, site: str, acknowledge: Callable[[Ack], None], gather_s: float
+        self, history: History, site: str, tell: Callable[[Ack | Again], None], gather_s: float
     ) -> None:
-        """Call ``acknowledge`` when samples are safe; gather for ``gather_s`` before a commit."""
+        """Tell the gateway when samples are safe; gather for ``gather_s`` before a commit."""
         self._history = history
         self._site = site
-        self._acknowledge = acknowledge
+        self._tell = tell
         self._gather_s = gather_s
         self._waiting: deque[Batch | Gap] = deque()
         self._samples = 0
         self._news = asyncio.Event()
-        self._room = asyncio.Event()
-        self._room.set()
+        self._owed: dict[str, tuple[int, int]] = {}
         self._runs: dict[str, StoredRun] = {}
         self._ending = False
 
@@ -63,13 +69,15 @@ class Ingest:
         """Give the first sequence number of ``boot`` that is not stored."""
         return (await self._run(boot)).below
 
-    async def put(self, item: Batch | Gap) -> None:
-        """Take a batch or a gap; waits while too much is waiting (so the link is not read)."""
-        await self._room.wait()
+    def put(self, item: Batch | Gap) -> None:
+        """Take a batch or a gap; what finds no room will be asked for again."""
+        if self._samples >= _MOST_WAITING:
+            last = item.last if isinstance(item, Gap) else item.first + len(item.columns) - 1
+            first, end = self._owed.get(item.boot, (item.first, last + 1))
+            self._owed[item.boot] = (min(first, item.first), max(end, last + 1))
+            return
         self._waiting.append(item)
         self._samples += len(item.columns) if isinstance(item, Batch) else 1
-        if self._samples >= _MOST_WAITING:
-            self._room.clear()
         self._news.set()
 
     def finish(self) -> None:
@@ -78,7 +86,7 @@ class Ingest:
         self._news.set()
 
     async def run(self) -> None:
-        """Store until `finish`. When the database fails, try again; meanwhile `put` waits."""
+        """Store until `finish`. When the database fails, try again."""
         failing = False
         while self._waiting or not self._ending:
             await self._news.wait()
@@ -122,10 +130,12 @@ class Ingest:
         for item in taken:
             self._waiting.popleft()
             self._samples -= len(item.columns) if isinstance(item, Batch) else 1
-        if self._samples < _MOST_WAITING:
-            self._room.set()
+        if self._owed and self._samples < _ROOM:
+            for boot, (owed, below) in self._owed.items():
+                self._tell(Again(boot=boot, first=owed, below=below))
+            self._owed.clear()
         run.add(first.first, end)
-        self._acknowledge(Ack(boot=first.boot, below=run.below))
+        self._tell(Ack(boot=first.boot, below=run.below))
 
     def _together(self, first: Batch) -> list[Batch]:
         """Take from the front the batches that follow each other without a hole."""

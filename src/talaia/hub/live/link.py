@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.live.clocks import ClockOffset
 from talaia.hub.live.lanes import Lanes
+from talaia.wire.errors import UnknownKind
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
 
 if TYPE_CHECKING:
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["GONE", "GatewayLink"]
 
+_LOG = logging.getLogger(__name__)
 _FAREWELL_S = 0.5
 # What a socket raises when the other side has gone or does not take anything.
 GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
@@ -46,12 +49,16 @@ class GatewayLink:
             self._over.set_result(reason)
 
     async def receive(self) -> FromGateway | None:
-        """Read one message; None when the gateway has hung up."""
-        event = await self._socket.receive()
-        if event["type"] == "websocket.disconnect":
-            return None
-        data = event.get("bytes")
-        return LINK_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
+        """Read one message; None when the gateway has hung up. Unknown kinds are skipped."""
+        while True:
+            event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return None
+            data = event.get("bytes")
+            try:
+                return LINK_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
+            except UnknownKind as error:
+                _LOG.debug("a gateway sent %s", error)
 
     async def write(self) -> None:
         """Send what is queued, for ever."""

@@ -53,6 +53,8 @@ class LiveSite:
         loop_ms: hub to gateway and back, by the last beat.
         skew_ms: how far the gateway's wall clock is ahead of ours.
         link: the way down; None while the gateway is away.
+        boot: the run of the gateway that is or was linked; see `Gateways`.
+        rivals: runs of other gateways with this identity, of which people were told.
         leases: by device, with the moment it was heard (monotonic ns).
         interlocks: by name, with the moment it was heard (monotonic ns).
 
@@ -68,6 +70,8 @@ class LiveSite:
     loop_ms: float = 0.0
     skew_ms: float = 0.0
     link: SiteLink | None = None
+    boot: str = ""
+    rivals: set[str] = field(default_factory=set)
     leases: dict[str, tuple[LeaseState, int]] = field(default_factory=dict)
     stops: dict[str, StopState] = field(default_factory=dict)
     drives: dict[str, DriveState] = field(default_factory=dict)

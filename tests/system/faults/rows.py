@@ -1,0 +1,620 @@
+"""The faults, one row each: what is done to the world, and what must hold.
+
+Long, because the rows are read beside each other, as in the table that they fill.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import random
+import shutil
+import signal
+import time
+from collections.abc import Awaitable, Callable
+from typing import NamedTuple
+
+import httpx
+import websockets
+
+from talaia.wire import browser, frames
+
+from ..people import Page, connection, page, sign_in
+from ..stack import Process, until
+from . import ledgers
+from .crashing import POINTS
+from .ledgers import MS, Findings
+from .postgres import postgres
+from .weather import Way, Weather
+from .world import CRASHING, SITE, Run, World, now, small_disk, under_load
+
+# Three beats, a second apart, each given a second for its answer.
+BEATS_S = 4.0
+# The machine is shared.
+BEATS_LATE_S = 1.0
+
+
+async def _pause(chance: random.Random, least: float = 0.1, most: float = 0.5) -> None:
+    await asyncio.sleep(chance.uniform(least, most))
+
+
+@contextlib.asynccontextmanager
+async def _back(findings: Findings) -> Awaitable[None]:  # type: ignore[misc]
+    """I7: what is done inside is over within the bound after the fault's end."""
+    began = time.monotonic()
+    try:
+        yield
+    except AssertionError as error:
+        findings.breach("I7", str(error))
+        raise
+    took = time.monotonic() - began
+    findings.back_s.append(took)
+    if took > ledgers.BACK_S:
+        findings.breach("I7", f"back only after {took:.1f} s")
+
+
+async def f1(world: World, chance: random.Random, findings: Findings) -> None:
+    """`kill -9` the hub while it stores and somebody drives."""
+    async with under_load(world, findings) as run:
+        async with page(world, "driver") as driver:
+            await run.press(driver)
+            await run.mark(driver)
+            await _pause(chance)
+            links = world.links
+            at = world.hub.kill()
+            await run.stopped(at)
+        world.start_hub()
+        await world.hub.says("ready")
+        async with _back(findings):
+            await world.linked_again(links)
+        await run.let_go()
+        run.nothing_moves_after(at)
+
+
+async def f2(world: World, chance: random.Random, findings: Findings) -> None:
+    """`kill -9` the gateway; the robot is left to its own time-out."""
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        await run.press(driver)
+        await run.mark(driver)
+        await _pause(chance, 0.4, 0.8)
+        knew = world.said()[-1].known
+        run.killed = world.gateway.kill()
+        world.start_gateway()
+        async with _back(findings):
+            await world.ready()
+            await until(lambda: world.said()[-1].known > knew, 30, "the robot knows the gateway")
+        await asyncio.sleep(0.5)
+        # The finger is still on the key, and nobody has the lease.
+        run.nothing_moves_after(run.killed)
+
+
+async def f4(world: World, chance: random.Random, findings: Findings) -> None:
+    """Crash at a named point, from commit to the spool's rotation."""
+    point = chance.choice(sorted(POINTS))
+    findings.counted[point] += 1
+    if point.startswith("spool"):
+        await _crash_gateway(world, point, chance, findings)
+    elif point == "hub-mid-migration":
+        await _crash_migration(world, findings)
+    else:
+        await _crash_hub(world, point, findings)
+
+
+async def _dies(process: Process, within: float) -> None:
+    await until(lambda: process.popen.poll() is not None, within, "the crash at the named point")
+    assert process.popen.returncode == -signal.SIGKILL, process.said()
+
+
+async def _crash_hub(world: World, point: str, findings: Findings) -> None:
+    async with under_load(world, findings):
+        links = world.links
+        world.hub.kill()
+        world.crash["hub"] = point
+        try:
+            hub = world.start_hub()
+            await _dies(hub, 30)
+        finally:
+            world.crash["hub"] = ""
+        world.start_hub()
+        await world.hub.says("ready")
+        async with _back(findings):
+            await world.linked_again(links)
+
+
+async def _crash_migration(world: World, findings: Findings) -> None:
+    """A hub that dies between two steps starts well the next time, on a folder of its own."""
+    folder = world.folder / f"migrated-{now()}"
+    folder.mkdir()
+    words = ["hub", "--data", str(folder), "--plain", "--host", "127.0.0.1", "--port", "0"]
+    dying = Process(
+        [str(CRASHING), *words], folder / "hub.log", {"TALAIA_CRASH_AT": "hub-mid-migration"}
+    )
+    await _dies(dying, 30)
+    dying.end()
+    whole = Process(["-m", "talaia", *words], folder / "hub.log", {})
+    try:
+        async with _back(findings):
+            await whole.says("ready")
+    finally:
+        whole.end()
+
+
+async def _crash_gateway(
+    world: World, point: str, chance: random.Random, findings: Findings
+) -> None:
+    """The link is dark, so that the spool fills, closes segments and lets the oldest go."""
+    removal = "removal" in point
+    async with under_load(world, findings) as run:
+        world.gateway.end()
+        world.more_words = ["--spool-mb", "0.03" if removal else "0.3"]
+        world.crash["gateway"] = point
+        try:
+            gateway = world.start_gateway()
+            await gateway.says("linked to")
+            knew = world.said()[-1].known
+            world.proxy.change(Weather(dark=frozenset(Way)))
+            await _dies(gateway, 60)
+            run.killed = now()
+        finally:
+            world.crash["gateway"], world.more_words = "", []
+        world.proxy.cut()
+        await _pause(chance)
+        world.proxy.change(Weather())
+        world.start_gateway()
+        async with _back(findings):
+            await world.ready()
+            await until(lambda: world.said()[-1].known > knew, 30, "the robot knows the gateway")
+        await asyncio.sleep(0.3)
+
+
+async def f5(world: World, chance: random.Random, findings: Findings) -> None:
+    """SIGSTOP, then SIGCONT: a process that wakes up must not do what is old."""
+    which = chance.choice(("hub", "gateway"))
+    seconds = chance.choice((1.0, 1.0, 5.0)) if world.long else 1.0
+    findings.counted[f"{which} {seconds:g} s"] += 1
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        await run.press(driver)
+        await run.mark(driver)
+        await _pause(chance)
+        process = (world.hub if which == "hub" else world.gateway).popen
+        at = now()
+        process.send_signal(signal.SIGSTOP)
+        try:
+            await asyncio.sleep(seconds)
+            await run.let_go()
+        finally:
+            process.send_signal(signal.SIGCONT)
+        if which == "hub":
+            await run.stopped(at)
+            run.nothing_moves_after(at)
+        else:
+            # Frozen, it cannot say zero; the robot's own time-out is what stops it.
+            run.nothing_moves_after(at + round(seconds * 1e9) - round(ledgers.STOP_MS * MS))
+        async with _back(findings):
+            await _sees_values(driver)
+
+
+async def _sees_values(by: Page) -> None:
+    """Wait until values arrive on a fresh subscription."""
+    await by.say(browser.Subscribe(sub=2, site=SITE, channels=["base/still"], every_ms=0))
+    since = len(by.got)
+    await by.sees(
+        browser.Values, lambda x: x.sub == 2 and not x.age_ms, since=since, within=ledgers.BACK_S
+    )
+
+
+async def f7(world: World, chance: random.Random, findings: Findings) -> None:
+    """The gateway's disk is full: old samples give way, driving and STOP do not."""
+    with small_disk(world.folder / f"small-{now()}", "8m") as disk:
+        world.gateway.end()
+        world.gateway_data = disk / "gateway"
+        try:
+            world.start_gateway()
+            await world.ready()
+            async with under_load(world, findings) as run:
+                with (disk / "filler").open("wb", buffering=0) as filler, \
+                        contextlib.suppress(OSError):  # fmt: skip
+                    while filler.write(bytes(4096)):
+                        pass
+                async with page(world, "driver") as driver:
+                    await run.press(driver)
+                    await run.mark(driver)
+                    at = now()
+                    name = f"full-{at}"
+                    await driver.say(browser.Stop(site=SITE, device="base", id=name))
+                    await driver.sees(browser.StopNews, lambda x: x.id == name and x.latched)
+                    await run.stopped(at)
+                    await run.let_go()
+                    # On a full disk it comes up again, and still stopped.
+                    knew = world.said()[-1].known
+                    run.killed = world.gateway.kill()
+                    since = len(driver.got)
+                    world.start_gateway()
+                    await world.ready()
+                    await driver.sees(browser.StopNews, lambda x: x.latched, since=since)
+                    await until(lambda: world.said()[-1].known > knew, 30, "the new gateway")
+                    world.proxy.cut()
+                    await _pause(chance)
+                    (disk / "filler").unlink()
+                    async with _back(findings):
+                        await _sees_values(driver)
+                    await _reset(driver)
+        finally:
+            world.gateway.end()
+            world.gateway_data = world.folder / "gateway"
+
+
+async def _reset(driver: Page) -> None:
+    assert (await driver.take()).yours
+    about = {"site": SITE, "device": "base", "epoch": driver.epoch}
+    since = len(driver.got)
+    await driver.say(browser.Reset(**about))  # type: ignore[arg-type]
+    key = await driver.sees(browser.ResetKey, since=since)
+    assert key.token, key.refused
+    await driver.say(browser.Reset(**about, token=key.token))  # type: ignore[arg-type]
+    await driver.sees(browser.StopNews, lambda x: not x.latched, since=since)
+    await driver.free()
+
+
+async def f3(world: World, chance: random.Random, findings: Findings) -> None:
+    """`kill -9` the database server; the hub holds what comes, and the gateway what it must."""
+    async with postgres(world) as server, under_load(world, findings) as run:
+        async with page(world, "driver") as driver:
+            await run.press(driver)
+            await _pause(chance)
+            server.kill()
+            await asyncio.sleep(0.5)
+            # Nothing that moves the robot waits for a database.
+            at = now()
+            await until(
+                lambda: any(each.moves for each in world.told(at)), 2, "driving without a database"
+            )
+            await run.let_go()
+            await run.stopped(at)
+            server.start()
+            async with _back(findings):
+                said = len(world.said())
+                await until(lambda: len(world.said()) > said, 5)
+                before = len((await run.stored())[0])
+                while len((await run.stored())[0]) <= before:
+                    await asyncio.sleep(0.1)
+
+
+async def f8(world: World, chance: random.Random, findings: Findings) -> None:
+    """The hub's disk is full: nothing is acknowledged, the gateway keeps it, driving goes on."""
+    world.hub.end()
+    with small_disk(world.folder / f"hub-{now()}", "48m") as disk:
+        for name in ("talaia.db", "talaia.db-wal", "talaia.db-shm"):
+            if (world.hub_data / name).exists():
+                shutil.copy(world.hub_data / name, disk / name)
+        kept, world.hub_data = world.hub_data, disk
+        try:
+            links = world.links
+            world.start_hub()
+            await world.linked_again(links)
+            async with under_load(world, findings) as run, page(world, "driver") as driver:
+                filler = disk / "filler"
+                with filler.open("wb", buffering=0) as file, contextlib.suppress(OSError):
+                    while file.write(bytes(4096)):
+                        pass
+                await run.press(driver)
+                await until(lambda: "cannot be stored" in world.hub.said(), 20, "a full disk")
+                await _pause(chance)
+                at = now()
+                await run.let_go()
+                await run.stopped(at)
+                filler.unlink()
+                async with _back(findings):
+                    await until(lambda: "stored again" in world.hub.said(), 30, "room again")
+        finally:
+            world.hub.end()
+            world.hub_data = kept
+            world.start_hub()
+
+
+async def f11(world: World, chance: random.Random, findings: Findings) -> None:
+    """The wall clock jumps on one side: by an hour, to 1970, by ten years."""
+    which = chance.choice(("hub", "gateway"))
+    year = 365 * 86400.0
+    offset = chance.choice((3600.0, -3600.0, -time.time(), 10 * year))
+    findings.counted[f"{which} {offset:+.0f} s"] += 1
+    world.offset_s[which] = offset
+    try:
+        (world.hub if which == "hub" else world.gateway).end()
+        world.gateway.end()
+        if which == "hub":
+            world.start_hub()
+            await world.hub.says("ready")
+        started = now()
+        world.start_gateway()
+        async with under_load(world, findings) as run, page(world, "driver") as driver:
+            if which == "gateway":
+                # The samples' times jump with the gateway's clock; their order does not.
+                run.from_us = min(run.from_us, max(0, run.from_us + round(offset * 1e6)))
+                run.to_us = round((time.time() + max(0.0, offset) + 60) * 1e6)
+            await run.press(driver)
+            await asyncio.sleep(max(0.0, 3.0 - (now() - started) / 1e9))
+            await run.mark(driver)
+            at = now()
+            await until(lambda: any(each.moves for each in world.told(at)), 2, "driving goes on")
+            at = now()
+            await run.let_go()
+            await run.stopped(at)
+    finally:
+        world.offset_s[which] = 0.0
+        world.hub.end()
+        world.gateway.end()
+        world.start_hub()
+
+
+async def f12(world: World, chance: random.Random, findings: Findings) -> None:
+    """Partition: nothing passes for a while, then all that waited comes late."""
+    seconds = chance.choice((1.0, 2.5, 5.0, 20.0)) if world.long else chance.uniform(1.0, 2.0)
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        await run.press(driver)
+        await _pause(chance)
+        at = now()
+        world.proxy.change(Weather(dark=frozenset(Way)))
+        await run.mark(driver)
+        await run.stopped(at)
+        await asyncio.sleep(max(0.0, seconds - (now() - at) / 1e9))
+        await run.let_go()
+        world.proxy.change(Weather())
+        async with _back(findings):
+            await _sees_values(driver)
+        run.nothing_moves_after(at)
+
+
+async def f13(world: World, chance: random.Random, findings: Findings) -> None:
+    """One way is dark, without a reset: both sides find out within three beats."""
+    dark = chance.choice(([Way.UP], [Way.DOWN], [*Way]))
+    findings.counted["dark " + " and ".join(dark)] += 1
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        await run.press(driver)
+        since, said = len(driver.got), len(world.gateway.said())
+        at = now()
+        world.proxy.change(Weather(dark=frozenset(dark)))
+        if Way.DOWN in dark:
+            await run.stopped(at)
+        limit = BEATS_S + BEATS_LATE_S
+        for side, found in (
+            ("hub", driver.sees(browser.SiteNews, lambda x: not x.online, since=since, within=8)),
+            ("gateway", until(lambda: "trying again" in world.gateway.said()[said:], 8, "a loss")),
+        ):
+            await found
+            took = (now() - at) / 1e9
+            findings.counted[f"{side} found, ms"] += round(took * 1000)
+            if took > limit:
+                findings.breach("I6", f"the {side} found out only after {took:.1f} s")
+        await run.stopped(at, within=5)
+        await run.let_go()
+        world.proxy.change(Weather())
+        async with _back(findings):
+            await driver.sees(
+                browser.SiteNews, lambda x: x.online, since=len(driver.got), within=ledgers.BACK_S
+            )
+            await _sees_values(driver)
+
+
+async def f14(world: World, chance: random.Random, findings: Findings) -> None:
+    """Latency with jitter, from a good line to one over a satellite that nobody can drive by."""
+    ms = chance.choice((20.0, 150.0, 300.0, 1000.0))
+    findings.counted[f"{ms:g} ms"] += 1
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        await run.press(driver)
+        world.proxy.change(
+            Weather(delay_ms=ms / 2, jitter_ms=ms / 4, split=0.2, rate=chance.choice((0, 2e5)))
+        )
+        await run.mark(driver)
+        await asyncio.sleep(1.0)
+        at = now()
+        await run.let_go()
+        await run.stopped(at)
+        world.proxy.change(Weather())
+        async with _back(findings):
+            await _sees_values(driver)
+
+
+async def f19(world: World, chance: random.Random, findings: Findings) -> None:
+    """The link is cut again and again; half-closed now and then."""
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        await run.press(driver)
+        at = now()
+        for _ in range(10 if world.long else 5):
+            if chance.random() < 0.3:
+                world.proxy.half_close(chance.choice([*Way]))
+            else:
+                world.proxy.cut()
+            await asyncio.sleep(0.2)
+        await run.stopped(at)
+        async with _back(findings):
+            await _sees_values(driver)
+        run.nothing_moves_after(at)
+
+
+async def f20(world: World, chance: random.Random, findings: Findings) -> None:
+    """Two gateways with one identity: the same one wins every time, and people are told."""
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        run.one_gateway = False
+        first, data = world.gateway, world.gateway_data
+        since = len(driver.got)
+        world.gateway_data = world.folder / f"twin-{now()}"
+        log = world.folder / f"twin-{now()}.log"
+        with contextlib.ExitStack() as stack:
+            twin = Process(_twin_words(world), log, world._ros)
+            stack.callback(twin.end)
+            world.gateway_data = data
+            await twin.says("linked to")
+            event = await driver.sees(
+                browser.EventNews, lambda x: x.kind == "second gateway", since=since
+            )
+            assert not event.good
+            for _ in range(3 if world.long else 1):
+                # Whoever dials first, the one that began later is linked in the end.
+                await _pause(chance)
+                before = twin.said().count("linked to")
+                world.proxy.cut()
+                await twin.says("linked to", within=ledgers.BACK_S, times=before + 1)
+                await asyncio.sleep(1.5)
+                lost = twin.said().count("another gateway")
+                if lost:
+                    findings.breach("F20", "the later gateway was sent away")
+        assert first.popen.poll() is None
+        async with _back(findings):
+            await driver.sees(
+                browser.SiteNews, lambda x: x.online, since=len(driver.got), within=60
+            )
+            await _sees_values(driver)
+
+
+def _twin_words(world: World) -> list[str]:
+    return [
+        "-m", "talaia", "gateway", str(world.folder / "site.yaml"), "--allow-plain",
+        "--hub", f"ws://127.0.0.1:{world.proxy.port}", "--key-file", str(world.folder / "key"),
+        "--data", str(world.gateway_data), "--ros-domain", str(world._world.domain),
+    ]  # fmt: skip
+
+
+async def f21(world: World, chance: random.Random, findings: Findings) -> None:
+    """Malformed frames to every door of the hub: it closes with a code and goes on."""
+    key = (world.folder / "key").read_text()
+    cookie = await sign_in(world, "second")
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        await run.press(driver)
+        before = world.memory()["hub"]
+        good = [
+            browser.FROM_BROWSER.encode(browser.Ping(n=1, at_ms=0.0)),
+            frames.LINK_FROM_GATEWAY.encode(frames.Beat(n=1, mono_us=1)),
+        ]
+        for _ in range(100 if world.long else 25):
+            await _throw(world, _mutilated(chance, good), key, cookie, chance)
+            findings.counted["malformed"] += 1
+        grown = world.memory()["hub"] - before
+        if grown > 32:
+            findings.breach("I7", f"the hub grew by {grown:.0f} MiB over malformed frames")
+        at = now()
+        await run.let_go()
+        await run.stopped(at)
+
+
+def _mutilated(chance: random.Random, good: list[bytes]) -> bytes | str:
+    """Give bytes that are nearly a message, far from it, deep, or large."""
+    data = bytearray(chance.choice(good))
+    match chance.randrange(6):
+        case 0:
+            return bytes(data[: chance.randrange(len(data))])
+        case 1:
+            data[chance.randrange(len(data))] ^= 1 << chance.randrange(8)
+            return bytes(data)
+        case 2:
+            return b"\x91" * chance.randrange(1, 100_000)
+        case 3:
+            return bytes(chance.randrange(256) for _ in range(chance.randrange(400)))
+        case 4:
+            return '{"t":"ping","n":1e999,"at_ms":NaN}' + "[" * chance.randrange(10_000)
+        case _:
+            return b"\xdf\xff\xff\xff\xff" + bytes(data)
+
+
+async def _throw(
+    world: World, data: bytes | str, key: str, cookie: str, chance: random.Random
+) -> None:
+    """Send it where it hurts most; the door closes by itself or stays, and both are fine."""
+    if chance.random() < 0.5:
+        dialled = connection(world, cookie)
+    else:
+        from websockets.asyncio.client import connect
+
+        dialled = connect(
+            f"ws://localhost:{world.port}/gateway/{chance.choice(('link', 'media'))}",
+            compression=None, proxy=None, close_timeout=1,
+            additional_headers={"Authorization": f"Bearer {key}"},
+        )  # fmt: skip
+    with contextlib.suppress(websockets.ConnectionClosed, OSError, TimeoutError):
+        async with dialled as socket:
+            await socket.send(data)
+            async with asyncio.timeout(0.05):
+                while True:
+                    await socket.recv()
+
+
+async def f22(world: World, chance: random.Random, findings: Findings) -> None:
+    """Whole frames come twice and change places, both ways, while somebody drives."""
+    async with under_load(world, findings) as run, page(world, "driver") as driver:
+        await run.press(driver)
+        world.proxy.change(Weather(duplicate=0.3, reorder=0.2, split=0.1, jitter_ms=20))
+        for _ in range(5):
+            await run.mark(driver)
+            await asyncio.sleep(0.3)
+        at = now()
+        await run.let_go()
+        await run.stopped(at)
+        twice, turned, cut = world.proxy.dealt()
+        findings.counted.update(repeated=twice, reordered=turned, split=cut)
+        assert twice, "no frame was repeated"
+        assert turned, "no frame changed places"
+        world.proxy.change(Weather())
+        async with _back(findings):
+            await _sees_values(driver)
+
+
+async def f23(world: World, chance: random.Random, findings: Findings) -> None:
+    """Races for one lease: exactly one wins, and the loser is told who holds it."""
+    async with (
+        under_load(world, findings),
+        page(world, "driver") as first,
+        page(world, "second") as second,
+    ):
+        both = [first, second]
+        for _ in range(100 if world.long else 20):
+            chance.shuffle(both)
+            got = await asyncio.gather(*(_ask(each) for each in both))
+            findings.counted["races"] += 1
+            if sum(each.yours for each in got) != 1:
+                findings.breach("F23", f"{sum(each.yours for each in got)} hold the lease")
+            for each in got:
+                if not each.yours and not (each.holder and each.refused):
+                    findings.breach("I6", "the loser is not told who holds it")
+            winner = both[0] if got[0].yours else both[1]
+            await winner.free()
+
+
+async def _ask(by: Page) -> browser.LeaseNews:
+    since = len(by.got)
+    await by.say(browser.Lease(site=SITE, device="base", op="take"))  # type: ignore[arg-type]
+    return await by.sees(
+        browser.LeaseNews, lambda x: x.device == "base" and (x.yours or x.refused), since=since
+    )  # type: ignore[return-value]
+
+
+async def f24(world: World, chance: random.Random, findings: Findings) -> None:
+    """The driver's session ends while the key is held down."""
+    async with under_load(world, findings) as run:
+        cookie = await sign_in(world, "driver")
+        async with page(world, "driver", cookie=cookie) as driver:
+            await run.press(driver)
+            await _pause(chance)
+            async with httpx.AsyncClient(base_url=world.address) as client:
+                headers = {"Origin": world.address, "Cookie": cookie}
+                at = now()
+                answer = await client.post("/api/logout", headers=headers)
+                answer.raise_for_status()
+            await run.stopped(at)
+        await run.let_go()
+        run.nothing_moves_after(at)
+
+
+class Row(NamedTuple):
+    """One line of the table."""
+
+    name: str
+    what: str
+    run: Callable[[World, random.Random, Findings], Awaitable[None]]
+
+
+ROWS = [
+    Row(each.__name__.upper(), (each.__doc__ or "").rstrip(".").replace("\n", " "), each)
+    for each in (f1, f2, f3, f4, f5, f7, f8, f11, f12, f13, f14, f19, f20, f21, f22, f23, f24)
+]
+
+__all__ = ["ROWS", "Row", "Run"]

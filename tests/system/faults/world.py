@@ -1,0 +1,318 @@
+"""One site with a network between gateway and hub, under load, and a judge over all of it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import shutil
+import subprocess
+import time
+from collections.abc import AsyncIterator, Iterator
+from pathlib import Path
+
+import httpx
+import psutil
+
+from talaia.wire import browser
+
+from ..people import Page, page, sign_in
+from ..stack import DESCRIPTION, PASSWORD, PEOPLE, SITE, Process, Stack, until
+from . import ledgers
+from .ledgers import MS, Findings, Said, Told
+from .proxy import Proxy
+from .weather import CALM
+
+__all__ = ["PASSWORD", "PEOPLE", "SITE", "Run", "World", "now"]
+
+COUNT = "base/count"
+RATE = 200
+CRASHING = Path(__file__).parent / "crashing.py"
+MARKS = """\
+    commands:
+      mark:
+        name: Mark
+        kind: topic
+        target: /mark
+        type: std_msgs/msg/Float64
+        arguments: {value: {type: number, field: data, minimum: 0, maximum: 1000000000}}
+  stamped:
+"""
+
+
+def now() -> int:
+    """Give the moment on this machine's monotonic clock (ns)."""
+    return time.monotonic_ns()
+
+
+class World(Stack):
+    """A `Stack` whose gateway reaches the hub through a `Proxy`."""
+
+    description = DESCRIPTION.replace("  stamped:\n", MARKS)
+
+    def __init__(self, folder: Path) -> None:
+        """Start all of it in calm weather."""
+        self.port = Stack._free_port(self)
+        self.proxy = Proxy(self.port)
+        self.crash = {"hub": "", "gateway": ""}
+        self.offset_s = {"hub": 0.0, "gateway": 0.0}
+        self.database_url = ""
+        self.long = False
+        self.more_words: list[str] = []
+        self.gateway_data = folder / "gateway"
+        self.hub_data = folder
+        self._marks = 0
+        self._cookie = ""
+        super().__init__(folder, self.proxy.port)
+
+    def _free_port(self) -> int:
+        return self.port
+
+    def _process(self, name: str, words: list[str], environment: dict[str, str]) -> Process:
+        point = self.crash[name]
+        if point:
+            words = [str(CRASHING), *words[2:]]
+            environment = {**environment, "TALAIA_CRASH_AT": point}
+        elif self.offset_s[name]:
+            words = [str(CRASHING), *words[2:]]
+            environment = {**environment, "TALAIA_CLOCK_OFFSET_S": str(self.offset_s[name])}
+        return Process(words, self.folder / f"{name}.log", environment)
+
+    def start_hub(self) -> Process:
+        words = ["-m", "talaia", "hub", "--data", str(self.hub_data), "--plain"]
+        words += ["--host", "127.0.0.1", "--port", str(self.port)]
+        more = {"TALAIA_DATABASE_URL": self.database_url} if self.database_url else {}
+        self.hub = self._process("hub", words, more)
+        return self.hub
+
+    def start_gateway(self) -> Process:
+        words = [
+            "-m", "talaia", "gateway", str(self.folder / "site.yaml"), "--allow-plain",
+            "--hub", f"ws://127.0.0.1:{self.proxy.port}", "--key-file", str(self.folder / "key"),
+            "--data", str(self.gateway_data), "--ros-domain", str(self._world.domain),
+            *self.more_words,
+        ]  # fmt: skip
+        self.gateway = self._process("gateway", words, self._ros)
+        return self.gateway
+
+    async def fresh(self) -> None:
+        self.proxy.change(CALM)
+        await super().fresh()
+        self.proxy.forget()
+
+    def told(self, since: int) -> list[Told]:
+        """Give the velocities that reached the robot after a moment."""
+        return [Told(t, float(v[0]), float(v[1])) for t, v in self.heard("/cmd_vel", since)]  # type: ignore[index]
+
+    def said(self) -> list[Said]:
+        return [Said(*line) for line in self.ledger()]
+
+    def memory(self) -> dict[str, float]:
+        """Give the resident memory of hub and gateway (MiB)."""
+        parts = {"hub": self.hub, "gateway": self.gateway}
+        return {
+            name: psutil.Process(part.popen.pid).memory_info().rss / 2**20
+            for name, part in parts.items()
+            if part.popen.poll() is None
+        }
+
+    async def linked_again(self, links: int) -> None:
+        await self.gateway.says("linked to", within=ledgers.BACK_S, times=links + 1)
+
+    async def cookie(self) -> str:
+        """Sign somebody in, once."""
+        self._cookie = self._cookie or await sign_in(self, "second")
+        return self._cookie
+
+    @property
+    def links(self) -> int:
+        """How often this run of the gateway has been linked."""
+        return self.gateway.said().count("linked to")
+
+    def close(self) -> None:
+        super().close()
+        self.proxy.close()
+
+
+class Run:
+    """One run of a row: the robot counts, somebody drives, and everything is judged at the end."""
+
+    def __init__(self, world: World, findings: Findings) -> None:
+        """See `under_load`."""
+        self.world, self.findings = world, findings
+        self.driver: Page | None = None
+        self.pressed: dict[float, int] = {}
+        # Two gateways may each take the same value: a sample's key holds the run that took it.
+        self.one_gateway = True
+        self.from_us = time.time_ns() // 1000
+        self.to_us = 0
+        self.killed: int | None = None
+        self._began = now()
+        self._first = len(world.said())
+        self._holding: asyncio.Task[None] | None = None
+        self._asked: list[float] = []
+
+    # ── driving ──
+
+    async def press(self, driver: Page) -> None:
+        """Take the lease and hold a direction; each frame asks for a speed of its own."""
+        self.driver = driver
+        assert (await driver.take()).yours, "no lease"
+        began = now()
+        self._holding = asyncio.create_task(self._hold(driver))
+        await until(
+            lambda: any(each.moves for each in self.world.told(began)), 10, "the robot told to move"
+        )
+
+    async def _hold(self, driver: Page) -> None:
+        turn = 0
+        with contextlib.suppress(ConnectionError, OSError, Exception):
+            while True:
+                speed = round(0.1 + len(self.pressed) * 1e-5, 7)
+                self.pressed[speed] = now()
+                await driver.frame(speed)
+                turn += 1
+                if turn % 20 == 0:
+                    renew = browser.Lease(site=SITE, device="base", op="renew")  # type: ignore[arg-type]
+                    await driver.say(renew)
+                await asyncio.sleep(0.05)
+
+    async def let_go(self) -> None:
+        """Take the finger off without a word."""
+        if self._holding is not None:
+            self._holding.cancel()
+            await asyncio.gather(self._holding, return_exceptions=True)
+            self._holding = None
+
+    async def stopped(self, fault: int, within: float = 3.0) -> None:
+        """I5: the robot is told zero after ``fault``, in time and for good."""
+
+        def silent() -> bool:
+            told = self.world.told(fault)
+            last = max((each.at for each in told if each.moves), default=fault)
+            return now() - last > 300 * MS and bool(told) and not told[-1].moves
+
+        try:
+            await until(silent, within, "a zero, and no motion behind it")
+        except AssertionError as error:
+            self.findings.breach("I5", str(error))
+        ms = ledgers.stop_ms(self.world.told(fault), fault)
+        self.findings.stops_ms.append(ms)
+        if ms > ledgers.STOP_MS:
+            self.findings.breach("I5", f"told zero after {ms:.0f} ms")
+
+    def nothing_moves_after(self, end: int) -> None:
+        """I4: not even what still was on its way."""
+        end += round(ledgers.STOP_MS) * MS
+        for each in ledgers.moved_after(self.world.told(end), end):
+            late = (each.at - end) / MS
+            self.findings.breach("I4", f"moved {late:.0f} ms after all motion had to end")
+
+    # ── commands ──
+
+    async def mark(self, by: Page) -> None:
+        """Ask for a command that the robot writes down; twice, as a nervous finger does."""
+        self.world._marks += 1
+        value = float(self.world._marks)
+        self._asked.append(value)
+        name = f"mark-{os.getpid()}-{self.world._marks}"
+        ask = browser.Command(
+            site=SITE, device="base", command="mark", id=name, args={"value": value}
+        )
+        with contextlib.suppress(Exception):
+            await by.say(ask)
+            await by.say(ask)
+
+    # ── judging ──
+
+    async def judge(self) -> None:
+        """Hold the ledgers against I1 to I4, once all is quiet."""
+        await self.let_go()
+        world, findings = self.world, self.findings
+        quiet = world.robot.said().count("quiet")
+        world.robot.tell("quiet")
+        await world.robot.says("quiet", times=quiet + 1)
+        said = world.said()[self._first :]
+        spared = ledgers.excused(said, self.killed)
+        wall = {each.value: (each.at + time.time_ns() - now()) // 1000 for each in said}
+        deadline = now() + round(ledgers.BACK_S * 1e9)
+        while True:
+            stored, gaps = await self.stored()
+            missing = ledgers.lost(said, stored, spared, gaps, wall)
+            if not missing or now() > deadline:
+                break
+            await asyncio.sleep(0.2)
+        if missing:
+            edge = f"{min(missing)} to {max(missing)} of {said[0].value} to {said[-1].value}"
+            findings.breach("I1", f"{len(missing)} values lost ({edge})")
+        for value in ledgers.doubled(stored) if self.one_gateway else ():
+            findings.breach("I2", f"{value} is stored twice")
+        marks = [float(each.v) for each in world.heard("/mark", self._began)]  # type: ignore[arg-type]
+        for value in ledgers.repeated(marks):
+            findings.breach("I3", f"command {value} acted more than once")
+        for told, age in ledgers.stale(world.told(self._began), self.pressed):
+            findings.breach("I4", f"a motion {age:.0f} ms old ({told.linear})")
+        findings.counted.update(values=len(said), stored=len(stored), gaps=len(gaps))
+        findings.counted.update(commands=len(self._asked), frames=len(self.pressed))
+
+    async def stored(self) -> tuple[list[int], list[tuple[int, int]]]:
+        """Give the values in the database since this run began, and its gaps (from, to; µs)."""
+        cookie = await self.world.cookie()
+        query = {
+            "channel": COUNT, "from_us": self.from_us, "width": 10_000,
+            "to_us": self.to_us or time.time_ns() // 1000,
+        }  # fmt: skip
+        async with httpx.AsyncClient(
+            base_url=self.world.address, headers={"Cookie": cookie}
+        ) as client:
+            answer = await client.get(f"/api/sites/{SITE}/history", params=query)
+        answer.raise_for_status()
+        (series,) = answer.json()["series"]
+        assert series["kind"] == "exact", series["kind"]
+        gaps = [(gap["from_us"], gap["to_us"]) for gap in series["gaps"]]
+        return [int(value) for value in series["v"]], gaps
+
+
+@contextlib.asynccontextmanager
+async def under_load(world: World, findings: Findings) -> AsyncIterator[Run]:
+    """Let the robot count, give the run, and judge it when the row is through."""
+    await world.fresh()
+    run = Run(world, findings)
+    world.robot.tell(f"count {RATE}")
+    # From the first value that is stored on, every one is asked for.
+    deadline = now() + 20_000 * MS
+    while not (await run.stored())[0]:
+        assert now() < deadline, "nothing is stored"
+        await asyncio.sleep(0.05)
+    run._first = len(world.said())
+    try:
+        yield run
+        await run.judge()
+    finally:
+        await run.let_go()
+        world.proxy.change(CALM)
+        if world.robot.popen.poll() is None:
+            world.robot.tell("quiet")
+
+
+@contextlib.contextmanager
+def small_disk(folder: Path, size: str) -> Iterator[Path]:
+    """Mount a file system of ``size`` in memory.
+
+    Raises:
+        PermissionError: this user may not mount.
+
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    words = ["mount", "-t", "tmpfs", "-o", f"size={size},mode=700", "tmpfs", str(folder)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise PermissionError(f"a small disk cannot be mounted here: {done.stderr.strip()}")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", str(folder)], check=False)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+__all__ += ["page", "small_disk", "under_load"]

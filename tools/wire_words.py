@@ -1,0 +1,150 @@
+"""What the messages' fields mean, where a field of one name means the same everywhere."""
+
+from __future__ import annotations
+
+import msgspec
+from msgspec import inspect
+
+__all__ = ["CHANNELS", "CLOSE_CODES", "GLOSSARY", "limits", "meaning"]
+
+GLOSSARY = {
+    "accepted": "driving frames taken since the lease began",
+    "about": "the tag of the message this answers",
+    "acked": "one past the last sequence number of this run that is stored",
+    "addresses": "the channel list of this batch; empty means the hello's",
+    "age_ms": "age of each sample by the hub's clock (ms)",
+    "angular": "turning, counter-clockwise (rad/s)",
+    "args": "argument name to value; types and limits are those of the description",
+    "asked": "the session that this answers; empty when it answers nobody",
+    "at_ms": "the page's own clock (ms), handed back as it is",
+    "base_us": "what the offsets count from (µs since the epoch, UTC)",
+    "below": "one past the last sequence number meant",
+    "boot": "names the run of the gateway",
+    "cap": "part of the greatest speed that is allowed now (0 to 1)",
+    "catalogue": "names the channel list",
+    "channel": "per sample: index into the channel list (u16, little-endian)",
+    "channels": "addresses, as `device/signal` or `device/signal/part`",
+    "code": "what kind of problem, for programs",
+    "command": "the command's short name",
+    "confirmed": "the robot itself stands still",
+    "data": "the encoded picture",
+    "device": "the device's short name; empty where none is meant",
+    "epoch": "the lease's number, which rises with every grant; 0 is none",
+    "every_ms": "at most every so many ms; 0 as they come",
+    "first": "sequence number of the first sample meant",
+    "format": "how the picture is encoded",
+    "from_us": "earliest time (µs since the epoch, UTC)",
+    "good": "false where somebody should look",
+    "height": "rows of the picture",
+    "held_ms": "how long ago the page saw that tick, by its own clock (ms)",
+    "holder": "who holds the lease; empty while nobody does",
+    "hub_us": "the hub's monotonic clock (µs)",
+    "id": "the asker's own name for this, never used twice",
+    "kind": "what happened",
+    "last": "sequence number of the last sample meant",
+    "latched": "STOP is on",
+    "linear": "forward speed (m/s)",
+    "live": "false for samples that come late",
+    "loop_ms": "there and back, by the last beat (ms)",
+    "message": "a sentence for people",
+    "mono_us": "the sender's monotonic clock (µs); only the sender can compare it",
+    "n": "a number that rises; the answer echoes it",
+    "offset": "per sample: time after `base_us` (µs, i32, little-endian)",
+    "online": "whether its gateway is linked",
+    "op": "what is asked",
+    "peer_us": "the answerer's monotonic clock (µs)",
+    "phase": "where it stands",
+    "picture_ms": "age of the picture the driver looks at (ms); -1 for none",
+    "progress": "how much is done (0 to 1)",
+    "protocol": "version of this page's messages; one more or less is understood",
+    "reason": "a sentence for people",
+    "refused": "why not; empty when it was granted",
+    "remains_ms": "for how long the lease still holds (ms)",
+    "role": "the person's role",
+    "seq": "a number that rises with each of these",
+    "session": "the socket of the page that asks, as the hub names it",
+    "since_us": "since when (µs since the epoch, UTC)",
+    "site": "the site's short name",
+    "skew_ms": "how far the gateway's wall clock is ahead of the hub's (ms)",
+    "stream": "the camera, as `device/stream`",
+    "streams": "cameras, as `device/stream`",
+    "sub": "the asker's number for the subscription",
+    "texts": "position in the batch to text; the value there is NaN",
+    "tick": "the gateway's own time mark",
+    "time_us": "wall time (µs since the epoch, UTC); 0 where it is not told",
+    "to_us": "latest time (µs since the epoch, UTC)",
+    "token": "the key to the second step; empty in the first",
+    "ttl_ms": "refuse it when it is older (ms); 0 takes the description's",
+    "value": "per sample: the reading (f64, little-endian)",
+    "version": "the program's version, for people",
+    "who": "the person, by name",
+    "why": "a sentence for people; empty where all is well",
+    "width": "columns of the picture",
+    "yours": "whether it is you",
+}
+# Fields that mean something else in one message than everywhere else.
+ELSEWHERE = {
+    ("DriveState", "refused"): "driving frames refused since the lease began",
+    ("DriveNews", "refused"): "driving frames refused since the lease began",
+    ("Subscribed", "refused"): "addresses that are not there or not for you",
+    ("SiteNews", "catalogue"): "names the channel list; another one means: ask for it anew",
+}
+CLOSE_CODES = [
+    (1000, "both", "the end of a link on purpose"),
+    (1002, "both", "a frame that is not in the protocol"),
+    (1009, "both", "a frame, or a batch in it, over its limit"),
+    (1011, "hub", "the hub failed; see its log"),
+    (1013, "hub", "the hub cannot store anything now; try again later"),
+    (4400, "hub", "a hello that is refused: wrong site, description with a mistake, protocol"),
+    (4401, "hub", "the session is over (pages)"),
+    (4409, "hub", "another gateway with this identity stays"),
+]
+# Path, what it is for, who sends what: (title, union's name, module).
+CHANNELS = [
+    ("/gateway/link", "Gateway to hub", "frames", "FromGateway"),
+    ("/gateway/link", "Hub to gateway", "frames", "FromHub"),
+    ("/gateway/media", "Gateway to hub", "frames", "MediaFromGateway"),
+    ("/gateway/media", "Hub to gateway", "frames", "MediaFromHub"),
+    ("/ws", "Browser to hub", "browser", "FromBrowser"),
+    ("/ws", "Hub to browser", "browser", "ToBrowser"),
+    ("/ws/media", "Hub to browser", "browser", "MediaToBrowser"),
+    ("/ws/media", "Browser to hub", "browser", "MediaFromBrowser"),
+]
+
+
+def meaning(shape: type[msgspec.Struct], field: str, notes: dict[str, str]) -> str:
+    """Say what a field means: by the message's own words, or by the glossary.
+
+    Raises:
+        SystemExit: nobody says it.
+
+    """
+    said = notes.get(field) or ELSEWHERE.get((shape.__name__, field)) or GLOSSARY.get(field)
+    if not said:
+        raise SystemExit(f"{shape.__name__}.{field}: say what it means (tools/wire_words.py)")
+    return said
+
+
+def limits(kind: inspect.Type) -> str:
+    """Say a type's limits in words; empty where it has none."""
+    match kind:
+        case inspect.StrType() | inspect.BytesType() | inspect.ListType() | inspect.DictType():
+            unit = {
+                inspect.StrType: "characters", inspect.BytesType: "bytes",
+            }.get(type(kind), "entries")  # fmt: skip
+            low, high = kind.min_length or 0, kind.max_length
+            if high is None:
+                return ""
+            return f"{f'{low} to ' if low else 'at most '}{high:,} {unit}"
+        case inspect.IntType():
+            low, high = kind.ge, kind.le
+            if low is None or high is None:
+                return ""
+            power = high.bit_length() - 1
+            most = f"2^{power}" if high >= 2**31 and high == 2**power else f"{high:,}"
+            least = f"-{most}" if low == -high else f"{low:,}"
+            return f"{least} to {most}"
+        case inspect.UnionType():
+            return "; ".join(filter(None, (limits(each) for each in kind.types)))
+        case _:
+            return ""
