@@ -227,9 +227,11 @@ class LeaseNews(Message, frozen=True, kw_only=True, tag="lease_news"):
     """Who holds a device. ``epoch`` is not 0 only when it is you (``yours``).
 
     Attributes:
-        rival: who asks the holder for it; ``asking`` when that is you.
+        rival: who asks the holder for it.
+        asking: that is you.
         answer_ms: the holder may answer for so long yet.
-        refused: why you did not get it; ``forceable`` when an admin may force it now.
+        refused: why you did not get it.
+        forceable: an admin may force it now.
 
     """
 
@@ -305,6 +307,7 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
     """How an interlock of a site stands; shown on every page while it locks or is overridden.
 
     Attributes:
+        name: what people call it.
         locked: it refuses what it guards, unless overridden.
         unsafe: its conditions hold now; not so while it only waits for its dwell time.
         since_us: locked since (UTC).

@@ -259,11 +259,11 @@ class InterlockState(Message, frozen=True, kw_only=True, tag="interlock"):
     locked: bool
     unsafe: bool = False
     why: Sentence = ""
-    for_ms: int = 0
-    clears_ms: int = 0
+    for_ms: Millis = 0
+    clears_ms: Millis = 0
     overridden_by: Sentence = ""
     reason: Sentence = ""
-    override_ms: int = 0
+    override_ms: Millis = 0
 
 
 # ── both ways ───────────────────────────────────────────────────────────────────────────────
@@ -398,7 +398,7 @@ class OverrideAsk(Message, frozen=True, kw_only=True, tag="override"):
     interlock: Name
     who: Name
     reason: Sentence = ""
-    seconds: float
+    seconds: Annotated[float, Meta(ge=0, le=86_400)]
 
 
 class Watch(Message, frozen=True, kw_only=True, tag="watch"):

@@ -36,7 +36,7 @@ test("nothing is remembered of a site that went offline", () => {
 test("a device is held when one of the leases is ours", () => {
   const { line, news } = told();
   expect(news.holdsAny()).toBe(false);
-  line.say({ t: "lease_news", ...at, device: "arm", holder: "me", yours: true, epoch: 3, remains_ms: 1, refused: "" });
+  line.say({ t: "lease_news", ...at, device: "arm", holder: "me", yours: true, epoch: 3, remains_ms: 1, rival: "", asking: false, answer_ms: 0, refused: "", forceable: false });
   expect(news.holdsAny()).toBe(true);
   line.become("lost");
   expect(news.holdsAny()).toBe(false);
