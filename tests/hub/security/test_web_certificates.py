@@ -70,7 +70,9 @@ def test_given_certificate_is_used_as_it_is(tmp_path) -> None:
 def test_key_of_another_certificate_is_refused_by_name(tmp_path) -> None:
     cert, _ = made(tmp_path, name="one")
     _, key = made(tmp_path, name="two")
-    with pytest.raises(CannotStart, match=r"two\.key is not that of the first certificate in .*one"):
+    with pytest.raises(
+        CannotStart, match=r"two\.key is not that of the first certificate in .*one"
+    ):
         own_certificate(given(tmp_path, cert, key), NOW)
 
 
