@@ -357,6 +357,10 @@ class AuditRow(Shape):
     good: bool
 
 
+# A text to look for; no database holds a NUL.
+_TEXT = Field(default=None, max_length=200, pattern=r"^[^\x00]*$")
+
+
 class AuditAsk(Shape):
     """Which rows of the audit log are meant; what is left out does not matter.
 
