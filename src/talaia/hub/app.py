@@ -1,4 +1,4 @@
-"""The hub put together: the only place where its parts are built."""
+"""The hub put together: the one place where its parts are built."""
 
 from __future__ import annotations
 
