@@ -5,7 +5,9 @@ import signal
 import ssl
 import sys
 import threading
+from dataclasses import replace
 
+import pyotp
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
