@@ -91,7 +91,8 @@ LOOK = """() => {
   const texts = [document.title], made = [];
   const walk = (root) => {
     for (const each of root.querySelectorAll('*')) {
-      if (each.matches('img[src=x], iframe, details[ontoggle], [onload], [onerror], a[href^=javascript]')
+      if (each.matches('img[src=x], iframe, details[ontoggle], [onload], [onerror]')
+          || each.matches('a[href^=javascript]')
           || (each.localName === 'script' && !each.src)) made.push(each.outerHTML);
       for (const node of each.childNodes) if (node.nodeType === 3) texts.push(node.data);
       for (const name of ['aria-label', 'title', 'label', 'alt', 'placeholder']) {
