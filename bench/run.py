@@ -1,7 +1,7 @@
 """Measure what the product promises, and print each figure beside its limit.
 
     make bench                   all of it, about four minutes
-    make bench ARGS="load page"  only some parts: load, idle, page, drive, drive-demo,
+    make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo,
                                  size, demo, history
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
@@ -24,6 +24,7 @@ import pages
 import stack
 
 TOPICS, RATE = 20, 100.0
+PEOPLE = 50
 ROOT = Path(__file__).resolve().parent.parent
 
 
@@ -136,9 +137,29 @@ async def history() -> list[Figure]:
     return []
 
 
+async def people() -> list[Figure]:
+    """Fifty people signed in and looking at everything, beside one of them alone."""
+    async with stack.running(TOPICS) as here, stack.publisher(here, TOPICS, RATE):
+        names = await stack.add_people(here, PEOPLE)
+        sessions = [await clients.cookie(here, name) for name in names]
+        alone = await clients.listen(here, sessions[0], TOPICS, 50, 10)
+        together = [
+            asyncio.create_task(clients.listen(here, each, TOPICS, 50, 16)) for each in sessions
+        ]
+        await asyncio.sleep(4)
+        used = await stack.cpu_percent(here.hub, 10)
+        ages = np.concatenate(await asyncio.gather(*together))
+    one, all_of_them = float(np.percentile(alone, 99)), float(np.percentile(ages, 99))
+    return [
+        *percentiles(f"{PEOPLE} people, ROS → WebSocket client every 50 ms", ages, 65, 250),
+        Figure(f"the p99 of {PEOPLE} people beside that of one", all_of_them / one, 3, "times"),
+        Figure(f"CPU of the hub, {PEOPLE} people", used, 80.0, "% of a core"),
+    ]
+
+
 PARTS = {
-    "load": load, "idle": idle, "page": page, "drive": drive, "drive-demo": drive_demo,
-    "size": size, "demo": demo, "history": history,
+    "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
+    "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
 }  # fmt: skip
 
 
