@@ -14,15 +14,17 @@ from talaia.wire import browser
 from talaia.wire.columns import unpack
 
 
-async def cookie(stack: Stack) -> str:
+async def cookie(stack: Stack, name: str = "admin") -> str:
     """Sign in and give the session's cookie."""
-    async with httpx.AsyncClient(verify=context(stack), base_url=stack.origin) as client:
+    async with httpx.AsyncClient(
+        verify=context(stack), base_url=stack.origin, timeout=60
+    ) as client:
         headers = {"Origin": stack.origin}
         answer = await client.post(
-            "/api/login", json={"name": "admin", "password": PASSWORD}, headers=headers
+            "/api/login", json={"name": name, "password": PASSWORD}, headers=headers
         )
         answer.raise_for_status()
-        return "; ".join(f"{name}={value}" for name, value in client.cookies.items())
+        return "; ".join(f"{each}={value}" for each, value in client.cookies.items())
 
 
 async def listen(

@@ -1,8 +1,8 @@
 """Measure what the product promises, and print each figure beside its limit.
 
     make bench                   all of it, about four minutes
-    make bench ARGS="load page"  only some parts: load, idle, page, drive, drive-demo,
-                                 size, demo, history, history-page
+    make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
+                                 demo, history, history-page, signin
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -22,9 +22,11 @@ import clients
 import day
 import numpy as np
 import pages
+import signin
 import stack
 
 TOPICS, RATE = 20, 100.0
+PEOPLE = 50
 if TYPE_CHECKING:
     from talaia.hub.settings import Settings
 
@@ -156,9 +158,43 @@ async def history_page() -> list[Figure]:
     ]
 
 
+async def people() -> list[Figure]:
+    """Fifty people signed in and looking at everything, beside one of them alone."""
+    async with stack.running(TOPICS) as here, stack.publisher(here, TOPICS, RATE):
+        names = await stack.add_people(here, PEOPLE)
+        sessions = [await clients.cookie(here, name) for name in names]
+        alone = await clients.listen(here, sessions[0], TOPICS, 50, 10)
+        together = [
+            asyncio.create_task(clients.listen(here, each, TOPICS, 50, 16)) for each in sessions
+        ]
+        await asyncio.sleep(4)
+        used = await stack.cpu_percent(here.hub, 10)
+        ages = np.concatenate(await asyncio.gather(*together))
+    one, all_of_them = float(np.percentile(alone, 99)), float(np.percentile(ages, 99))
+    return [
+        *percentiles(f"{PEOPLE} people, ROS → WebSocket client every 50 ms", ages, 65, 250),
+        Figure(f"the p99 of {PEOPLE} people beside that of one", all_of_them / one, 3, "times"),
+        Figure(f"CPU of the hub, {PEOPLE} people", used, 80.0, "% of a core"),
+    ]
+
+
+async def signin_() -> list[Figure]:
+    """Whether a refused sign-in tells by its time that there is a person of that name."""
+    known, other = await signin.refusals(60)
+    middle = float(np.median(known))
+    beyond = abs(middle - float(np.median(other))) / middle * 100
+    # Two halves of the same: what the machine alone makes of it.
+    noise = abs(float(np.median(known[::2])) - float(np.median(known[1::2]))) / middle * 100
+    return [
+        Figure("known and unknown name, medians apart", beyond, 10.0, "%"),
+        Figure("the same name twice, medians apart (noise)", noise, 10.0, "%"),
+    ]
+
+
 PARTS = {
-    "load": load, "idle": idle, "page": page, "drive": drive, "drive-demo": drive_demo,
-    "size": size, "demo": demo, "history": history, "history-page": history_page,
+    "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
+    "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
+    "history-page": history_page, "signin": signin_,
 }  # fmt: skip
 
 

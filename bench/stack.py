@@ -104,6 +104,15 @@ async def running(
             await end_all([gateway, hub])
 
 
+async def add_people(stack: Stack, count: int) -> list[str]:
+    """Give so many people an account each; their names."""
+    settings = Settings(data=stack.folder, host="127.0.0.1", port=stack.port)
+    names = [f"person {each}" for each in range(count)]
+    for name in names:
+        await accounts.create_user(settings, name, PASSWORD, "operator")
+    return names
+
+
 @contextlib.asynccontextmanager
 async def publisher(stack: Stack, topics: int, rate: float, *more: str) -> AsyncIterator[None]:
     """Run the ROS peer beside a stack."""

@@ -111,9 +111,9 @@ def wire_page() -> str:
 def commands_page() -> str:
     """Show the help of every word of the command line."""
     parts = [NOTE + "# The `talaia` command\n"]
-    for name in WORDS:
+    for name in sorted([*WORDS, "gateway enrol"], key=ordered):
         done = subprocess.run(
-            [sys.executable, "-m", "talaia", name, "--help"],
+            [sys.executable, "-m", "talaia", *name.split(), "--help"],
             capture_output=True, text=True, check=True, env={**child_environment()},
         )  # fmt: skip
         parts.append(f"## talaia {name}\n\n```text\n{done.stdout.strip()}\n```\n")
@@ -142,6 +142,11 @@ def http_page() -> str:
         " `_us` are microseconds since the epoch (UTC).\n\n"
     )
     return NOTE + head + "\n".join(rows) + "\n"
+
+
+def ordered(name: str) -> tuple[int, str]:
+    """Keep the order of the words, each with its own words after it."""
+    return list(WORDS).index(name.split()[0]), name
 
 
 def child_environment() -> dict[str, str]:

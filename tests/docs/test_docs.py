@@ -44,3 +44,17 @@ def test_every_word_of_the_makefile_is_told_by_make_itself() -> None:
 
 def test_the_changelog_says_what_is_new() -> None:
     assert "## Unreleased" in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_every_row_of_the_security_table_is_held_by_tests_that_exist() -> None:
+    page = (ROOT / "docs/security.md").read_text()
+    table = page.partition("| ASVS | topic |")[2].splitlines()[2:]
+    rows = [line.strip("| ").split(" | ") for line in table if line.startswith("|")]
+    assert len(rows) >= 35
+    written = "".join(path.read_text() for path in ROOT.glob("tests/**/test_*.py"))
+    there = set(re.findall(r"^(?:async )?def (test_\w+)\(", written, re.MULTILINE))
+    for row in rows:
+        assert len(row) == 4, row
+        named = re.findall(r"`(test_\w+)`", row[3])
+        assert named or "does not apply: " in row[2], row
+        assert set(named) <= there, row

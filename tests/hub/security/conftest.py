@@ -12,6 +12,8 @@ async def world(hub_that_stores):
     """Two sites online, one person of each kind, nothing that is made up."""
     async with hub_that_stores() as hub:
         world = World(hub)
-        await world.begin()
-        yield world
-        await world.close()
+        try:
+            await world.begin()
+            yield world
+        finally:
+            await world.close()

@@ -12,14 +12,18 @@ PASSWORD = "a password for tests"  # noqa: S105
 
 
 @asynccontextmanager
-async def secure(hub_that_stores, settings, **changes):
-    """Start a hub on TLS with a person for each role, and a key for the vehicle's gateway."""
+async def secure(hub_that_stores, settings, *, again=False, **changes):
+    """Start a hub on TLS with a person for each role, and a key for the vehicle's gateway.
+
+    With ``again`` they are there, from an earlier start on the same data folder.
+    """
     running = hub_that_stores()
     running.settings = replace(settings, plain=False, **changes)
     running.__init__(running.settings, None)
     async with running:
         running.origin = f"https://127.0.0.1:{running.port}"
-        await running.populate()
+        if not again:
+            await running.populate()
         yield running
 
 

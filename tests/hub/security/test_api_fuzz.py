@@ -65,6 +65,12 @@ class Fuzz:
         self._session = requests.Session()
         self._session.trust_env = False
 
+    def __enter__(self) -> Fuzz:
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        self._session.close()
+
     async def run(self, description: dict) -> None:
         """Go through every operation, with what fits its description and with what does not."""
         for found in schemathesis.openapi.from_dict(description).get_all_operations():
@@ -107,7 +113,8 @@ class Fuzz:
 async def fuzz(world, description: dict) -> Fuzz:
     await world.gateways["agv"].samples(("base/open", NOW, 1.0))
     asking = Fuzz(world)
-    await asking.run(description)
+    with asking:
+        await asking.run(description)
     return asking
 
 

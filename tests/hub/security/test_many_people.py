@@ -66,13 +66,13 @@ async def test_fifty_people_work_side_by_side(world) -> None:
         got: list[float] = []
         # One that is behind gets fewer: the first, the least, the greatest and the last of them.
         while not got or got[-1] != own[-1]:
-            # All the while other things are asked, as pages do.
-            assert (await client.get("/api/me")).json()["name"] == f"p{at}"
-            site = (await client.get("/api/sites/agv")).json()
-            assert [device["id"] for device in site["devices"]] == [f"d{at}"]
             values = await page.hear(browser.Values)
             batch = unpack(values.base_us, values.channel, values.offset, values.value, {})
             got += batch.value.tolist()
+        # All the while other things are asked, as pages do.
+        assert (await client.get("/api/me")).json()["name"] == f"p{at}"
+        site = (await client.get("/api/sites/agv")).json()
+        assert [device["id"] for device in site["devices"]] == [f"d{at}"]
         await page.say(
             browser.Command(site="agv", device=f"d{at}", command="turn", id=f"command {at}")
         )

@@ -100,6 +100,7 @@ async def test_line_that_is_too_weak_is_found(world, monkeypatch) -> None:
     assert {each.partition(":")[0] for each in found} == {
         "guest agv/base",
         "neighbour agv/base",
+        "token agv/base",
     }
 
 

@@ -113,12 +113,37 @@ async def test_session_that_grows_too_old_ends_its_socket(hub_that_stores, left)
     running.people = running.hub._people
     async with running:
         world = World(running)
-        await world.begin()
-        page = await world.hub.page("driver")
-        clock.advance(round(getattr(running.settings, left) * SECOND) + SECOND)
-        async with asyncio.timeout(PROMISED_S):
-            assert await page.closed() == 4401
-        await world.close()
+        try:
+            await world.begin()
+            page = await world.hub.page("driver")
+            clock.advance(round(getattr(running.settings, left) * SECOND) + SECOND)
+            async with asyncio.timeout(PROMISED_S):
+                assert await page.closed() == 4401
+        finally:
+            await world.close()
+
+
+async def test_socket_of_a_script_ends_with_its_token(world) -> None:
+    page = await world.page("token")
+    await page.hear(browser.Greeting)
+    client = await world.client("operator")
+    token = (await client.get("/api/me/tokens")).json()["tokens"][0]["id"]
+    assert (await client.delete(f"/api/me/tokens/{token}")).status_code == 204
+    async with asyncio.timeout(PROMISED_S):
+        assert await page.closed() == 4401
+    assert (await (await world.client("token")).get("/api/me")).status_code == 401
+
+
+async def test_script_loses_what_its_person_loses(world) -> None:
+    page = await world.page("token")
+    await page.hear(browser.Greeting)
+    query = {"channel": "base/shut", "from_us": 0, "to_us": 1}
+    script = await world.client("token")
+    assert (await script.get("/api/sites/agv/history", params=query)).status_code == 200
+    await world.hub.people.set_role("operator", "guest")
+    async with asyncio.timeout(PROMISED_S):
+        assert await page.closed() == 4401
+    assert (await script.get("/api/sites/agv/history", params=query)).status_code == 404
 
 
 async def test_session_ended_at_one_door_is_dead_at_every_other(world) -> None:

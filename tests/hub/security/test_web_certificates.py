@@ -18,7 +18,7 @@ from cryptography.x509.oid import NameOID
 from talaia.gateway.uplink.der import public_key_of
 from talaia.hub.certificate import fingerprint, fresh_certificate, key_hash, own_certificate
 from talaia.hub.errors import CannotStart
-from talaia.hub.run import keep_certificate
+from talaia.hub.run import renewed
 from talaia.hub.settings import Settings
 
 from .secure_hub import secure
@@ -184,20 +184,13 @@ async def test_renewed_certificate_is_shown_without_a_restart(
     now = dt.datetime.now(dt.UTC)
     cert, key = made(tmp_path, begins=now - DAY, ends=now + DAY)
     async with secure(hub_that_stores, settings, cert=cert, key=key) as running:
+        context, shown = running._server.config.ssl, fingerprint(cert)
         before = await shown_by(running.port)
-        keeping = asyncio.create_task(keep_certificate(running._server, running.settings, 0.01))
-        await asyncio.sleep(0)  # it looks at the certificate of now
-        try:
-            with caplog.at_level(logging.WARNING):
-                cert.write_text("half written")
-                async with asyncio.timeout(10):
-                    while "the certificate of before stays" not in caplog.text:
-                        await asyncio.sleep(0.01)
-            assert await shown_by(running.port) == before
-            made(tmp_path, begins=now - DAY, ends=now + 90 * DAY)
-            async with asyncio.timeout(10):
-                while await shown_by(running.port) == before:
-                    await asyncio.sleep(0.01)
-        finally:
-            keeping.cancel()
-            await asyncio.gather(keeping, return_exceptions=True)
+        cert.write_text("half written")
+        with caplog.at_level(logging.WARNING):
+            assert await renewed(context, running.settings, shown) == shown
+        assert "the certificate of before stays" in caplog.text
+        assert await shown_by(running.port) == before
+        made(tmp_path, begins=now - DAY, ends=now + 90 * DAY)
+        assert await renewed(context, running.settings, shown) == fingerprint(cert)
+        assert await shown_by(running.port) != before

@@ -130,7 +130,9 @@ class World:
             await self.hub.people.add(name, kept, name)
         for site in DESCRIPTIONS:
             await self.connect(site)
-        made = await (await self.client("operator")).post("/api/me/tokens", json=TOKEN)
+        ends_us = self.hub.hub._clock.wall_ns() // 1000 + 3600 * 10**6
+        asked = {**TOKEN, "ends_us": ends_us}
+        made = await (await self.client("operator")).post("/api/me/tokens", json=asked)
         assert made.status_code == 200, made.text
         self.token = made.json()["token"]
 
