@@ -11,7 +11,6 @@ from talaia.hub.auth.passwords import Passwords, check_name, check_password, nam
 from talaia.hub.auth.permissions import Grants, Permission, Right
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.errors import NameTaken, UnknownRole, WeakPassword
-from talaia.hub.store.database import Database
 from talaia.hub.store.people import People
 from talaia.hub.store.sessions import Sessions
 
@@ -128,14 +127,6 @@ def test_right_on_the_whole_site_is_a_right_on_each_device(held, right, site) ->
     if grants.may(right, site):
         assert grants.may(right, site, "a")
         assert grants.may(right, site, "b")
-
-
-@pytest.fixture
-async def database(tmp_path):
-    database = Database(f"sqlite+aiosqlite:///{tmp_path / 'talaia.db'}")
-    await database.migrate()
-    yield database
-    await database.close()
 
 
 @pytest.fixture

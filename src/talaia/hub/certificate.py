@@ -30,7 +30,14 @@ if TYPE_CHECKING:
 
     from talaia.hub.settings import Settings
 
-__all__ = ["Certificate", "certificate_of", "fingerprint", "key_hash", "own_certificate"]
+__all__ = [
+    "Certificate",
+    "certificate_of",
+    "fingerprint",
+    "fresh_certificate",
+    "key_hash",
+    "own_certificate",
+]
 
 _LOG = logging.getLogger(__name__)
 
@@ -85,6 +92,19 @@ def own_certificate(settings: Settings, now: dt.datetime) -> Certificate:
     except OSError as error:
         raise CannotStart(f"{folder} cannot be written: {error.strerror}") from error
     return found
+
+
+def fresh_certificate(settings: Settings, now: dt.datetime, shown: str) -> Certificate | None:
+    """Give the certificate if it is another than the one that is shown (by its fingerprint).
+
+    Ours is renewed in time; given files are looked at again, since others renew them.
+
+    Raises:
+        CannotStart: the files cannot be used (any more); the one that is shown should stay.
+
+    """
+    found = own_certificate(settings, now)
+    return None if fingerprint(found.cert) == shown else found
 
 
 def fingerprint(cert: Path) -> str:

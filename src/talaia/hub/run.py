@@ -22,20 +22,27 @@ from talaia.clock import SystemClock
 from talaia.hub.accounts import make_data_folder
 from talaia.hub.api.listening import HubProtocol
 from talaia.hub.app import build
-from talaia.hub.certificate import fingerprint, own_certificate
+from talaia.hub.certificate import (
+    certificate_of,
+    fingerprint,
+    fresh_certificate,
+    own_certificate,
+)
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.settings import Settings, is_loopback
 from talaia.wire.frames import MAX_PICTURE
 
 if TYPE_CHECKING:
+    import ssl
     from collections.abc import Callable, Iterator, Sequence
 
     from talaia.hub.app import Hub
     from talaia.hub.settings import Network
 
-__all__ = ["HubServer", "main", "server_of"]
+__all__ = ["HubServer", "main", "renewed", "server_of"]
 
 _LOG = logging.getLogger(__name__)
+_RENEW_S = 3600.0
 
 
 class HubServer(uvicorn.Server):
@@ -180,9 +187,42 @@ async def _serve(settings: Settings) -> None:
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
             loop.add_signal_handler(number, _stop, server)
-        await server.serve(sockets=[listener])
+        renewing = asyncio.create_task(keep_certificate(server, settings))
+        try:
+            await server.serve(sockets=[listener])
+        finally:
+            renewing.cancel()
         if not server.started:
             raise CannotStart("the hub did not start", "its log above says why")
+
+
+async def keep_certificate(server: HubServer, settings: Settings) -> None:
+    """Look for a renewed certificate every hour, for as long as the hub runs."""
+    if settings.plain:
+        return
+    shown = fingerprint(certificate_of(settings).cert)
+    while True:
+        await asyncio.sleep(_RENEW_S)
+        if server.config.ssl is not None:
+            shown = await renewed(server.config.ssl, settings, shown)
+
+
+async def renewed(context: ssl.SSLContext, settings: Settings, shown: str) -> str:
+    """Show a renewed certificate to whoever connects from now on; give its fingerprint.
+
+    The one of before (``shown``) stays where the new one cannot be used.
+    """
+    try:
+        found = await asyncio.to_thread(fresh_certificate, settings, _now(), shown)
+        if found is None:
+            return shown
+        context.load_cert_chain(found.cert, found.key)
+        shown = fingerprint(found.cert)
+    except (CannotStart, OSError) as error:
+        _LOG.warning("the certificate of before stays: %s", error)
+    else:
+        _LOG.info("a renewed certificate is shown from now on: %s (SHA-256)", shown)
+    return shown
 
 
 def _stop(server: HubServer) -> None:

@@ -1,7 +1,5 @@
 """One-time codes: made by an admin, traded once for a gateway's own key."""
 
-# ruff: noqa: F811 - fixtures are imported by name
-
 from __future__ import annotations
 
 import asyncio
@@ -14,8 +12,6 @@ from talaia.hub.store.enrolment import Enrolled, Enrolment, Refused
 from talaia.hub.store.sites import SiteRegistry
 from talaia.wire.enrolment import EnrolmentCode, pin_of, read_code, secret_of
 from talaia.wire.errors import CodeMistyped
-
-from .databases import database, database_url  # noqa: F401 - fixtures
 
 MINUTE = 60 * SECOND
 KEY_HASH = "5f" * 32

@@ -82,8 +82,10 @@ class Access:
 
         """
         kind, _, key = connection.headers.get("authorization", "").partition(" ")
-        if kind.lower() == "bearer" and key.startswith(MARK):
-            return await self._tokens.who(key.strip())
+        if kind.lower() == "bearer":
+            # Whoever sends a token means it: a cookie beside it does not help.
+            key = key.strip()
+            return await self._tokens.who(key) if key.startswith(MARK) else None
         token = connection.cookies.get(self.cookie)
         used = connection.headers.get(_BACKGROUND) != "1" and connection.scope["type"] == "http"
         return await self._sessions.who(token, used=used) if token else None
@@ -104,7 +106,7 @@ class Access:
         if alive is None:
             raise ApiProblem(401, "unauthorized", "sign in first")
         who = alive.who
-        request.state.alive = alive
+        request.state.alive, request.state.who = alive, who
         if who.script and need not in BY_SCRIPT:
             raise ApiProblem(403, "forbidden", "a token may not do this; sign in yourself")
         site = request.path_params.get("site")

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
 from talaia.clock import SECOND
+from talaia.hub.api.access import who_of
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.auth.pace import Pace
+from talaia.hub.policy import Need, need_of_route
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -61,11 +63,11 @@ class Limits:
             ApiProblem: 429 they have asked too much lately.
 
         """
-        who: Who | None = getattr(request.state, "who", None)
-        if who is None:
+        path = request.scope["route"].path
+        if need_of_route(request.method, path) is Need.OPEN:
             return
-        pace = self._paces.get(request.scope["route"].path, self._any)
-        wait_ns = pace.take(who.user, self._clock.monotonic_ns())
+        pace = self._paces.get(path, self._any)
+        wait_ns = pace.take(who_of(request).user, self._clock.monotonic_ns())
         if wait_ns:
             raise ApiProblem(
                 429, "busy", "you ask too much at once; wait a little", -(-wait_ns // SECOND)

@@ -51,20 +51,17 @@ _SAID: Mapping[int, str] = {
     415: "The body is not sent as JSON.",
     421: "The hub is not known by that name.",
     422: "The request is not as described here, or what it says breaks a rule.",
-    429: "Too many tries; Retry-After says how long to wait.",
+    429: "Too much at once, or too many wrong tries; Retry-After says how long to wait.",
     503: "The hub's database does not answer, so nothing is done.",
 }
 _ANYONE = frozenset({400, 411, 413, 421, 422})
-_PROVING = frozenset({429})
 # What these may answer besides what follows from their method and need.
 _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/login"): frozenset({401, 429, 503}),
     ("POST", "/api/setup"): frozenset({429, 503}),
     ("POST", "/api/enrol"): frozenset({404, 410, 429, 503}),
-    ("POST", "/api/me/password"): _PROVING,
-    ("POST", "/api/me/factor"): frozenset({409, 429}),
-    ("POST", "/api/me/factor/confirm"): _PROVING,
-    ("POST", "/api/me/factor/remove"): frozenset({409, 429}),
+    ("POST", "/api/me/factor"): frozenset({409}),
+    ("POST", "/api/me/factor/remove"): frozenset({409}),
     ("POST", "/api/me/tokens"): frozenset({409}),
     ("POST", "/api/people"): frozenset({409}),
     ("PATCH", "/api/people/{person}"): frozenset({409}),
@@ -140,7 +137,7 @@ def _answers(need: Need, method: str, path: str, *, body: bool) -> frozenset[int
     """Give the statuses by which a route may say no."""
     statuses = set(_ANYONE)
     if need is not Need.OPEN:
-        statuses |= {401, 403, 503}
+        statuses |= {401, 403, 429, 503}
     if method != "GET":
         statuses |= {403, 415}
     if "{" in path or path.endswith("/history"):

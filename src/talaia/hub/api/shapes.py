@@ -363,6 +363,10 @@ class AuditRow(Shape):
     good: bool
 
 
+# A text to look for; no database holds a NUL.
+_TEXT = Field(default=None, max_length=200, pattern=r"^[^\x00]*$")
+
+
 class AuditAsk(Shape):
     """Which rows of the audit log are meant; what is left out does not matter.
 
@@ -370,10 +374,10 @@ class AuditAsk(Shape):
     ``to_us`` is not; ``before`` is the id of a row, for the ones after it in the list.
     """
 
-    who: str | None = Field(default=None, max_length=200)
-    site: str | None = Field(default=None, max_length=200)
-    device: str | None = Field(default=None, max_length=200)
-    kind: str | None = Field(default=None, max_length=200)
+    who: str | None = _TEXT
+    site: str | None = _TEXT
+    device: str | None = _TEXT
+    kind: str | None = _TEXT
     good: bool | None = None
     from_us: int | None = Field(default=None, ge=0, le=2**53)
     to_us: int | None = Field(default=None, ge=0, le=2**53)

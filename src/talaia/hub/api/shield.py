@@ -122,7 +122,7 @@ def _may_change(path: str, headers: Headers, host: str, *, tls: bool) -> bool:
     site = headers.get("sec-fetch-site")
     if site is not None:
         return site == "same-origin"
-    return path == _ENROL or headers.get("authorization", "").lower().startswith("bearer ")
+    return path == _ENROL or _bearer(headers)
 
 
 def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | None:
@@ -130,9 +130,16 @@ def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | No
     if path.startswith(_GATEWAY):
         # A gateway is no page; a page must not speak to this door whatever key it has.
         return _No(403, "origin", "this is no door for pages") if origin is not None else None
+    if origin is None and "cookie" not in headers and _bearer(headers):
+        # A script with a token of its own; a page cannot send one when it opens a socket.
+        return None
     if not same_origin(origin, host, tls=tls):
         return _No(403, "origin", "a page of another origin may not connect")
     return None
+
+
+def _bearer(headers: Headers) -> bool:
+    return headers.get("authorization", "").lower().startswith("bearer ")
 
 
 def _same_address(name: str, own: str) -> bool:

@@ -86,7 +86,18 @@ class Grants:
     def limited(self, to: frozenset[Permission]) -> Grants:
         """Give what of these ``to`` leaves: never more than either."""
         met = (_meet(ours, theirs) for ours in self.permissions for theirs in to)
-        return Grants(frozenset(each for each in met if each is not None))
+        found = {each for each in met if each is not None}
+        # What another one includes is left out, so that people read as few as there are.
+        return Grants(
+            frozenset(
+                each
+                for each in found
+                if not any(
+                    other != each and other.covers(each.right, each.site, each.device)
+                    for other in found
+                )
+            )
+        )
 
     def rights(self, site: str, device: str) -> list[Right]:
         """List the rights on a device."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import os
+import uuid
 
 import pytest
 import sqlalchemy as sa
@@ -21,7 +22,7 @@ SERVERS = {
 
 
 @functools.cache
-def _server_of(kind: str) -> tuple[str, str]:
+def server_of(kind: str) -> tuple[str, str]:
     url = os.environ.get(f"TALAIA_TEST_{kind.upper()}") or SERVERS[kind]
     engine = sa.create_engine(url)
     try:
@@ -39,13 +40,12 @@ def database_url(request, tmp_path):
     if request.param == "sqlite":
         yield f"sqlite:///{tmp_path}/talaia.db"
         return
-    server, why = _server_of(request.param)
+    server, why = server_of(request.param)
     if why:
         (pytest.fail if os.environ.get("TALAIA_REQUIRE_ALL") else pytest.skip)(why)
-    name = f"talaia_test_gateways_{os.getpid()}"
+    name = f"talaia_test_{uuid.uuid4().hex[:12]}"
     engine = sa.create_engine(server, isolation_level="AUTOCOMMIT")
     with engine.connect() as connection:
-        connection.exec_driver_sql(f"DROP DATABASE IF EXISTS {name}")
         connection.exec_driver_sql(f"CREATE DATABASE {name}")
     url = sa.make_url(server).set(database=name, drivername=request.param)
     yield url.render_as_string(hide_password=False)
