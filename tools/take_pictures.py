@@ -12,8 +12,10 @@ import os
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from pathlib import Path
@@ -64,6 +66,8 @@ def take(address: str, password: str, wanted: list[str]) -> None:
     clean = {k: v for k, v in os.environ.items() if k != "LD_LIBRARY_PATH"}
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=path, args=FLAGS, env=clean)
+        if not wanted or "setup" in wanted:
+            set_up(browser)
         for name in ("drive", "wander", "others"):
             if name == "wander":
                 wander(browser, address, password)
@@ -72,6 +76,40 @@ def take(address: str, password: str, wanted: list[str]) -> None:
             shown = [each for each in shown if not wanted or each in wanted]
             walk(browser, address, password, shown)
         browser.close()
+
+
+def set_up(browser: Browser) -> None:
+    """Show the page that a new hub's one-time link opens."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = str(probe.getsockname()[1])
+    with tempfile.TemporaryDirectory() as folder:
+        hub = subprocess.Popen(
+            [sys.executable, "-m", "talaia", "hub", "--plain", "--host", "127.0.0.1",
+             "--port", port, "--data", folder],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True,
+        )  # fmt: skip
+        alarm = threading.Timer(60, hub.kill)
+        alarm.start()
+        try:
+            lines = hub.stdout or ()
+            links = (re.search(r"http\S+/setup\S+", line) for line in lines)
+            link = next(found[0] for found in links if found)
+            for width, size in WIDTHS.items():
+                for theme in THEMES:
+                    page = browser.new_page(
+                        viewport={"width": size[0], "height": size[1]},
+                        color_scheme=theme,  # type: ignore[arg-type]
+                    )
+                    page.goto(link)
+                    page.get_by_label("Name").wait_for()
+                    page.wait_for_timeout(500)
+                    page.screenshot(path=TARGET / f"setup-{width}-{theme}.png")
+                    page.close()
+        finally:
+            alarm.cancel()
+            hub.terminate()
+            hub.wait(20)
 
 
 def walk(browser: Browser, address: str, password: str, shown: list[str]) -> None:
