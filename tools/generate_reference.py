@@ -98,9 +98,9 @@ def wire_page() -> str:
 def commands_page() -> str:
     """Show the help of every word of the command line."""
     parts = [NOTE + "# The `talaia` command\n"]
-    for name in WORDS:
+    for name in sorted([*WORDS, "gateway enrol"], key=ordered):
         done = subprocess.run(
-            [sys.executable, "-m", "talaia", name, "--help"],
+            [sys.executable, "-m", "talaia", *name.split(), "--help"],
             capture_output=True, text=True, check=True, env={**child_environment()},
         )  # fmt: skip
         parts.append(f"## talaia {name}\n\n```text\n{done.stdout.strip()}\n```\n")
@@ -112,6 +112,11 @@ def openapi_text() -> str:
     with tempfile.TemporaryDirectory() as folder:
         hub = build(Settings(data=Path(folder)), SystemClock())
     return json.dumps(describe_api(hub.app), indent=2, ensure_ascii=False) + "\n"
+
+
+def ordered(name: str) -> tuple[int, str]:
+    """Keep the order of the words, each with its own words after it."""
+    return list(WORDS).index(name.split()[0]), name
 
 
 def child_environment() -> dict[str, str]:

@@ -214,9 +214,7 @@ def people(browser: Browser, address: str, password: str) -> None:
         ("people", {"name": "Grace", "password": secrets.token_urlsafe(9), "role": "operator"}),
     ]
     for path, body in asks:
-        answer = page.request.post(
-            f"{address}/api/{path}", data=body, headers={"Origin": address}
-        )
+        answer = page.request.post(f"{address}/api/{path}", data=body, headers={"Origin": address})
         if not answer.ok:
             print(path, answer.status, answer.text())
     page.close()

@@ -5,7 +5,9 @@ import signal
 import ssl
 import sys
 import threading
+from dataclasses import replace
 
+import pyotp
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
@@ -14,11 +16,13 @@ from sqlalchemy import event, inspect, text
 from talaia.clock import SystemClock
 from talaia.hub import accounts
 from talaia.hub.auth.permissions import Permission, Right
+from talaia.hub.auth.seal import Seal
 from talaia.hub.errors import NameTaken, StoreDown, StoreError, UnknownPerson
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.store.audit import Audit
+from talaia.hub.store.audit import Audit, Filter
 from talaia.hub.store.database import Database
+from talaia.hub.store.factors import Factors
 from talaia.hub.store.people import People
 from talaia.hub.store.reach import reach
 from talaia.hub.store.roles import Roles
@@ -370,6 +374,26 @@ async def test_new_password_ends_the_persons_sessions_and_the_old_password(setti
         assert changed.password_hash != person.password_hash
     finally:
         await database.close()
+
+
+async def test_lost_second_factor_is_removed_from_the_command_line(settings, database_url) -> None:
+    settings = replace(settings, database_url=database_url)
+    await accounts.create_user(settings, "ada", "three unrelated words", "admin")
+    assert not await accounts.remove_factor(settings, "ada")
+    clock, database = SystemClock(), Database(database_url)
+    factors = Factors(database, clock, lambda: Seal(b"k" * 32))
+    person = await People(database, clock).find("ada")
+    totp = pyotp.TOTP(await factors.offer(person.id))
+    assert await factors.confirm(person.id, totp.at(clock.wall_ns() // 10**9))
+    assert (await People(database, clock).find("ada")).factor
+    assert await accounts.remove_factor(settings, "ADA")
+    assert not (await People(database, clock).find("ada")).factor
+    rows, _ = await Audit(database, clock).find(Filter(), 10)
+    assert [row.entry.kind for row in rows][:2] == ["person's second factor removed"] * 2
+    assert {row.entry.who for row in rows} == {"(command line)"}
+    await database.close()
+    with pytest.raises(UnknownPerson):
+        await accounts.remove_factor(settings, "nobody")
 
 
 async def test_new_password_for_nobody_is_refused(settings) -> None:

@@ -18,7 +18,7 @@ from .conftest import CHROMIUM_FLAGS, Demo
 
 pytestmark = [pytest.mark.browser, pytest.mark.robot, pytest.mark.timeout(180)]
 
-PASSWORD = "a sentence that nobody guesses"
+PASSWORD = "a sentence that nobody guesses"  # noqa: S105
 DEMOTED_S = 1.0
 NAV = "navigation"
 

@@ -1,4 +1,4 @@
-"""The gateway's process: builds every part, runs them in one task group, ends them in order."""
+"""The gateway, in one place: builds every part, runs them in one task group, ends them in order."""
 
 from __future__ import annotations
 

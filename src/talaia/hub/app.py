@@ -1,4 +1,4 @@
-"""The hub put together: the only place where its parts are built."""
+"""The hub put together: the one place where its parts are built."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sockets import Sockets
 from talaia.hub.api.tokens import TokenPages
 from talaia.hub.auth.passwords import Passwords
-from talaia.hub.auth.seal import seal_of
+from talaia.hub.auth.seal import SEAL_FILE, seal_of
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.certificate import certificate_of, fingerprint, key_hash
 from talaia.hub.history.store import HistoryStore
@@ -94,7 +94,7 @@ class Hub:
         self._audit = Audit(self._database, clock)
         self._sessions = Sessions(self._database, clock, settings)
         self._tokens = ApiTokens(self._database, clock)
-        self._seal = functools.cache(lambda: seal_of(settings.data / "seal.key"))
+        self._seal = functools.cache(lambda: seal_of(settings.data / SEAL_FILE))
         self._factors = Factors(self._database, clock, self._seal)
         self._passwords = Passwords(settings.password_cost)
         self._known = KnownBrowsers(self._database, clock)

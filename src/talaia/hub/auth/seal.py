@@ -15,8 +15,10 @@ from talaia.hub.errors import CannotStart
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Seal", "seal_of"]
+__all__ = ["SEAL_FILE", "Seal", "seal_of"]
 
+# In the data folder.
+SEAL_FILE = "seal.key"
 _KEY_BYTES = 32
 _NONCE_BYTES = 12
 

@@ -133,7 +133,9 @@ class Seats:
         began_ns = self._clock.monotonic_ns()
         seats = list(self._seats)
         living = await self._register.living({seat.who.session for seat in seats}) if seats else {}
-        self._checked_ns, self._last = began_ns, living
+        # Two may run at once; the one that began later counts.
+        self._checked_ns = max(self._checked_ns, began_ns)
+        self._last = living
         used = []
         for seat in seats:
             now = living.get(seat.who.session)
