@@ -182,28 +182,10 @@ class Hub:
             self._audit,
             self._clock,
         )
+        shared = (access, proving, self._people, self._passwords, self._sessions)
         return (
-            Accounts(
-                access,
-                proving,
-                self._people,
-                self._passwords,
-                self._sessions,
-                self._known,
-                self._seats,
-                self._audit,
-            ),
-            OwnPages(
-                access,
-                proving,
-                self._people,
-                self._passwords,
-                self._sessions,
-                self._factors,
-                self._known,
-                self._seats,
-                self._audit,
-            ),
+            Accounts(*shared, self._known, self._seats, self._audit),
+            OwnPages(*shared, self._factors, self._known, self._seats, self._audit),
             TokenPages(self._tokens, self._seats, self._audit, self._clock),
             PeoplePages(
                 self._people,

@@ -95,13 +95,16 @@ class Access:
 
         Raises:
             ApiProblem: 401 nobody is signed in, 403 not for them, 404 there is no such thing,
-                which is also what those are told who may not know of it.
+                which is also what those are told who may not know of it, 422 no database
+                could look for it.
             StoreDown: it cannot be told who asks.
 
         """
         need = need_of_route(request.method, request.scope["route"].path)
         if need is Need.OPEN:
             return
+        if b"%00" in request.scope["query_string"]:
+            raise ApiProblem(422, "invalid", "the query holds the character NUL")
         alive = await self.who(request)
         if alive is None:
             raise ApiProblem(401, "unauthorized", "sign in first")

@@ -6,9 +6,9 @@ gateways and the audit log are read together; those of people and roles are in `
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 __all__ = [
     "ArgumentShape",
@@ -53,6 +53,13 @@ class Shape(BaseModel):
     """A key that is not described is an error, not a silence."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="after")
+    def _no_nul(self) -> Self:
+        # PostgreSQL stores none, and no text that people write holds one.
+        if any(isinstance(value, str) and "\0" in value for value in self.__dict__.values()):
+            raise ValueError("a text holds the character NUL")
+        return self
 
 
 class ProblemShape(Shape):

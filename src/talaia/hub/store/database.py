@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from alembic import command
 from alembic.config import Config
 from sqlalchemy import Connection, event, func, select, text
-from sqlalchemy.exc import DBAPIError, IntegrityError, SQLAlchemyError
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyError
 from sqlalchemy.ext.asyncio import create_async_engine
 
 from talaia.hub.errors import StoreDown, StoreError
@@ -109,7 +109,8 @@ class Database:
     async def _translated(self) -> AsyncIterator[None]:
         try:
             yield
-        except IntegrityError:
+        except (IntegrityError, DataError):
+            # It answers: what it was asked does not fit.
             raise
         except self._failures as error:
             reason = getattr(error, "orig", None) or error
