@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 import re
+import secrets
 import shutil
 import signal
 import socket
@@ -48,18 +49,18 @@ def main(wanted: list[str]) -> int:
     alarm.cancel()
     try:
         address = re.search(r"\):\s+(\S+)", said)
-        password = re.search(r"operator\s+(\S+)", said)
-        if address is None or password is None:
+        passwords = dict(re.findall(r"^    (admin|operator|guest)\s+(\S+)$", said, re.MULTILINE))
+        if address is None or len(passwords) < 3:
             print(said)
             return 1
-        take(address[1], password[1], wanted)
+        take(address[1], passwords, wanted)
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(20)
     return 0
 
 
-def take(address: str, password: str, wanted: list[str]) -> None:
+def take(address: str, passwords: dict[str, str], wanted: list[str]) -> None:
     """Walk through the pages."""
     TARGET.mkdir(parents=True, exist_ok=True)
     path = shutil.which("chromium") or shutil.which("google-chrome")
@@ -70,11 +71,18 @@ def take(address: str, password: str, wanted: list[str]) -> None:
             set_up(browser)
         for name in ("drive", "wander", "others"):
             if name == "wander":
-                wander(browser, address, password)
+                if not wanted or {*wanted} & {*PAGES} - {"drive", "login", "gallery"}:
+                    wander(browser, address, passwords["operator"])
                 continue
             shown = [each for each in PAGES if (each == "drive") == (name == "drive")]
             shown = [each for each in shown if not wanted or each in wanted]
-            walk(browser, address, password, shown)
+            walk(browser, address, "operator", passwords["operator"], shown)
+        for who, pages in (("admin", ADMIN_PAGES), ("guest", GUEST_PAGES)):
+            shown = [each for each in pages if not wanted or each in wanted]
+            if shown and who == "admin":
+                people(browser, address, passwords["admin"])
+            if shown:
+                walk(browser, address, who, passwords[who], shown)
         browser.close()
 
 
@@ -112,8 +120,9 @@ def set_up(browser: Browser) -> None:
             hub.wait(20)
 
 
-def walk(browser: Browser, address: str, password: str, shown: list[str]) -> None:
+def walk(browser: Browser, address: str, who: str, password: str, shown: list[str]) -> None:
     """Take some pages' pictures in every width and theme."""
+    pages = {**PAGES, **ADMIN_PAGES, **GUEST_PAGES}
     for width, size in WIDTHS.items():
         for theme in THEMES:
             context = browser.new_context(
@@ -125,22 +134,22 @@ def walk(browser: Browser, address: str, password: str, shown: list[str]) -> Non
             if "login" in shown:
                 login(page, address, password)
                 page.screenshot(path=TARGET / f"login-{width}-{theme}.png")
-            sign_in(page, address, password)
+            sign_in(page, address, password, who)
             for name in shown:
                 if name != "login":
-                    PAGES[name](page, address, password)
+                    pages[name](page, address, password)
                     page.screenshot(path=TARGET / f"{name}-{width}-{theme}.png")
             page.keyboard.up("w")
             context.close()
 
 
-def sign_in(page: Page, address: str, password: str) -> None:
-    """Sign in as the operator."""
+def sign_in(page: Page, address: str, password: str, who: str = "operator") -> None:
+    """Sign in."""
     page.goto(f"{address}/login")
-    page.get_by_label("Name").fill("operator")
+    page.get_by_label("Name").fill(who)
     page.get_by_label("Password").fill(password)
     page.get_by_role("button", name="Sign in").click()
-    page.wait_for_url("**/home")
+    page.wait_for_url(re.compile("/(home|public)$"))
 
 
 def wander(browser: Browser, address: str, password: str) -> None:
@@ -193,10 +202,98 @@ def gallery(page: Page, address: str, _password: str) -> None:
     time.sleep(2)
 
 
+def people(browser: Browser, address: str, password: str) -> None:
+    """Make a role and two people, so that the admin's pages show more than the seeded ones."""
+    page = browser.new_page()
+    sign_in(page, address, password, "admin")
+    view = {"right": "view", "site": "agv", "device": "*"}
+    use = {"right": "use", "site": "agv", "device": "power"}
+    asks = [
+        ("roles", {"name": "battery crew", "permissions": [view, use]}),
+        ("people", {"name": "Ada", "password": secrets.token_urlsafe(9), "role": "battery crew"}),
+        ("people", {"name": "Grace", "password": secrets.token_urlsafe(9), "role": "operator"}),
+    ]
+    for path, body in asks:
+        answer = page.request.post(f"{address}/api/{path}", data=body, headers={"Origin": address})
+        if not answer.ok:
+            print(path, answer.status, answer.text())
+    page.close()
+
+
+def devices(page: Page, address: str, _password: str) -> None:
+    """Show every device that is open to the operator."""
+    page.goto(f"{address}/devices")
+    page.get_by_role("heading", name="Vehicle base").wait_for()
+    page.wait_for_timeout(500)
+
+
+def device(page: Page, address: str, _password: str) -> None:
+    """Show one device."""
+    page.goto(f"{address}/sites/agv/devices/base")
+    page.get_by_role("heading", name="Speed").wait_for()
+    page.wait_for_timeout(2500)
+
+
+def public(page: Page, address: str, _password: str) -> None:
+    """Show the guest's page."""
+    page.goto(f"{address}/public")
+    page.get_by_role("heading", name="Vehicle base").wait_for()
+    page.wait_for_timeout(1500)
+
+
+def account(page: Page, address: str, _password: str) -> None:
+    """Show the account of whoever looks."""
+    page.goto(f"{address}/account")
+    page.get_by_text("this one").wait_for()
+    page.wait_for_timeout(300)
+
+
+def people_page(page: Page, address: str, _password: str) -> None:
+    """Show the people, one unfolded."""
+    page.goto(f"{address}/admin/people")
+    page.get_by_role("button", name="Edit Ada").click()
+    page.wait_for_timeout(400)
+
+
+def roles(page: Page, address: str, _password: str) -> None:
+    """Show the matrix with a change that is not saved."""
+    page.goto(f"{address}/admin/roles")
+    crew = page.get_by_role("radio", name="battery crew")
+    page.get_by_role("heading", name="Roles").wait_for()
+    page.get_by_text("Every site").wait_for()
+    if crew.is_visible():
+        crew.check(force=True)
+    page.get_by_label(re.compile("^battery crew on Camera")).select_option("use")
+    page.wait_for_timeout(400)
+
+
+def gateways(page: Page, address: str, _password: str) -> None:
+    """Show a fresh code, and the demo's gateway."""
+    page.goto(f"{address}/admin/gateways")
+    page.get_by_role("button", name="Enrol a gateway").click()
+    page.locator("t-enrol #site").fill("dome")
+    page.get_by_role("button", name="Make a code").click()
+    page.get_by_text("waiting for the gateway").wait_for()
+    page.wait_for_timeout(500)
+
+
+def audit(page: Page, address: str, _password: str) -> None:
+    """Show the newest rows and the verified chain."""
+    page.goto(f"{address}/admin/audit")
+    page.get_by_role("button", name="Verify the chain").click()
+    page.get_by_text("The chain holds").wait_for()
+    page.wait_for_timeout(300)
+
+
 PAGES = {
     "login": login, "home": home, "live": live, "history": history, "drive": drive,
-    "gallery": gallery,
+    "gallery": gallery, "devices": devices, "device": device,
 }  # fmt: skip
+ADMIN_PAGES = {
+    "account": account, "people": people_page, "roles": roles, "gateways": gateways,
+    "audit": audit,
+}  # fmt: skip
+GUEST_PAGES = {"public": public}
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import time
 from collections.abc import Callable, Iterator
 
@@ -61,7 +62,7 @@ def sign_in(context: BrowserContext, demo: Demo, role: str) -> Page:
     page.get_by_label("Name").fill(role)
     page.get_by_label("Password").fill(demo.passwords[role])
     page.get_by_role("button", name="Sign in").click()
-    page.wait_for_url("**/home")
+    page.wait_for_url(re.compile("/(home|public)$"))
     return page
 
 

@@ -2,7 +2,8 @@
 
 Run from the repository's root with ``PYTHONPATH=src``:
 ``python web/mock/mock_hub.py --port 8765``. Sign in with any name and the password ``demo``; a
-name that starts with ``guest`` or ``admin`` gets that role. ``POST /mock?online=false`` takes the
+name that starts with ``guest`` or ``admin`` gets that role, ``slow`` is throttled, and whoever has
+set up a second factor needs the code 123456. ``POST /mock?online=false`` takes the
 site offline, ``?mute=true`` stops its values, ``?cut=true`` drops every socket.
 """
 
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import uvicorn
+from accounts_side import CODE, Accounts, router
 from described import device_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
@@ -39,16 +41,6 @@ POLICY = (
 COOKIE = "mock"
 
 
-def role_of(name: str) -> str:
-    """Let the name decide."""
-    return next((role for role in ("guest", "admin") if name.startswith(role)), "operator")
-
-
-def me_json(name: str) -> dict[str, Any]:
-    """Say who is signed in."""
-    return {"name": name, "role": role_of(name), "admin": role_of(name) == "admin"}
-
-
 def problem(status: int, code: str, message: str, **headers: str) -> JSONResponse:
     """Answer no."""
     return JSONResponse({"code": code, "message": message}, status, headers or None)
@@ -57,6 +49,7 @@ def problem(status: int, code: str, message: str, **headers: str) -> JSONRespons
 def build(site: Site) -> FastAPI:
     """Put the mock together."""
     world = World(site)
+    accounts = Accounts(site)
     people: dict[str, str] = {}
     browsers: set[Browser] = set()
 
@@ -83,6 +76,7 @@ def build(site: Site) -> FastAPI:
         path = request.url.path
         if path.startswith("/api") and path not in free and who(request.cookies) is None:
             return problem(401, "nobody", "Sign in first.")
+        request.state.who = who(request.cookies) or ""
         response = await following(request)
         response.headers["content-security-policy"] = POLICY
         return response
@@ -114,9 +108,12 @@ def build(site: Site) -> FastAPI:
             return problem(429, "throttled", "Too many tries.", **{"retry-after": "30"})
         if asked.get("password") != "demo":
             return problem(401, "wrong", "Name or password is wrong.")
+        if accounts.me(name)["factor"] and asked.get("code") != CODE:
+            return problem(401, "factor", f"enter the code; here it is {CODE}")
+        accounts.note(name, "login")
         token = secrets.token_hex(16)
         people[token] = name
-        response = JSONResponse(me_json(name))
+        response = JSONResponse(accounts.me(name))
         response.set_cookie(COOKIE, token, httponly=True, samesite="strict")
         return response
 
@@ -134,7 +131,7 @@ def build(site: Site) -> FastAPI:
 
     @app.get("/api/me")
     async def me(request: Request) -> dict[str, Any]:
-        return me_json(who(request.cookies) or "")
+        return accounts.me(who(request.cookies) or "")
 
     @app.get("/api/sites")
     async def sites(request: Request) -> list[dict[str, Any]]:
@@ -152,8 +149,11 @@ def build(site: Site) -> FastAPI:
     async def one(name: str, request: Request) -> Response:
         if name not in {site.site, "dome"}:
             return problem(404, "unknown", f"There is no site {name}.")
-        role = role_of(who(request.cookies) or "")
-        devices = [device_json(key, device, role) for key, device in site.devices.items()]
+        name_of = who(request.cookies) or ""
+        devices = [
+            device_json(key, device, accounts.rights(name_of, key))
+            for key, device in site.devices.items()
+        ]
         detail = {
             "site": name,
             "name": site.name if name == site.site else "Observatory dome",
@@ -165,6 +165,21 @@ def build(site: Site) -> FastAPI:
             "devices": devices if name == site.site else [],
         }
         return JSONResponse(detail)
+
+    @app.get("/api/devices")
+    async def devices(request: Request) -> dict[str, Any]:
+        name = who(request.cookies) or ""
+        rows = [
+            {
+                "site": site.site, "site_name": site.name, "device": key, "name": device.name,
+                "kind": device.kind, "online": world.online, "rights": accounts.rights(name, key),
+                "public": device.visibility == "public", "signals": len(device.signals), "stale": 0,
+            }
+            for key, device in site.devices.items()
+        ]  # fmt: skip
+        return {"devices": [row for row in rows if row["rights"] or row["public"]]}
+
+    app.include_router(router(accounts))
 
     @app.get("/api/sites/{name}/history")
     async def past(request: Request) -> dict[str, Any]:
@@ -218,7 +233,7 @@ def build(site: Site) -> FastAPI:
             await socket.close(4401)
             return
         await socket.accept()
-        browser = Browser(socket, name, role_of(name), world, browsers)
+        browser = Browser(socket, name, accounts.role_of(name), world, browsers)
         browsers.add(browser)
         try:
             await browser.run()

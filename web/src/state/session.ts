@@ -62,12 +62,12 @@ export class Session extends Store {
    * @throws Unreachable
    */
   async refresh(): Promise<void> {
-    this.become(await this.api.me(true));
+    this.become(await this.api.me());
   }
 
   /** Tells the hub that the person is still here. @throws Unreachable */
   async stay(): Promise<void> {
-    this.become(await this.api.me());
+    this.become(await this.api.me(false));
   }
 
   /** @throws Refused, Unreachable */

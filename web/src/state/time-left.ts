@@ -14,7 +14,7 @@ export interface TimeLeft {
 }
 
 /** A person who holds a device is told this long (s) before. */
-const WARN: Readonly<Record<EndKind, number>> = { idle: 120, whole: 600 };
+const WARN = 300;
 
 /** Which end comes first. */
 export function timeLeft(ends: { readonly idle_ends_us: number; readonly ends_us: number }, nowUs: number): TimeLeft {
@@ -24,5 +24,5 @@ export function timeLeft(ends: { readonly idle_ends_us: number; readonly ends_us
 }
 
 export function isNear(left: TimeLeft): boolean {
-  return left.seconds <= WARN[left.kind];
+  return left.seconds <= WARN;
 }

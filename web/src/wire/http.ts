@@ -39,6 +39,7 @@ const BACKGROUND = { "talaia-background": "1" } as const;
 /** What is said besides the question itself. */
 export interface AskOptions {
   readonly signal?: AbortSignal | undefined;
+  /** Whether the page asks by itself; when not said, everything that changes nothing is taken so. */
   readonly background?: boolean;
 }
 
@@ -48,9 +49,9 @@ export class HubApi {
   /**
    * Who is signed in; null when nobody is.
    *
-   * @param background the page asks by itself: the session does not live longer for it
+   * @param background false: the person asks, and the session lives longer for it
    */
-  async me(background = false): Promise<Person | null> {
+  async me(background = true): Promise<Person | null> {
     try {
       return await this.ask<Person>("GET", "/api/me", undefined, { background });
     } catch (error) {
@@ -112,7 +113,8 @@ export class HubApi {
    * @throws Unreachable when there is no hub, or something else answers in its place
    */
   async ask<T>(method: Method, path: string, body?: object, options: AskOptions = {}): Promise<T> {
-    const { signal, background = false } = options;
+    // A touch of the page keeps the session (state/touched.ts); what pages ask for again and again does not.
+    const { signal, background = method === "GET" } = options;
     const headers = new Headers({ accept: "application/json", ...(background ? BACKGROUND : {}) });
     const request: RequestInit = { method, credentials: "same-origin", headers };
     if (signal !== undefined) request.signal = signal;

@@ -243,3 +243,33 @@ describe("the theme", () => {
     expect(new ThemeChoice(root(), { getItem: () => "pink", setItem: () => undefined }).theme).toBe("auto");
   });
 });
+
+test("what a page asks for by itself does not keep the session; staying does", async () => {
+  const said: string[] = [];
+  const api = new HubApi((_input, init) => {
+    said.push(`${init?.method ?? ""} ${new Headers(init?.headers).get("talaia-background") ?? "-"}`);
+    return Promise.resolve(json({ name: "ana", role: "admin", permissions: [], devices: [] }));
+  });
+  const session = new Session(api);
+  await session.refresh();
+  await api.devices();
+  await session.stay();
+  await api.ask("POST", "/api/logout", {});
+  expect(said).toEqual(["GET 1", "GET 1", "GET -", "POST -"]);
+});
+
+test("a page is told when what the person may do has changed, and not when only time has passed", async () => {
+  let person: object = { name: "ana", role: "crew", admin: false, permissions: [{ right: "use", site: "agv", device: "*" }] };
+  const session = new Session(hub(() => json(person)).api);
+  await session.refresh();
+  const rights = session.rights;
+  let told = 0;
+  session.watch(() => (told += 1));
+  person = { ...person, idle_ends_us: 7 };
+  await session.refresh();
+  expect([told, session.rights]).toEqual([0, rights]);
+  person = { ...person, permissions: [] };
+  await session.refresh();
+  expect(told).toBe(1);
+  expect(session.rights).not.toBe(rights);
+});

@@ -14,9 +14,9 @@ test("the end that comes first is told", () => {
   expect(timeLeft(ends(-5, 600), NOW).seconds).toBe(0);
 });
 
-test("a warning comes two minutes before an idle end, and ten before one that cannot be put off", () => {
-  expect(isNear(timeLeft(ends(121, 9999), NOW))).toBe(false);
-  expect(isNear(timeLeft(ends(120, 9999), NOW))).toBe(true);
-  expect(isNear(timeLeft(ends(9999, 601), NOW))).toBe(false);
-  expect(isNear(timeLeft(ends(9999, 600), NOW))).toBe(true);
+test("a warning comes five minutes before either end", () => {
+  expect(isNear(timeLeft(ends(301, 9999), NOW))).toBe(false);
+  expect(isNear(timeLeft(ends(300, 9999), NOW))).toBe(true);
+  expect(isNear(timeLeft(ends(9999, 301), NOW))).toBe(false);
+  expect(isNear(timeLeft(ends(9999, 300), NOW))).toBe(true);
 });

@@ -28,6 +28,8 @@ export interface TokenWish {
 }
 
 const FIRST_DAYS = 90;
+/** The hub takes no later end. */
+const MOST_DAYS = 364;
 
 /**
  * @fires t-wish detail is what the person wants
@@ -121,7 +123,7 @@ export class TokenForm extends LitElement {
           <input id="name" autocomplete="off" maxlength="100" />
         </t-field>
         <t-field label="Last day" hint=${`It ends with that day in ${clock.zone}`} error=${this.errors.ends}>
-          <input id="ends" type="date" min=${day(0)} .defaultValue=${day(FIRST_DAYS)} />
+          <input id="ends" type="date" min=${day(0)} max=${day(MOST_DAYS)} .defaultValue=${day(FIRST_DAYS)} />
         </t-field>
       </div>
       ${this.rights()}
@@ -177,6 +179,12 @@ export class TokenForm extends LitElement {
     this.errors = { ...this.errors, rights: "" };
   }
 
+  private dayTrouble(endsUs: number): string {
+    const now = Date.now() * 1000;
+    if (Number.isNaN(endsUs) || endsUs <= now) return "Choose a day that is not over.";
+    return endsUs > now + (MOST_DAYS + 1) * DAY_US ? "Choose a day within a year." : "";
+  }
+
   private clock(): ZoneClock {
     return new ZoneClock(knownZone(this.zone));
   }
@@ -198,7 +206,7 @@ export class TokenForm extends LitElement {
     const some = (this.person?.permissions.length ?? 0) === 0 || this.permissions.length > 0;
     this.errors = {
       name: name === "" ? "Enter a name." : "",
-      ends: Number.isNaN(endsUs) || endsUs <= Date.now() * 1000 ? "Choose a day that is not over." : "",
+      ends: this.dayTrouble(endsUs),
       rights: some ? "" : "Give it at least one right; without, it is of no use.",
     };
     if (Object.values(this.errors).some((error) => error !== "")) return;

@@ -220,7 +220,7 @@ export class Shell extends LitElement {
     if (this.shown !== key) return;
     const page = document.createElement(entry.tag);
     if ("site" in page) page.site = route.site;
-    if ("device" in page) page.device = route.device;
+    if (route.device !== "" && "device" in page) page.device = route.device;
     this.page = page;
     this.broken = false;
     document.title = this.titleOf(entry.title, route.site);
