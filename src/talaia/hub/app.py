@@ -27,10 +27,12 @@ from talaia.hub.api.shield import Shield
 from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sockets import Sockets
 from talaia.hub.api.tokens import TokenPages
+from talaia.hub.api.storage import StoragePages
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.seal import SEAL_FILE, seal_of
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.certificate import certificate_of, fingerprint, key_hash
+from talaia.hub.history.limits import Limits as HistoryLimits
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.commanding import Commanding
@@ -89,7 +91,9 @@ class Hub:
         self.setup_token: str | None = None
         self._clock = clock
         self._database = Database(settings.url)
-        self._history = history or HistoryStore(settings.url, clock)
+        self._history = history or HistoryStore(
+            settings.url, clock, HistoryLimits(bytes=settings.history_bytes)
+        )
         self._people = People(self._database, clock)
         self._registry = SiteRegistry(self._database, clock)
         self._audit = Audit(self._database, clock)
@@ -164,6 +168,7 @@ class Hub:
             self._gateway_pages(),
             AuditPages(self._audit),
             ApiDescription(lambda: app),
+            StoragePages(self._history, self._clock),
             Pages(static_dir()),
         ):
             app.include_router(routes.router(), dependencies=guarded)
@@ -263,6 +268,7 @@ class Hub:
             except DescriptionError as error:
                 _LOG.warning("the kept description of %s is set aside: %s", known.site, error)
                 continue
+            await self._history.describe(description)
             live = self._sites.describe(description, known.catalogue)
             live.since_us = live.last_seen_us = known.last_seen_us
             live.why = "its gateway has not connected since the hub was started"

@@ -103,6 +103,7 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/audit"): Need.ADMIN,
     ("GET", "/api/audit/export"): Need.ADMIN,
     ("GET", "/api/audit/verify"): Need.ADMIN,
+    ("GET", "/api/storage"): Need.ADMIN,
     ("GET", "/{path:path}"): Need.OPEN,
 }
 

@@ -30,6 +30,8 @@ from talaia.hub.certificate import (
 )
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.settings import Settings, is_loopback
+from talaia.hub.store.backup import take_restored
+from talaia.hub.store.quarantine import set_aside_if_damaged
 from talaia.wire.frames import MAX_PICTURE
 
 if TYPE_CHECKING:
@@ -145,6 +147,10 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         help="address or network of a reverse proxy that ends TLS before this hub; its"
         " X-Forwarded headers are believed, and nobody else's; may repeat",
     )
+    parser.add_argument(
+        "--history-gb", type=float, default=0.0,
+        help="the history's blocks may take so many GB; then the oldest go (no limit)",
+    )  # fmt: skip
     return parser.parse_args(argv)
 
 
@@ -164,6 +170,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         hosts=tuple(options.allow_host),
         proxies=_networks(options.proxy),
         database_url=Settings.url_from(os.environ),
+        history_bytes=max(0, round(options.history_gb * 1e9)),
     )
 
 
@@ -180,7 +187,10 @@ async def _serve(settings: Settings) -> None:
         raise CannotStart(
             f"the data folder {settings.data} cannot be written", "choose another with --data"
         )
-    hub = build(settings, SystemClock())
+    clock = SystemClock()
+    take_restored(settings.data, clock)
+    set_aside_if_damaged(settings.history_url, clock)
+    hub = build(settings, clock)
     with _listen(settings) as listener:
         port = listener.getsockname()[1]
         server = server_of(hub, lambda: _announce(hub, port))

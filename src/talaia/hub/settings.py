@@ -29,6 +29,7 @@ class Settings:
         hosts: names besides localhost and ``host`` under which the hub is reached.
         proxies: reverse proxies that end TLS before this hub; their headers are believed.
         database_url: like ``postgresql://user@host/name``; empty takes SQLite in ``data``.
+        history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
         life_s: a session ends this long after its start, used or not (s).
@@ -52,6 +53,7 @@ class Settings:
     hosts: tuple[str, ...] = ()
     proxies: tuple[Network, ...] = ()
     database_url: str = ""
+    history_bytes: int = 0
     password_cost: int = 12
     idle_s: float = 12 * 3600.0
     life_s: float = 7 * 86400.0

@@ -11,6 +11,7 @@ commit and its reading back after a crash must agree on every column: they are r
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +20,12 @@ from sqlalchemy import delete, func, insert, select
 
 from talaia.hub.history.block import concatenate, decode
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.jobs import Append, Below, Describe, Gap, Show, checked
+from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Show, checked
 from talaia.hub.history.journal import part_of, read_row, write_row
 from talaia.hub.history.names import Names
 from talaia.hub.history.ranges import Ranges
 from talaia.hub.history.recent import Recent
+from talaia.hub.history.retention import drop
 from talaia.hub.history.sealing import Newest, Saved, Sealed, read_newest, save, seal
 from talaia.hub.history.tails import Chunk, Tails
 from talaia.hub.history.writes import insert_rows, put_rows
@@ -37,8 +39,11 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.history.jobs import Job
     from talaia.hub.history.limits import Limits
+    from talaia.hub.history.retention import Doomed
 
 __all__ = ["Ledger"]
+
+_LOG = logging.getLogger(__name__)
 
 
 class _Draft:
@@ -51,13 +56,14 @@ class _Draft:
         self.seals: list[Sealed] = []
         self.saves: list[Saved] = []
         self.recent: list[dict[str, Any]] = []
+        self.doomed: list[Doomed] = []
         self.newest: dict[int, Newest] = {}
         self.ranges: dict[int, set[int]] = {}
         self.named = False
         self.samples = 0
 
     def __bool__(self) -> bool:
-        return bool(self.rows or self.gaps or self.recent or self.named)
+        return bool(self.rows or self.gaps or self.recent or self.named or self.doomed)
 
     def size(self) -> int:
         bodies = sum(len(row["body"]) for row in self.rows)
@@ -107,7 +113,11 @@ class Ledger:
             done = max(names.saved_row.values(), default=0)
             tails = Tails(self._next_block, done, self._limits.recent)
             for row in connection.execute(select(tables.tail)):
-                tails.restore(row.channel_id, decode(row.body))
+                # One damaged row must not keep the hub from starting.
+                try:
+                    tails.restore(row.channel_id, decode(row.body))
+                except HistoryError as error:
+                    _LOG.error("samples of channel %d are lost: %s", row.channel_id, error)
             self._next_row = done + 1
             self._replay(connection, names, tails)
         # Readers see the old state or the new one, never half of it.
@@ -150,7 +160,11 @@ class Ledger:
             self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
             self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
             self._changed.add(row.boot_id)
-            columns = read_row(row.body)
+            try:
+                columns = read_row(row.body)
+            except HistoryError as error:
+                _LOG.error("%d samples of the journal are lost: %s", row.samples, error)
+                continue
             ids = names.by_id(row.catalogue_id).channels[columns.channel]
             chunk = Chunk(row.id, ids, columns.time_us, columns.value, columns.texts)
             tails.add([_only(chunk, np.flatnonzero(saved[ids] < row.id))])
@@ -174,6 +188,8 @@ class Ledger:
                     now_us = self._clock.wall_ns() // 1_000
                     self.names.catalogue(job.site, job.addresses, now_us)
                     draft.named = True
+                case Drop():
+                    draft.doomed += job.doomed
                 case Show():
                     self.tails.deal()
                     draft.recent = self._recent.rows(self.tails.items())
@@ -286,6 +302,11 @@ class Ledger:
             _write_gap(connection, row)
         if draft.recent:
             self._recent.write(connection, draft.recent)
+        if draft.doomed:
+            drop(connection, draft.doomed)
+            # The rollup rows that were known to be the last may be gone.
+            for each in draft.doomed:
+                self._newest.pop(each.channel, None)
         for sealed in draft.seals:
             channel = sealed.channel
             newest = self._newest.get(channel)

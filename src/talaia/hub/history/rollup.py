@@ -75,10 +75,6 @@ class Cells(NamedTuple):
         """Give the last cell alone."""
         return _take(self, np.array([-1]))
 
-    def points(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Give the least and the greatest as points, not in order."""
-        return np.concatenate((self.low_us, self.high_us)), np.concatenate((self.low, self.high))
-
 
 _INTS, _FLOATS = np.empty(0, np.int64), np.empty(0, np.float64)
 _NONE = Cells(_INTS, _INTS, _INTS, _FLOATS, _FLOATS, _FLOATS, _INTS, _FLOATS, _INTS, _FLOATS, _INTS)

@@ -106,10 +106,12 @@ def seal(
         whole = summarise(part.time_us, part.value, 0)
         first = int(part.time_us[0])
         longest_us = max(longest_us, int(part.time_us[-1]) - first)
-        for each in cells_to_rows(whole, id=number, channel_id=channel, finest_us=finest):
+        body = encode(part)
+        same = {"id": number, "channel_id": channel, "finest_us": finest, "bytes": len(body)}
+        for each in cells_to_rows(whole, **same):
             each["first_us"] = each.pop("bucket_us")
             blocks.append(each)
-        bodies.append({"block_id": number, "body": encode(part)})
+        bodies.append({"block_id": number, "body": body})
         cells = None
         for width_us in WIDTHS[WIDTHS.index(finest) :] if finest else ():
             # Each width is a multiple of the one before it.
