@@ -16,6 +16,7 @@ import { Painter } from "../../elements/chart/painter.js";
 import { momentText } from "../../elements/chart/read-out.js";
 import { adviceFor } from "../../format/problem.js";
 import { formatDate, knownZone, utcSpan } from "../../format/time.js";
+import { Pace } from "../../series/pace.js";
 import { DAY_US, ZoneClock } from "../../series/zone.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
@@ -69,7 +70,8 @@ export class PageHistory extends LitElement {
   private marks: readonly Mark[] = [];
   private markedOf: EventList | null = null;
   private resized: ResizeObserver | null = null;
-  private readonly painter = new Painter();
+  // Nothing moves by itself here, so a round is drawn at the next frame, however dear the last one was.
+  private readonly painter = new Painter(new Pace(16, 1, 16));
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly window = new WindowController(this, {
