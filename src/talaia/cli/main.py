@@ -31,6 +31,8 @@ WORDS = {
     "sim": Word("talaia.sim.run", "robots that are not there", "sim"),
     "account": Word("talaia.cli.account", "make a person's account", "hub"),
     "enrol": Word("talaia.cli.enrol", "make a gateway's key", "hub"),
+    "backup": Word("talaia.cli.backup", "copy a hub's database and data while it runs", "hub"),
+    "restore": Word("talaia.cli.restore", "bring a backup back", "hub"),
     "check": Word("talaia.cli.check", "say whether a site description is right", ""),
     "schema": Word("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }

@@ -17,8 +17,10 @@ from talaia.hub.api.problems import answer_problems
 from talaia.hub.api.shield import Shield
 from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sockets import Sockets
+from talaia.hub.api.storage import StoragePages
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.throttle import Throttle
+from talaia.hub.history.limits import Limits
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.commanding import Commanding
@@ -68,7 +70,9 @@ class Hub:
         self.setup_token: str | None = None
         self._clock = clock
         self._database = Database(settings.url)
-        self._history = history or HistoryStore(settings.history_url, clock)
+        self._history = history or HistoryStore(
+            settings.history_url, clock, Limits(bytes=settings.history_bytes)
+        )
         self._people = People(self._database, clock)
         self._registry = SiteRegistry(self._database, clock)
         self._audit = Audit(self._database, clock)
@@ -126,6 +130,7 @@ class Hub:
             self._accounts(access),
             self._site_pages(),
             HistoryPages(self._history),
+            StoragePages(self._history, self._clock),
             Pages(static_dir()),
         ):
             app.include_router(routes.router(), dependencies=guarded)
@@ -192,6 +197,7 @@ class Hub:
             except DescriptionError as error:
                 _LOG.warning("the kept description of %s is set aside: %s", known.site, error)
                 continue
+            await self._history.describe(description)
             live = self._sites.describe(description, known.catalogue)
             live.since_us = live.last_seen_us = known.last_seen_us
             live.why = "its gateway has not connected since the hub was started"

@@ -67,6 +67,7 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/sites/{site}/stored"): Need.SEE,
     ("GET", "/api/sites/{site}/export"): Need.SEE,
     ("GET", "/api/sites/{site}/events"): Need.SEE,
+    ("GET", "/api/storage"): Need.ADMIN,
     ("GET", "/{path:path}"): Need.OPEN,
 }
 

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.files import ExportColumn, FileForm
     from talaia.hub.history.series import Series
     from talaia.hub.history.statistics import Statistics
+    from talaia.hub.history.storage import Storage
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
@@ -85,6 +86,19 @@ class History(Protocol):
 
     async def channels(self, site: str) -> list[StoredChannel]:
         """List every channel of a site that has history."""
+        ...
+
+    async def storage(self) -> Storage:
+        """Tell how much room the history takes."""
+        ...
+
+    @property
+    def most_bytes(self) -> int:
+        """What it may take (bytes); 0 if there is no limit."""
+        ...
+
+    def kept_us(self, site: str, address: str) -> int:
+        """Give how long a channel is kept (µs); 0 is for good."""
         ...
 
     def export(

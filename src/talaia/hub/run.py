@@ -23,6 +23,8 @@ from talaia.hub.app import build
 from talaia.hub.certificate import fingerprint, own_certificate
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.settings import Settings, is_loopback
+from talaia.hub.store.backup import take_restored
+from talaia.hub.store.quarantine import set_aside_if_damaged
 from talaia.wire.frames import MAX_PICTURE
 
 if TYPE_CHECKING:
@@ -110,6 +112,10 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--name", action="append", default=[], help="another host name of this hub; may repeat"
     )
+    parser.add_argument(
+        "--history-gb", type=float, default=0.0,
+        help="the history's blocks may take so many GB; then the oldest go (no limit)",
+    )  # fmt: skip
     return parser.parse_args(argv)
 
 
@@ -128,6 +134,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         key=options.key,
         hosts=tuple(options.name),
         database_url=Settings.url_from(os.environ),
+        history_bytes=max(0, round(options.history_gb * 1e9)),
     )
 
 
@@ -137,7 +144,10 @@ async def _serve(settings: Settings) -> None:
         raise CannotStart(
             f"the data folder {settings.data} cannot be written", "choose another with --data"
         )
-    hub = build(settings, SystemClock())
+    clock = SystemClock()
+    take_restored(settings.data, clock)
+    set_aside_if_damaged(settings.history_url, clock)
+    hub = build(settings, clock)
     with _listen(settings) as listener:
         port = listener.getsockname()[1]
         server = server_of(hub, lambda: _announce(hub, port))

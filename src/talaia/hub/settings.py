@@ -34,6 +34,7 @@ class Settings:
         cert: certificate chain (PEM); none makes one in ``data``.
         hosts: names besides localhost and ``host`` under which the hub is reached.
         database_url: an SQLAlchemy URL; empty takes SQLite in ``data``.
+        history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
         life_s: a session ends this long after its start, used or not (s).
@@ -54,6 +55,7 @@ class Settings:
     key: Path | None = None
     hosts: tuple[str, ...] = ()
     database_url: str = ""
+    history_bytes: int = 0
     password_cost: int = 12
     idle_s: float = 12 * 3600.0
     life_s: float = 7 * 86400.0

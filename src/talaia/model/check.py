@@ -105,7 +105,7 @@ def _signal(where: str, signal: Signal) -> Iterator[Finding]:
     except UnknownWord as error:
         yield _of(error)
     yield from range_fits(where, signal.minimum, signal.maximum)
-    for key in ("max_rate", "deadband"):
+    for key in ("max_rate", "deadband", "keep"):
         yield from at_least(f"{where}.{key}", getattr(signal, key), 0)
     yield from above(f"{where}.max_age", signal.max_age, 0)
     if not math.isfinite(signal.scale) or signal.scale == 0:

@@ -136,6 +136,7 @@ class Signal(_Shape, frozen=True, kw_only=True):
         max_rate: at most so many samples a second are kept; 0 sets no limit (Hz).
         deadband: a change up to this is not news, in ``unit``.
         max_age: older than this the value is stale (s).
+        keep: history older than this is dropped (days); 0 keeps it for good.
         states: for a state: what each whole number means, in order.
         frame: for a position: metres or degrees.
         yaw_from: for a local position: ``quaternion`` path of the orientation, or empty.
@@ -154,6 +155,7 @@ class Signal(_Shape, frozen=True, kw_only=True):
     max_rate: float = 0.0
     deadband: float = 0.0
     max_age: float = 5.0
+    keep: float = 0.0
     states: tuple[str, ...] = ()
     frame: PositionFrame = PositionFrame.LOCAL
     yaw_from: str = ""

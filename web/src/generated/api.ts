@@ -169,6 +169,18 @@ export interface StreamShape {
   readonly max_rate: number;
 }
 
+/** What a channel's history takes; ``keep_days`` 0: it is kept for good. */
+export interface ChannelStorageShape {
+  readonly site: string;
+  readonly address: string;
+  readonly samples: number;
+  readonly bytes: number;
+  readonly day_bytes: number;
+  readonly first_us: number;
+  readonly last_us: number;
+  readonly keep_days: number;
+}
+
 /** One sample; ``v`` is null where there is no number. */
 export interface ReadingShape {
   readonly t_us: number;
@@ -193,6 +205,17 @@ export interface StatisticsShape {
   readonly first: ReadingShape | null;
   readonly last: ReadingShape | null;
   readonly gap_us: number;
+}
+
+/** What all history takes, and when it will be full. */
+export interface StorageShape {
+  readonly database_bytes: number;
+  readonly blocks_bytes: number;
+  readonly free_bytes: number | null;
+  readonly limit_bytes: number;
+  readonly day_bytes: number;
+  readonly full_us: number | null;
+  readonly channels: readonly ChannelStorageShape[];
 }
 
 /** What of a site has history and is open to you. */

@@ -8,9 +8,11 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict
 
 __all__ = [
+    "ChannelStorageShape",
     "ReadingShape",
     "StatisticsList",
     "StatisticsShape",
+    "StorageShape",
     "StoredList",
     "StoredShape",
     "ValueList",
@@ -86,3 +88,33 @@ class StoredList(_Shape):
     """What of a site has history and is open to you."""
 
     channels: list[StoredShape]
+
+
+class ChannelStorageShape(_Shape):
+    """What a channel's history takes; ``keep_days`` 0: it is kept for good."""
+
+    site: str
+    address: str
+    samples: int
+    bytes: int
+    day_bytes: int
+    first_us: int
+    last_us: int
+    keep_days: float
+
+
+class StorageShape(_Shape):
+    """What all history takes, and when it will be full.
+
+    ``free_bytes`` is null for a database server, whose disk is not the hub's to know.
+    ``limit_bytes`` 0: no limit, so the disk is. ``day_bytes`` is the growth by the last 24 hours;
+    ``full_us`` is when the limit or the disk is reached at that rate, null if never or not known.
+    """
+
+    database_bytes: int
+    blocks_bytes: int
+    free_bytes: int | None
+    limit_bytes: int
+    day_bytes: int
+    full_us: int | None
+    channels: list[ChannelStorageShape]

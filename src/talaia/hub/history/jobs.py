@@ -12,7 +12,9 @@ from talaia.wire.columns import Columns
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["Append", "Below", "Describe", "Gap", "Job", "Show", "checked"]
+    from talaia.hub.history.retention import Doomed
+
+__all__ = ["Append", "Below", "Describe", "Drop", "Gap", "Job", "Show", "checked"]
 
 
 class Append(NamedTuple):
@@ -55,7 +57,13 @@ class Show(NamedTuple):
     """Write the newest reading of each channel as a plain row."""
 
 
-Job = Append | Gap | Below | Describe | Show
+class Drop(NamedTuple):
+    """Delete blocks."""
+
+    doomed: Sequence[Doomed]
+
+
+Job = Append | Gap | Below | Describe | Show | Drop
 
 
 def checked(job: Append) -> Columns:

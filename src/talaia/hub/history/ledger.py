@@ -11,6 +11,7 @@ commit and its reading back after a crash must agree on every column: they are r
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -19,13 +20,15 @@ from sqlalchemy import delete, func, insert, select
 
 from talaia.hub.history.block import concatenate, decode
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.jobs import Append, Below, Describe, Gap, Show, checked
+from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Show, checked
 from talaia.hub.history.journal import part_of, read_row, write_row
 from talaia.hub.history.names import Names
 from talaia.hub.history.ranges import Ranges
 from talaia.hub.history.recent import Recent
-from talaia.hub.history.sealing import Saved, Sealed, save, seal
+from talaia.hub.history.retention import drop
+from talaia.hub.history.sealing import Newest, Saved, Sealed, read_newest, save, seal
 from talaia.hub.history.tails import Chunk, Tails
+from talaia.hub.history.writes import insert_rows, put_rows
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
@@ -36,8 +39,11 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.history.jobs import Job
     from talaia.hub.history.limits import Limits
+    from talaia.hub.history.retention import Doomed
 
 __all__ = ["Ledger"]
+
+_LOG = logging.getLogger(__name__)
 
 
 class _Draft:
@@ -50,11 +56,14 @@ class _Draft:
         self.seals: list[Sealed] = []
         self.saves: list[Saved] = []
         self.recent: list[dict[str, Any]] = []
+        self.doomed: list[Doomed] = []
+        self.newest: dict[int, Newest] = {}
+        self.ranges: dict[int, set[int]] = {}
         self.named = False
         self.samples = 0
 
     def __bool__(self) -> bool:
-        return bool(self.rows or self.gaps or self.recent or self.named)
+        return bool(self.rows or self.gaps or self.recent or self.named or self.doomed)
 
     def size(self) -> int:
         bodies = sum(len(row["body"]) for row in self.rows)
@@ -79,6 +88,8 @@ class Ledger:
         self.names = Names()
         self.tails = Tails(1, 0, limits.recent)
         self._recent = Recent()
+        self._newest: dict[int, Newest] = {}
+        self._written_ranges: dict[int, set[int]] = {}
         self._stored: dict[int, Ranges] = {}
         self._settled: dict[int, Ranges] = {}
         self._changed: set[int] = set()
@@ -91,6 +102,7 @@ class Ledger:
     def load(self) -> None:
         """Read what is stored; also after a commit of which nobody knows whether it happened."""
         names = Names()
+        self._newest, self._written_ranges = {}, {}
         self._stored, self._settled, self._changed = {}, {}, set()
         self._journal, self._in_journal = deque(), 0
         with self._engine.connect() as connection:
@@ -101,7 +113,11 @@ class Ledger:
             done = max(names.saved_row.values(), default=0)
             tails = Tails(self._next_block, done, self._limits.recent)
             for row in connection.execute(select(tables.tail)):
-                tails.restore(row.channel_id, decode(row.body))
+                # One damaged row must not keep the hub from starting.
+                try:
+                    tails.restore(row.channel_id, decode(row.body))
+                except HistoryError as error:
+                    _LOG.error("samples of channel %d are lost: %s", row.channel_id, error)
             self._next_row = done + 1
             self._replay(connection, names, tails)
         # Readers see the old state or the new one, never half of it.
@@ -126,6 +142,7 @@ class Ledger:
 
     def _load_ranges(self, connection: Connection) -> None:
         for row in connection.execute(select(tables.stored_range)):
+            self._written_ranges.setdefault(row.boot_id, set()).add(row.first_seq)
             self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
             self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
         for row in connection.execute(select(tables.gap)):
@@ -143,7 +160,11 @@ class Ledger:
             self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
             self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
             self._changed.add(row.boot_id)
-            columns = read_row(row.body)
+            try:
+                columns = read_row(row.body)
+            except HistoryError as error:
+                _LOG.error("%d samples of the journal are lost: %s", row.samples, error)
+                continue
             ids = names.by_id(row.catalogue_id).channels[columns.channel]
             chunk = Chunk(row.id, ids, columns.time_us, columns.value, columns.texts)
             tails.add([_only(chunk, np.flatnonzero(saved[ids] < row.id))])
@@ -167,6 +188,8 @@ class Ledger:
                     now_us = self._clock.wall_ns() // 1_000
                     self.names.catalogue(job.site, job.addresses, now_us)
                     draft.named = True
+                case Drop():
+                    draft.doomed += job.doomed
                 case Show():
                     self.tails.deal()
                     draft.recent = self._recent.rows(self.tails.items())
@@ -274,20 +297,29 @@ class Ledger:
 
     def _write(self, connection: Connection, draft: _Draft) -> int:
         self.names.write(connection)
-        if draft.rows:
-            connection.execute(insert(tables.hot), draft.rows)
+        insert_rows(connection, tables.hot, draft.rows)
         for row in draft.gaps:
             _write_gap(connection, row)
         if draft.recent:
             self._recent.write(connection, draft.recent)
+        if draft.doomed:
+            drop(connection, draft.doomed)
+            # The rollup rows that were known to be the last may be gone.
+            for each in draft.doomed:
+                self._newest.pop(each.channel, None)
         for sealed in draft.seals:
-            sealed.write(connection)
+            channel = sealed.channel
+            newest = self._newest.get(channel)
+            if newest is None:
+                newest = read_newest(connection, channel)
+            draft.newest[channel] = sealed.write(connection, newest)
         for saved in draft.saves:
             saved.write(connection)
-        return self._delete_done(connection, self._limits.delete + 4 * len(draft.rows))
+        return self._delete_done(connection, draft)
 
-    def _delete_done(self, connection: Connection, most: int) -> int:
+    def _delete_done(self, connection: Connection, draft: _Draft) -> int:
         """Delete journal rows that nobody needs; a range of numbers stands for them then."""
+        most = self._limits.delete + 4 * len(draft.rows)
         needed = self.tails.needed_row()
         last = 0
         for row, _ in self._journal:
@@ -295,23 +327,30 @@ class Ledger:
                 break
             last, most = row, most - 1
         if last and (most == 0 or self._in_journal > self._limits.journal // 8):
-            self._write_ranges(connection)
+            self._write_ranges(connection, draft)
             connection.execute(delete(tables.hot).where(tables.hot.c.id <= last))
             return last
         return 0
 
-    def _write_ranges(self, connection: Connection) -> None:
+    def _write_ranges(self, connection: Connection, draft: _Draft) -> None:
+        """Write the ranges of changed boots; those that were joined with others go."""
         table = tables.stored_range
+        rows = []
         for boot in self._changed:
-            connection.execute(delete(table).where(table.c.boot_id == boot))
-            rows = [
-                {"boot_id": boot, "first_seq": first, "past_seq": past}
-                for first, past in self._stored[boot]
+            ranges = list(self._stored[boot])
+            draft.ranges[boot] = {first for first, _ in ranges}
+            for first in self._written_ranges.get(boot, set()) - draft.ranges[boot]:
+                gone = (table.c.boot_id == boot, table.c.first_seq == first)
+                connection.execute(delete(table).where(*gone))
+            rows += [
+                {"boot_id": boot, "first_seq": first, "past_seq": past} for first, past in ranges
             ]
-            connection.execute(insert(table), rows)
+        put_rows(connection, table, rows)
 
     def _committed(self, draft: _Draft, last_gone: int) -> None:
         self.names.written()
+        self._newest.update(draft.newest)
+        self._written_ranges.update(draft.ranges)
         for each in draft.seals:
             self.names.saved_row[each.channel] = each.row
         self.tails.sealed([each.channel for each in draft.seals], self._next_block)

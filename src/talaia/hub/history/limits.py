@@ -21,6 +21,8 @@ class Limits(NamedTuple):
         linger_s: a commit of few samples begins so long after the last one (s), so that many
             small batches share one wait for the disk.
         show_s: a reading of each channel is written as a plain row this often (s); 0 is never.
+        tidy_s: what is too old or too much is looked for this often (s); 0 is never.
+        bytes: blocks may take so many bytes; then the oldest go. 0 sets no limit.
         texts: of more texts than this the newest are shown, for they have no rollups.
 
     """
@@ -33,3 +35,5 @@ class Limits(NamedTuple):
     texts: int = 500_000
     linger_s: float = 0.05
     show_s: float = 2.0
+    tidy_s: float = 600.0
+    bytes: int = 0

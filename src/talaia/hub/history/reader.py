@@ -119,12 +119,11 @@ class Reader:
             if not rolled.texts and not tail.texts:
                 points = in_order(concatenate([rolled, tail]))
                 return _drawn(address, points, pixel_us, gaps, steps)
-        samples, unread_us = raw(connection, window, self._limits.texts)
-        if unread_us is not None:
-            gaps = [*gaps, HistoryGap(window.from_us, unread_us, "too many texts to show at once")]
+        samples, unread = raw(connection, window, self._limits.texts)
+        gaps = [*gaps, *unread]
         samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
         if samples.time_us.size <= 2 * width:
-            return Series(address, *samples, unread_us is None, gaps)
+            return Series(address, *samples, not unread, gaps)
         return _drawn(address, samples, pixel_width(span_us, width), gaps, steps)
 
 

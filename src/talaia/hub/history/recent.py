@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import and_, bindparam, delete, func, insert, or_, select
+from sqlalchemy import and_, delete, func, or_, select
 
 from talaia.hub.history.rows import to_cell
+from talaia.hub.history.writes import put_rows
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
@@ -63,13 +64,7 @@ class Recent:
 
     def write(self, connection: Connection, rows: list[dict[str, Any]]) -> None:
         """Write rows, in place of those that are there, and tidy from time to time."""
-        connection.execute(
-            delete(_table).where(
-                _table.c.time_us == bindparam("t"), _table.c.channel_id == bindparam("c")
-            ),
-            [{"t": row["time_us"], "c": row["channel_id"]} for row in rows],
-        )
-        connection.execute(insert(_table), rows)
+        put_rows(connection, _table, rows)
         self._turns += 1
         if self._turns % _TIDY == 0:
             self.tidy(connection)

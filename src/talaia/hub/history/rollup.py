@@ -27,6 +27,7 @@ __all__ = [
     "merge",
     "summarise",
     "tier_for",
+    "widen",
 ]
 
 SECOND = 1_000_000
@@ -70,9 +71,9 @@ class Cells(NamedTuple):
     last: NDArray[np.float64]
     last_us: NDArray[np.int64]
 
-    def points(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Give the least and the greatest as points, not in order."""
-        return np.concatenate((self.low_us, self.high_us)), np.concatenate((self.low, self.high))
+    def newest(self) -> Cells:
+        """Give the last cell alone."""
+        return _take(self, np.array([-1]))
 
 
 _INTS, _FLOATS = np.empty(0, np.int64), np.empty(0, np.float64)
@@ -145,6 +146,11 @@ def merge(cells: Cells) -> Cells:
         last=cells.last[last],
         last_us=cells.last_us[last],
     )
+
+
+def widen(cells: Cells, width_us: int) -> Cells:
+    """Sum cells up into wider ones; ``width_us`` is a multiple of what they have."""
+    return merge(cells._replace(bucket_us=cells.bucket_us // width_us * width_us))
 
 
 def finest_width(time_us: NDArray[np.int64]) -> int:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import and_, bindparam, delete, insert, or_, select, update
+from sqlalchemy import and_, delete, insert, or_, select, update
 
 from talaia.hub.history.block import Samples, cut, encode, in_order
-from talaia.hub.history.rollup import WIDTHS, Cells, finest_width, join, merge, summarise
+from talaia.hub.history.rollup import WIDTHS, Cells, finest_width, join, merge, summarise, widen
 from talaia.hub.history.rows import cells_to_rows, rows_to_cells, summary_of
+from talaia.hub.history.writes import insert_rows, put_rows
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
     from sqlalchemy import Connection
 
-__all__ = ["Saved", "Sealed", "save", "seal"]
+__all__ = ["Newest", "Saved", "Sealed", "read_newest", "save", "seal"]
+
+# Of a channel, the last rollup row of each width, each as one cell.
+Newest = dict[int, Cells]
 
 
 class Saved(NamedTuple):
@@ -52,16 +56,26 @@ class Sealed(NamedTuple):
     bodies: list[dict[str, Any]]
     rollups: dict[int, Cells]
 
-    def write(self, connection: Connection) -> None:
-        """Write all of it; the caller commits."""
-        connection.execute(insert(tables.block), self.blocks)
-        connection.execute(insert(tables.body), self.bodies)
+    def write(self, connection: Connection, newest: Newest) -> Newest:
+        """Write all of it; the caller commits.
+
+        Args:
+            connection: in a transaction.
+            newest: the last rollup row of each width.
+
+        Returns:
+            The last rollup row of each width, once this is committed.
+
+        """
+        insert_rows(connection, tables.block, self.blocks)
+        insert_rows(connection, tables.body, self.bodies)
         if self.was_saved:
             table = tables.tail
             connection.execute(delete(table).where(table.c.channel_id == self.channel))
         if self.rollups:
-            _add_rollups(connection, self.channel, self.rollups)
+            newest = _add_rollups(connection, self.channel, self.rollups, newest)
         _advance(connection, self.channel, {"saved_row": self.row, "longest_us": self.longest_us})
+        return newest
 
     def size(self) -> int:
         """Count the bytes of the bodies."""
@@ -92,45 +106,83 @@ def seal(
         whole = summarise(part.time_us, part.value, 0)
         first = int(part.time_us[0])
         longest_us = max(longest_us, int(part.time_us[-1]) - first)
-        for each in cells_to_rows(whole, id=number, channel_id=channel, finest_us=finest):
+        body = encode(part)
+        same = {"id": number, "channel_id": channel, "finest_us": finest, "bytes": len(body)}
+        for each in cells_to_rows(whole, **same):
             each["first_us"] = each.pop("bucket_us")
             blocks.append(each)
-        bodies.append({"block_id": number, "body": encode(part)})
+        bodies.append({"block_id": number, "body": body})
+        cells = None
         for width_us in WIDTHS[WIDTHS.index(finest) :] if finest else ():
-            cells = summarise(part.time_us, part.value, width_us)
+            # Each width is a multiple of the one before it.
+            if cells is None:
+                cells = summarise(part.time_us, part.value, width_us)
+            else:
+                cells = widen(cells, width_us)
             rollups.setdefault(width_us, []).append(cells)
-    merged = {width_us: merge(join(parts)) for width_us, parts in rollups.items()}
+    merged = {
+        width_us: merge(join(parts)) if len(parts) > 1 else parts[0]
+        for width_us, parts in rollups.items()
+    }
     return Sealed(channel, row, first_block, longest_us, was_saved, blocks, bodies, merged)
 
 
-def _add_rollups(connection: Connection, channel: int, rollups: dict[int, Cells]) -> None:
-    """Add cells to the rows that are there: the first is, as a rule, and so are late ones."""
+def read_newest(connection: Connection, channel: int) -> Newest:
+    """Read the last rollup row of each width."""
     table = tables.rollup
-    wanted = [
-        and_(table.c.width_us == width_us, table.c.bucket_us.in_(cells.bucket_us.tolist()))
+    query = select(table.c.bucket_us, *summary_of(table)).where(table.c.channel_id == channel)
+    found: Newest = {}
+    for width_us in WIDTHS:
+        of_width = query.where(table.c.width_us == width_us)
+        rows = connection.execute(of_width.order_by(table.c.bucket_us.desc()).limit(1)).all()
+        if rows:
+            found[width_us] = rows_to_cells(rows)
+    return found
+
+
+def _add_rollups(
+    connection: Connection, channel: int, rollups: dict[int, Cells], newest: Newest
+) -> Newest:
+    """Add cells to the rows that are there: the first is, as a rule, and so are late ones."""
+    late = {
+        width_us: cells.bucket_us[cells.bucket_us < newest[width_us].bucket_us[0]].tolist()
         for width_us, cells in rollups.items()
-    ]
-    there: dict[int, list[Any]] = {}
-    query = select(table.c.width_us, table.c.bucket_us, *summary_of(table))
-    for row in connection.execute(query.where(table.c.channel_id == channel, or_(*wanted))):
-        there.setdefault(row[0], []).append(row[1:])
-    if there:
-        old = [{"w": width_us, "b": row[0]} for width_us, rows in there.items() for row in rows]
-        connection.execute(
-            delete(table).where(
-                table.c.channel_id == channel,
-                table.c.width_us == bindparam("w"),
-                table.c.bucket_us == bindparam("b"),
-            ),
-            old,
-        )
-    fresh: list[dict[str, Any]] = []
+        if width_us in newest
+    }
+    there = _read_rollups(connection, channel, late) if any(late.values()) else {}
+    rows: list[dict[str, Any]] = []
+    last = dict(newest)
     for width_us, cells in rollups.items():
-        both = cells
-        if width_us in there:
-            both = merge(join([rows_to_cells(there[width_us]), cells]))
-        fresh += cells_to_rows(both, channel_id=channel, width_us=width_us)
-    connection.execute(insert(table), fresh)
+        parts = [there[width_us]] if width_us in there else []
+        known = newest.get(width_us)
+        if known is not None and known.bucket_us[0] in cells.bucket_us:
+            parts.append(known)
+        both = merge(join([*parts, cells])) if parts else cells
+        rows += cells_to_rows(both, channel_id=channel, width_us=width_us)
+        if known is None or both.bucket_us[-1] >= known.bucket_us[0]:
+            last[width_us] = both.newest()
+    put_rows(connection, tables.rollup, rows)
+    return last
+
+
+def _read_rollups(
+    connection: Connection, channel: int, wanted: dict[int, list[int]]
+) -> dict[int, Cells]:
+    table = tables.rollup
+    query = select(table.c.width_us, table.c.bucket_us, *summary_of(table)).where(
+        table.c.channel_id == channel,
+        or_(
+            *(
+                and_(table.c.width_us == width_us, table.c.bucket_us.in_(buckets))
+                for width_us, buckets in wanted.items()
+                if buckets
+            )
+        ),
+    )
+    there: dict[int, list[Any]] = {}
+    for row in connection.execute(query):
+        there.setdefault(row[0], []).append(row[1:])
+    return {width_us: rows_to_cells(rows) for width_us, rows in there.items()}
 
 
 def _advance(connection: Connection, channel: int, values: dict[str, int]) -> None:

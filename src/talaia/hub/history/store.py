@@ -14,13 +14,15 @@ from talaia.hub.history.channels import stored_channels
 from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_engine
 from talaia.hub.history.errors import HistoryBusy, HistoryError
 from talaia.hub.history.flow import Stretch, flow
-from talaia.hub.history.jobs import Append, Below, Describe, Gap, Show
+from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Show
 from talaia.hub.history.joined import joined
 from talaia.hub.history.ledger import Ledger
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.reader import Reader
+from talaia.hub.history.retention import too_much, too_old
 from talaia.hub.history.sensors import show_sensors
 from talaia.hub.history.statistics import read_statistics
+from talaia.hub.history.storage import DAY_US, read_storage
 from talaia.hub.history.views import sensors_of
 from talaia.hub.history.window import FARTHEST_US
 from talaia.hub.history.writer import Writer
@@ -28,7 +30,7 @@ from talaia.hub.store.history_tables import HISTORY_TABLES
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Collection, Iterator, Sequence
+    from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Iterator, Sequence
     from typing import ParamSpec, TypeVar
 
     from talaia.clock import Clock
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.files import ExportColumn, FileForm
     from talaia.hub.history.series import Series
     from talaia.hub.history.statistics import Statistics
+    from talaia.hub.history.storage import Storage
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
@@ -76,7 +79,10 @@ class HistoryStore:
         self._threads = ThreadPoolExecutor(READERS - 2, "history-reader")
         self._exporter = ThreadPoolExecutor(1, "history-export")
         self._exports = 0
-        self._showing: asyncio.Task[None] | None = None
+        self._clock = clock
+        # How long each channel is kept (µs); those that are not here are kept for good.
+        self._kept_us: dict[tuple[str, str], int] = {}
+        self._tasks: list[asyncio.Task[None]] = []
 
     async def create_tables(self) -> None:
         """Make the history's tables where no migration does, for tools and tests."""
@@ -91,14 +97,15 @@ class HistoryStore:
 
         """
         await self._writer.start()
-        if self._limits.show_s:
-            self._showing = asyncio.create_task(self._keep_showing(self._limits.show_s))
+        for every_s, work in ((self._limits.show_s, self.show), (self._limits.tidy_s, self.tidy)):
+            if every_s:
+                self._tasks.append(asyncio.create_task(_every(every_s, work)))
 
     async def close(self) -> None:
         """Store what waits, and let go of the database."""
-        if self._showing is not None:
-            self._showing.cancel()
-            await asyncio.gather(self._showing, return_exceptions=True)
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
         await self._writer.stop()
         await asyncio.to_thread(self._end)
 
@@ -157,6 +164,7 @@ class HistoryStore:
         """
         channels = [channel.address for channel in site.channels()]
         await self._writer.do(Describe(site.site, channels))
+        self._keep(site)
         sensors = sensors_of(site, self._ledger.names.channels)
         try:
             await self._in_thread(show_sensors, self._writing, site.site, sensors)
@@ -171,6 +179,54 @@ class HistoryStore:
 
         """
         await self._writer.do(Show())
+
+    async def tidy(self) -> int:
+        """Drop what is older than its signal keeps, and the oldest if all is too much.
+
+        Returns:
+            How many blocks were dropped.
+
+        Raises:
+            HistoryError: the database cannot be read or written.
+
+        """
+        now_us = self._clock.wall_ns() // 1000
+        channels = self._ledger.names.channels
+        before_us = {
+            channels[key]: now_us - kept_us
+            for key, kept_us in self._kept_us.items()
+            if key in channels
+        }
+        dropped = 0
+        while doomed := await self._in_thread(too_old, self._reading, before_us):
+            await self._writer.do(Drop(doomed))
+            dropped += len(doomed)
+        while self._limits.bytes and (
+            doomed := await self._in_thread(too_much, self._reading, self._limits.bytes)
+        ):
+            await self._writer.do(Drop(doomed))
+            dropped += len(doomed)
+        if dropped:
+            _LOG.info("%d blocks of the history were too old or too much, and are dropped", dropped)
+        return dropped
+
+    async def storage(self) -> Storage:
+        """Tell how much room the history takes, by channel.
+
+        Raises:
+            HistoryError: the database cannot be read.
+
+        """
+        return await self._in_thread(read_storage, self._reading, self._clock.wall_ns() // 1000)
+
+    @property
+    def most_bytes(self) -> int:
+        """What blocks may take (bytes); 0 if there is no limit."""
+        return self._limits.bytes
+
+    def kept_us(self, site: str, address: str) -> int:
+        """Give how long a channel is kept (µs); 0 is for good."""
+        return self._kept_us.get((site, address), 0)
 
     def knows(self, site: str, address: str) -> bool:
         """Tell whether a channel has ever had a sample."""
@@ -294,12 +350,14 @@ class HistoryStore:
             ]
         return written(form, list(columns), joined(flows))
 
-    async def _keep_showing(self, every_s: float) -> None:
-        while True:
-            await asyncio.sleep(every_s)
-            # The writing thread logs what goes wrong, once.
-            with suppress(HistoryError):
-                await self.show()
+    def _keep(self, site: Site) -> None:
+        """Remember how long the signals are kept; what is not described any more is kept."""
+        for key in [key for key in self._kept_us if key[0] == site.site]:
+            del self._kept_us[key]
+        for channel in site.channels():
+            days = site.devices[channel.device].signals[channel.signal].keep
+            if days > 0:
+                self._kept_us[site.site, channel.address] = round(days * DAY_US)
 
     async def _in_thread(
         self,
@@ -324,3 +382,11 @@ class HistoryStore:
         self._checkpoints.close()
         self._reading.dispose()
         self._writing.dispose()
+
+
+async def _every(period_s: float, work: Callable[[], Awaitable[object]]) -> None:
+    while True:
+        await asyncio.sleep(period_s)
+        # The writing thread logs what goes wrong, once; the next time comes anyway.
+        with suppress(HistoryError):
+            await work()

@@ -165,6 +165,8 @@ class Tails:
 def _deal(chunks: list[Chunk]) -> list[tuple[int, int, Samples]]:
     """Give channel, first row and samples of each channel, in the order in which they came."""
     ids = np.concatenate([chunk.channel for chunk in chunks])
+    if not ids.size:  # after a start, all of it may have been in blocks already
+        return []
     together = concatenate([Samples(c.time_us, c.value, c.texts) for c in chunks])
     sizes = [chunk.time_us.size for chunk in chunks]
     rows = np.repeat(np.array([chunk.row for chunk in chunks], np.int64), sizes)

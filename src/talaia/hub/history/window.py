@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import func, literal, or_, select, union_all
 
 from talaia.hub.history.block import Samples, concatenate, decode
+from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.rows import summary_of
 from talaia.hub.history.series import HistoryGap
 from talaia.hub.store import history_tables as tables
@@ -30,6 +32,7 @@ __all__ = [
     "window_of",
 ]
 
+_LOG = logging.getLogger(__name__)
 FARTHEST_US = 2**62
 _BODIES_AT_ONCE = 200
 _block = tables.block
@@ -81,32 +84,46 @@ def count_in_blocks(connection: Connection, window: Window) -> int:
     return int(connection.scalar(query) or 0)
 
 
-def raw(connection: Connection, window: Window, most_texts: int) -> tuple[Samples, int | None]:
-    """Read all blocks of a window, and tell up to when they were not read, if there were too many.
+def raw(
+    connection: Connection, window: Window, most_texts: int
+) -> tuple[Samples, list[HistoryGap]]:
+    """Read all blocks of a window, and tell which stretches could not be read, and why.
 
     Samples come in the order of their blocks, which is that in which they came.
     """
-    query = select(_block.c.id, _block.c.last_us).where(*window.blocks()).order_by(_block.c.last_us)
-    blocks = [(row.id, row.last_us) for row in connection.execute(query)]
+    columns = (_block.c.id, _block.c.first_us, _block.c.last_us)
+    query = select(*columns).where(*window.blocks()).order_by(_block.c.last_us)
+    blocks = list(connection.execute(query))
     read: dict[int, Samples] = {}
+    unread: list[HistoryGap] = []
     size = 0
     while blocks and (size < most_texts or not any(part.texts for part in read.values())):
-        ids = [number for number, _ in blocks[-_BODIES_AT_ONCE:]]
+        some = blocks[-_BODIES_AT_ONCE:]
         del blocks[-_BODIES_AT_ONCE:]
-        some = bodies(connection, ids)
-        size += sum(part.time_us.size for part in some.values())
-        read.update(some)
-    unread_us = blocks[-1][1] if blocks else None
-    return concatenate([read[number] for number in sorted(read)]), unread_us
+        read.update(bodies(connection, [row.id for row in some]))
+        size = sum(part.time_us.size for part in read.values())
+        unread += [
+            HistoryGap(row.first_us, row.last_us, "a part of the database is damaged")
+            for row in some
+            if row.id not in read
+        ]
+    if blocks:
+        why = "too many texts to show at once"
+        unread.append(HistoryGap(window.from_us, blocks[-1].last_us, why))
+    return concatenate([read[number] for number in sorted(read)]), unread
 
 
 def bodies(connection: Connection, ids: Sequence[int]) -> dict[int, Samples]:
-    """Read blocks by their numbers; those that are gone are left out."""
+    """Read blocks by their numbers; those that are gone or damaged are left out."""
     table = tables.body
     found: dict[int, Samples] = {}
     for at in range(0, len(ids), _BODIES_AT_ONCE):
         query = select(table).where(table.c.block_id.in_(ids[at : at + _BODIES_AT_ONCE]))
-        found.update({row[0]: decode(row[1]) for row in connection.execute(query)})
+        for number, data in connection.execute(query):
+            try:
+                found[number] = decode(data)
+            except HistoryError as error:
+                _LOG.error("block %d cannot be read and is left out: %s", number, error)
     return found
 
 

@@ -153,6 +153,7 @@ tail = Table(
 
 # What is in a block. Bodies stand aside, so that looking for blocks reads few pages.
 # `finest_us`: the block is in the rollups of this width and all wider ones; 0: in none.
+# `bytes`: how long its body is; NULL in rows that were written before there was such a column.
 block = Table(
     "history_block",
     metadata,
@@ -160,6 +161,7 @@ block = Table(
     _key("first_us", BigInteger()),
     _key("id"),
     Column("finest_us", BigInteger, nullable=False),
+    Column("bytes", Integer),
     *_summary(),
     sqlite_with_rowid=False,
 )

@@ -1,4 +1,4 @@
-"""The history's sums hold the spread, and each sensor gets rows and a view that SQL can read."""
+"""The history knows spread and size of its blocks; each sensor gets rows and a view for SQL."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ _TEXT = sa.Text().with_variant(mysql.TEXT(charset="utf8mb4"), "mysql", "mariadb"
 def upgrade() -> None:
     for table in ("history_block", "history_rollup"):
         op.add_column(table, sa.Column("squares", sa.Double, nullable=True))
+    op.add_column("history_block", sa.Column("bytes", sa.Integer, nullable=True))
     op.create_table(
         "history_recent",
         sa.Column("time_us", sa.BigInteger, nullable=False, autoincrement=False),
@@ -46,5 +47,6 @@ def upgrade() -> None:
 def downgrade() -> None:
     op.drop_table("history_sensor")
     op.drop_table("history_recent")
+    op.drop_column("history_block", "bytes")
     for table in ("history_block", "history_rollup"):
         op.drop_column(table, "squares")

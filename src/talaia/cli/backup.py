@@ -1,0 +1,32 @@
+"""``talaia backup``: copy a hub's database and data folder while it runs."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from talaia.clock import SystemClock
+from talaia.hub.settings import Settings
+from talaia.hub.store.backup import backup
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["main"]
+
+
+def main(argv: Sequence[str]) -> int:
+    """Write the backup and say where it is."""
+    parser = argparse.ArgumentParser(
+        "talaia backup",
+        description="Copy a hub's database and data folder into a new folder. The hub may run."
+        " A server's database is named by TALAIA_DATABASE_URL, as for the hub.",
+    )
+    parser.add_argument("folder", type=Path, help="where the backup goes; not there yet")
+    parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
+    options = parser.parse_args(argv)
+    settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
+    print(f"backup: {backup(settings.history_url, options.data, options.folder, SystemClock())}")
+    return 0

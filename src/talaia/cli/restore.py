@@ -1,0 +1,49 @@
+"""``talaia restore``: bring a backup back, into a data folder or into a server's database."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from talaia.hub.accounts import make_data_folder
+from talaia.hub.settings import Settings
+from talaia.hub.store.backup import restore_folder, restore_server
+from talaia.hub.store.database import Database
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["main"]
+
+
+def main(argv: Sequence[str]) -> int:
+    """Put the backup where the hub takes it over at its next start."""
+    parser = argparse.ArgumentParser(
+        "talaia restore",
+        description="Bring a backup back. It takes effect when the hub starts next, which may run"
+        " meanwhile; what was there before is kept aside in the data folder. If"
+        " TALAIA_DATABASE_URL names a server's database, the rows go into that, which must be"
+        " empty.",
+    )
+    parser.add_argument("folder", type=Path, help="a folder that `talaia backup` has written")
+    parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
+    options = parser.parse_args(argv)
+    settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
+    make_data_folder(settings)
+    if settings.database_url and not settings.history_url.startswith("sqlite"):
+        asyncio.run(_migrate(settings))
+        print(f"restored: {restore_server(options.folder, settings.history_url)} rows")
+    restore_folder(options.folder, options.data)
+    print("restored: it takes effect when the hub starts next")
+    return 0
+
+
+async def _migrate(settings: Settings) -> None:
+    database = Database(settings.url)
+    try:
+        await database.migrate()
+    finally:
+        await database.close()

@@ -1,0 +1,74 @@
+"""All tables of one database copied into another, whatever kinds of database they are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import Column, MetaData, String, Table, create_engine, func, insert, select, tuple_
+
+# Every table of ours must be known before `metadata` is gone through.
+from talaia.hub.store import history_tables as _history_tables
+from talaia.hub.store.tables import metadata
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from sqlalchemy import Connection, Engine
+
+__all__ = ["VERSION_TABLE", "copy_tables", "open_plain"]
+
+_AT_ONCE = 200
+_ = _history_tables
+VERSION_TABLE = Table(
+    "alembic_version", MetaData(), Column("version_num", String(32), primary_key=True)
+)
+
+
+def open_plain(url: str) -> Engine:
+    """Open a database for one long transaction that sees one state of it."""
+    engine = create_engine(url)
+    # SQLite's transactions see one state anyway, and know no other level by that name.
+    if engine.dialect.name == "sqlite":
+        return engine
+    return engine.execution_options(isolation_level="REPEATABLE READ")
+
+
+def copy_tables(source: Connection, target: Connection) -> int:
+    """Copy all rows of all tables in place of those that are there; the caller commits.
+
+    Returns:
+        How many rows there are.
+
+    """
+    tables = [*metadata.sorted_tables, VERSION_TABLE]
+    for table in reversed(tables):
+        target.execute(table.delete())
+    copied = 0
+    for table in tables:
+        for rows in _rows(source, table):
+            target.execute(insert(table), rows)
+            copied += len(rows)
+        if target.dialect.name == "postgresql":
+            _advance_sequences(target, table)
+    return copied
+
+
+def _rows(source: Connection, table: Table) -> Iterator[list[dict[str, Any]]]:
+    """Read a table by its key, a few rows at a time: a database need not fit into memory."""
+    keys = list(table.primary_key)
+    query = select(table).order_by(*keys).limit(_AT_ONCE)
+    rows = source.execute(query).mappings().all()
+    while rows:
+        yield [dict(row) for row in rows]
+        last = tuple_(*(rows[-1][key.name] for key in keys))
+        rows = source.execute(query.where(tuple_(*keys) > last)).mappings().all()
+
+
+def _advance_sequences(target: Connection, table: Table) -> None:
+    column = table.autoincrement_column
+    if column is None:
+        return
+    sequence = target.scalar(select(func.pg_get_serial_sequence(table.name, column.name)))
+    newest = target.scalar(select(func.max(column)))
+    if sequence is not None and newest is not None:
+        target.execute(select(func.setval(sequence, newest)))

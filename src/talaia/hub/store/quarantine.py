@@ -1,0 +1,67 @@
+"""A database file that is damaged is set aside at the start, never deleted and never repaired."""
+
+from __future__ import annotations
+
+import logging
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sqlalchemy import make_url
+
+if TYPE_CHECKING:
+    from talaia.clock import Clock
+
+__all__ = ["set_aside_if_damaged"]
+
+_LOG = logging.getLogger(__name__)
+# A larger file takes too long to be read through at each start; its head and its list of tables
+# are looked at in any case.
+_READ_THROUGH = 64 * 1024 * 1024
+# "malformed" and "not a database"; anything else (no right, no room) is not the file's fault.
+_DAMAGED = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
+
+
+def set_aside_if_damaged(url: str, clock: Clock) -> Path | None:
+    """Rename a damaged SQLite database, so that the hub can start with a new one.
+
+    Nothing else is touched: what stands beside it (recordings, backups) is as it was.
+
+    Returns:
+        Where it is now; None if it is sound, not there, or on a server.
+
+    """
+    parsed = make_url(url)
+    if parsed.get_backend_name() != "sqlite" or not parsed.database:
+        return None
+    path = Path(parsed.database)
+    if not path.is_file():
+        return None
+    problem = _problem(path)
+    if not problem:
+        return None
+    aside = path.with_name(f"{path.name}.damaged-{clock.wall_ns() // 1_000_000_000}")
+    for end in ("-wal", "-shm", ""):
+        part = path.with_name(path.name + end)
+        if part.exists():
+            part.rename(aside.with_name(aside.name + end))
+    _LOG.error(
+        "the database %s is damaged (%s); it is kept as %s and a new, empty one is begun. "
+        "`talaia restore` brings back a backup; `sqlite3 FILE .recover` saves what can be read",
+        path, problem, aside,
+    )  # fmt: skip
+    return aside
+
+
+def _problem(path: Path) -> str:
+    try:
+        with closing(sqlite3.connect(path)) as database:
+            database.execute("SELECT count(*) FROM sqlite_master").fetchone()
+            if path.stat().st_size <= _READ_THROUGH:
+                (said,) = database.execute("PRAGMA quick_check(1)").fetchone()
+                return "" if said == "ok" else str(said).replace("\n", " ")
+    except sqlite3.DatabaseError as error:
+        # The low byte of an extended code is its kind.
+        return str(error) if error.sqlite_errorcode & 0xFF in _DAMAGED else ""
+    return ""
