@@ -72,6 +72,7 @@ export class PageHistory extends LitElement {
   private resized: ResizeObserver | null = null;
   // Nothing moves by itself here, so a round is drawn at the next frame, however dear the last one was.
   private readonly painter = new Painter(new Pace(16, 1, 16));
+  private readonly wide = matchMedia("(min-width: 60.01rem)");
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly window = new WindowController(this, {
@@ -161,7 +162,7 @@ export class PageHistory extends LitElement {
     return html`
       <t-history-tools .shown=${view.shown} .span=${span} zone=${detail.zone} @t-shown=${this.showAnother}></t-history-tools>
       <div class="body">
-        <details class="pick" ?open=${this.wide()}>
+        <details class="pick" ?open=${this.wide.matches}>
           <summary>Signals <span class="count">${chosen.length}</span></summary>
           <t-signal-picker .rows=${this.rows} .chosen=${chosen} @t-pick=${this.pick}></t-signal-picker>
         </details>
@@ -272,10 +273,6 @@ export class PageHistory extends LitElement {
     const loader = this.data?.now;
     if (loader?.state !== "ready") return [];
     return this.chosen().filter((address) => loader.data.get(address)?.count === 0);
-  }
-
-  private wide(): boolean {
-    return matchMedia("(min-width: 60.01rem)").matches;
   }
 
   private readonly showAnother = (event: CustomEvent<HistoryView["shown"]>): void => {
