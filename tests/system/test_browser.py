@@ -256,3 +256,43 @@ def test_a_command_is_done_once_and_says_so(context: BrowserContext, demo: Demo)
     hold_until_it_drives(page, demo)  # a hand on the keys wins over wandering
     page.keyboard.up("w")
     until(lambda: actuations(demo)[-1]["v"] == 0, page)
+
+
+def test_the_history_page_tells_what_happened_and_its_link_opens_the_same_view(
+    context: BrowserContext, demo: Demo, faults: list[str]
+) -> None:
+    page = sign_in(context, demo, "operator")
+    page.goto(f"{demo.address}/sites/agv/drive")
+    page.get_by_role("button", name="Send").first.click()
+    expect(page.get_by_text("succeeded").first).to_be_visible(timeout=10_000)
+    page.goto(f"{demo.address}/sites/agv/history?c=base/speed&c=power/voltage&last=300&versus=1")
+    marks = page.get_by_role("toolbar", name="Events in the window").get_by_role("button")
+    expect(marks.first).to_be_visible(timeout=15_000)
+    marks.last.focus()
+    expect(page.get_by_role("tooltip")).to_contain_text("by operator")
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("tooltip")).to_have_count(0)
+    page.get_by_role("heading", name="History").click()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_url("**from=*")
+    page.get_by_role("button", name="Share").click()
+    link = page.get_by_label("Link").input_value()
+    again = context.new_page()
+    again.goto(link)
+    expect(again.get_by_text("1 day before")).to_be_visible()
+    expect(again.locator("t-history-chart")).to_have_count(2)
+    assert again.url == link
+    assert "c=base/speed&c=power/voltage" in link
+    assert "versus=1" in link
+    assert faults == []
+
+
+def test_an_export_holds_what_was_driven(context: BrowserContext, demo: Demo) -> None:
+    page = sign_in(context, demo, "operator")
+    page.goto(f"{demo.address}/sites/agv/history?c=base/speed&last=600")
+    page.get_by_role("button", name="Export").click()
+    with page.expect_download() as waiting:
+        page.get_by_role("link", name="CSV").click()
+    lines = waiting.value.path().read_text().splitlines()
+    assert "base/speed" in lines[0]
+    assert len(lines) > 10

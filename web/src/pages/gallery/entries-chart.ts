@@ -1,19 +1,25 @@
 /** Charts and what stands around them, with samples that do not change. */
 
 import { html, type TemplateResult } from "lit";
-import type { Axis, ChartSeries } from "../../elements/chart/model.js";
+import { indentOf, type Axis, type ChartSeries } from "../../elements/chart/model.js";
 import { Trace } from "../../series/trace.js";
 import type { Span } from "../../series/window.js";
 import { ChartFeed, type Past, type Source } from "../../tiles/chart/feed.js";
-import type { DeviceInfo, SignalInfo } from "../../wire/api.js";
+import type { DeviceInfo, SignalInfo, StatisticsInfo } from "../../wire/api.js";
 import { loadedOf, type Loaded } from "../history/loader.js";
+import type { Mark, MarkKind } from "../history/marks.js";
+import type { HistoryView } from "../history/query.js";
 import type { Row, Together } from "../history/rows.js";
 import type { GalleryEntry } from "./entry.js";
 import "../../elements/chart/chart.js";
 import "../../tiles/chart/chart-tile.js";
+import "../history/export-menu.js";
 import "../history/history-chart.js";
 import "../history/history-tools.js";
+import "../history/marks-lane.js";
+import "../history/share-menu.js";
 import "../history/signal-picker.js";
+import "../history/view-options.js";
 
 const END_US = 1_780_000_000_000_000;
 const LENGTH_US = 30e6;
@@ -123,11 +129,52 @@ const ROWS: readonly Row[] = [
 ];
 const GROUP: Together = { key: "m/s", title: "m/s", type: "number", rows: ROWS };
 
-function past(): ReadonlyMap<string, Loaded> {
+const TEXT_ROW: Row = {
+  address: "base/said", device: DEVICE, name: "Last message", type: "text", unit: "", decimals: -1, states: [], maxAge: 60, primary: true,
+};
+const TEXT_GROUP: Together = { key: "said", title: "Last message", type: "text", rows: [TEXT_ROW] };
+const NUMBERS: ReadonlyMap<string, StatisticsInfo> = new Map(
+  ROWS.map(({ address }, i) => {
+    const reading = (v: number): { t_us: number; v: number } => ({ t_us: SPAN.fromUs, v: v + i * 0.3 });
+    const one = { address, count: 480, numbers: 480, low: reading(-0.12), high: reading(0.62), mean: i * 0.3, deviation: 0.07 };
+    return [address, { ...one, first: null, last: null, gap_us: 6e6 }];
+  }),
+);
+const UNITS: readonly ChartSeries[] = [
+  series(),
+  series({ address: "v", name: "Voltage", unit: "V", colour: 1, samples: samples((s) => 12 - s / 100) }),
+  series({ address: "t", name: "Temperature", unit: "°C", colour: 2, samples: samples((s) => 21 + Math.cos(s / 6)) }),
+];
+const MARKS: readonly Mark[] = [
+  { timeUs: SPAN.fromUs + 4e6, kind: "driving", title: "lease taken", device: "Vehicle base", who: "ada", message: "", good: true },
+  { timeUs: SPAN.fromUs + 9e6, kind: "command", title: "command asked", device: "Vehicle base", who: "ada", message: "wander(active=True)", good: true },
+  { timeUs: SPAN.fromUs + 9.2e6, kind: "command", title: "command failed", device: "Vehicle base", who: "ada", message: "no answer", good: false },
+  { timeUs: SPAN.fromUs + 17e6, kind: "stop", title: "stop pressed", device: "Vehicle base", who: "ada", message: "", good: true },
+  { timeUs: SPAN.fromUs + 21e6, kind: "alarm", title: "alarm raised", device: "Battery", who: "", message: "below 11.7 V", good: false },
+  { timeUs: SPAN.fromUs + 26e6, kind: "link", title: "gateway lost", device: "", who: "", message: "", good: false },
+];
+
+function lane(without: readonly MarkKind[], more = false): TemplateResult {
+  return html`<t-marks-lane .marks=${MARKS} .without=${without} .span=${SPAN} .indent=${indentOf(1, 60)} ?more=${more} zone=${ZONE}></t-marks-lane>`;
+}
+
+function options(change: Partial<HistoryView>): TemplateResult {
+  const view: HistoryView = { channels: null, shown: SPAN, joined: false, without: [], versus: 0, ...change };
+  return html`<t-view-options .view=${view} .span=${SPAN} zone=${ZONE}></t-view-options>`;
+}
+
+function texts(): ReadonlyMap<string, Loaded> {
+  const said = ["Docked at the charger in the kitchen", "On the way to the hall", "Waiting"];
+  const t_us = said.map((_, i) => SPAN.fromUs + i * 9e6);
+  return new Map([["base/said", loadedOf({ address: "base/said", t_us, v: [null, null, null], text: said, kind: "exact", gaps: [] }, 60e6)]]);
+}
+
+/** @param above added to each value */
+function past(above = 0): ReadonlyMap<string, Loaded> {
   const times = Array.from({ length: 600 }, (_, i) => SPAN.fromUs + i * STEP_US);
   return new Map(
     ROWS.map(({ address }, i) => {
-      const v = times.map((us) => holed((us - SPAN.fromUs) / 1e6) + i * 0.3).map((value) => (Number.isNaN(value) ? null : value));
+      const v = times.map((us) => holed((us - SPAN.fromUs) / 1e6) + i * 0.3 + above).map((value) => (Number.isNaN(value) ? null : value));
       return [address, loadedOf({ address, t_us: times, v, kind: "exact", gaps: [GAP] }, 5e6)];
     }),
   );
@@ -137,6 +184,7 @@ function historyChart(data: ReadonlyMap<string, Loaded>, cursorUs: number | null
   return html`<t-history-chart
     .group=${GROUP}
     .data=${data}
+    .numbers=${NUMBERS}
     .span=${SPAN}
     .cursorUs=${cursorUs}
     .newest=${new Map([["base/speed", SPAN.fromUs - 3600e6]])}
@@ -158,6 +206,16 @@ export const entries: readonly GalleryEntry[] = [
       { name: "gap with its reason", show: () => chart([series({ samples: samples(holed), gaps: [GAP] })]) },
       { name: "stale", show: () => chart([series({ stale: true })]) },
       { name: "states", show: () => chart([series({ states: STATES, samples: samples((s) => Math.floor(s / 7) % 3) })]) },
+      {
+        name: "an axis for each unit",
+        show: () =>
+          html`<t-chart .series=${UNITS} .span=${SPAN} .axis=${AXIS} .indent=${indentOf(3, 48)} many-axes zone=${ZONE} label="Three units"></t-chart>`,
+      },
+      { name: "another time behind", show: () => chart([series({ ghost: { samples: samples((s) => wave(s, 1)), shiftUs: 0 } })]) },
+      {
+        name: "marks of what happened",
+        show: () => html`<t-chart .series=${[series()]} .span=${SPAN} .axis=${AXIS} .marks=${MARKS} zone=${ZONE} label="Marks"></t-chart>`,
+      },
       { name: "empty", show: () => chart([series({ samples: new Trace(Infinity, 5e6) })]) },
     ],
   },
@@ -186,7 +244,42 @@ export const entries: readonly GalleryEntry[] = [
       { name: "two of a unit", show: () => historyChart(past(), null) },
       { name: "cursor from another chart", show: () => historyChart(past(), SPAN.fromUs + 8e6) },
       { name: "no samples", show: () => historyChart(new Map(), null) },
+      {
+        name: "another day behind",
+        show: () =>
+          html`<t-history-chart .group=${GROUP} .data=${past()} .ghost=${past(-0.1)} .ghostUs=${LENGTH_US / 8} ghost-name="27 May" .numbers=${NUMBERS} .span=${SPAN} loaded zone=${ZONE}></t-history-chart>`,
+      },
+      {
+        name: "texts",
+        show: () => html`<t-history-chart .group=${TEXT_GROUP} .data=${texts()} .span=${SPAN} loaded zone=${ZONE}></t-history-chart>`,
+      },
     ],
+  },
+  {
+    tag: "t-marks-lane",
+    wide: true,
+    states: [
+      { name: "several kinds, two of them close together", show: () => lane([]) },
+      { name: "driving hidden, older ones left out", show: () => lane(["driving"], true) },
+      { name: "nothing happened", show: () => html`<t-marks-lane .span=${SPAN} .indent=${indentOf(1, 60)}></t-marks-lane>` },
+    ],
+  },
+  {
+    tag: "t-view-options",
+    wide: true,
+    states: [
+      { name: "plain", show: () => options({}) },
+      { name: "units in one chart, a week before", show: () => options({ joined: true, versus: 7 }) },
+      { name: "another day", show: () => options({ versus: 12 }) },
+    ],
+  },
+  {
+    tag: "t-share-menu",
+    states: [{ name: "of a window that follows", show: () => html`<t-share-menu fixed="https://hub/a" live="https://hub/b"></t-share-menu>` }],
+  },
+  {
+    tag: "t-export-menu",
+    states: [{ name: "one signal", show: () => html`<t-export-menu site="agv" .channels=${["base/speed"]} .span=${SPAN}></t-export-menu>` }],
   },
   {
     tag: "t-history-tools",

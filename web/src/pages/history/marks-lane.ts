@@ -69,6 +69,7 @@ export class MarksLane extends LitElement {
     return html`
       <div class="head" @change=${this.filtered}>
         <strong>Events</strong> ${map(KINDS, (one) => this.filter(one))}
+        ${shown.length === 0 && this.problem === "" ? html`<span class="muted">none to show in this window</span>` : nothing}
         ${this.problem === "" ? nothing : html`<span role="alert">${this.problem}</span>`}
         ${this.more ? html`<span class="muted">Only the newest 1000 are shown: zoom in for more.</span>` : nothing}
       </div>

@@ -16,6 +16,7 @@ import { Painter } from "../../elements/chart/painter.js";
 import { momentText } from "../../elements/chart/read-out.js";
 import { adviceFor } from "../../format/problem.js";
 import { formatDate, knownZone, utcSpan } from "../../format/time.js";
+import { Pace } from "../../series/pace.js";
 import { DAY_US, ZoneClock } from "../../series/zone.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
@@ -69,7 +70,9 @@ export class PageHistory extends LitElement {
   private marks: readonly Mark[] = [];
   private markedOf: EventList | null = null;
   private resized: ResizeObserver | null = null;
-  private readonly painter = new Painter();
+  // Nothing moves by itself here, so a round is drawn at the next frame, however dear the last one was.
+  private readonly painter = new Painter(new Pace(16, 1, 16));
+  private readonly wide = matchMedia("(min-width: 60.01rem)");
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly window = new WindowController(this, {
@@ -159,7 +162,7 @@ export class PageHistory extends LitElement {
     return html`
       <t-history-tools .shown=${view.shown} .span=${span} zone=${detail.zone} @t-shown=${this.showAnother}></t-history-tools>
       <div class="body">
-        <details class="pick" ?open=${this.wide()}>
+        <details class="pick" ?open=${this.wide.matches}>
           <summary>Signals <span class="count">${chosen.length}</span></summary>
           <t-signal-picker .rows=${this.rows} .chosen=${chosen} @t-pick=${this.pick}></t-signal-picker>
         </details>
@@ -270,10 +273,6 @@ export class PageHistory extends LitElement {
     const loader = this.data?.now;
     if (loader?.state !== "ready") return [];
     return this.chosen().filter((address) => loader.data.get(address)?.count === 0);
-  }
-
-  private wide(): boolean {
-    return matchMedia("(min-width: 60.01rem)").matches;
   }
 
   private readonly showAnother = (event: CustomEvent<HistoryView["shown"]>): void => {

@@ -48,7 +48,8 @@ export class WindowData {
     if (ghostUs !== 0) this.then.ask({ ...question, span: pan(span, -ghostUs) }, moving);
     else if (this.then.data.size > 0) this.then.close();
     this.happened.ask(site, span);
-    if (!moving) this.statistics.ask(site, channels.map(({ address }) => address), span, following);
+    // Lines first: a day's statistics cost the hub as much as its chart, and the eye waits for the chart.
+    if (!moving && this.now.state === "ready") this.statistics.ask(site, channels.map(({ address }) => address), span, following);
   }
 
   /** The next `ask` asks, also when the question is the same. */
