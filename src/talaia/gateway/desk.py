@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from talaia.wire.frames import (
     Ack,
     CommandAsk,
+    CommandCancel,
     Drive,
     Event,
     LeaseAsk,
@@ -176,6 +177,8 @@ class FrontDesk:
                 self._spawn(self._control.reset(message))
             case CommandAsk():
                 self._spawn(self._commanding.ask(message))
+            case CommandCancel():
+                self._commanding.cancel(message)
             case OverrideAsk():
                 self._control.override(message)
             case Watch():

@@ -29,6 +29,7 @@ __all__ = [
     "BeatReply",
     "Bye",
     "CommandAsk",
+    "CommandCancel",
     "CommandPhase",
     "CommandState",
     "Drive",
@@ -356,13 +357,28 @@ class ResetAsk(Message, frozen=True, kw_only=True, tag="reset_ask"):
 
 
 class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
-    """Do this once. The id is the asker's; an id is acted on at most once."""
+    """Do this once. The id is the asker's; an id is acted on at most once.
+
+    Attributes:
+        units: the unit that the asker was shown for each argument; another than the description
+            has now is refused.
+
+    """
 
     id: Name
     device: Name
     command: Name
     args: dict[str, Scalar] = {}
+    units: dict[str, str] = {}
     ttl_ms: float
+    who: Name
+
+
+class CommandCancel(Message, frozen=True, kw_only=True, tag="command_cancel"):
+    """End a command that is under way, if the robot can; its state tells what came of it."""
+
+    id: Name
+    device: Name
     who: Name
 
 
@@ -419,6 +435,7 @@ FromHub = (
     | StopAsk
     | ResetAsk
     | CommandAsk
+    | CommandCancel
     | OverrideAsk
     | Watch
     | Beat

@@ -43,6 +43,7 @@ class Nobody:
         command: str,
         fields: dict[str, Scalar],
         done: Callable[[Outcome], None],
-    ) -> None:
+    ) -> Callable[[], None] | None:
         """Refuse."""
         done(Outcome(CommandPhase.REFUSED, "this site has no robot connection"))
+        return None

@@ -1,9 +1,10 @@
-"""Commands as ROS 2 service calls and publications."""
+"""Commands as ROS 2 service calls, publications and actions."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from talaia.gateway.adapters.ros2_actions import Goal, Ros2Action
 from talaia.gateway.adapters.ros2_requests import class_of, fill, outcome_of
 from talaia.gateway.errors import FieldError, TypeMissing
 from talaia.gateway.ports import Outcome
@@ -44,6 +45,7 @@ class Ros2Commands:
         """Make a client or publisher for each command, so that they are known before they act."""
         self._clients: dict[str, _Client] = {}
         self._publishers: dict[str, tuple[Any, Any]] = {}
+        self._actions: dict[str, Ros2Action] = {}
         self._problems: dict[str, str] = {}
         self._commands: dict[str, Command] = {}
         for device_id, device in site.devices.items():
@@ -59,6 +61,8 @@ class Ros2Commands:
                 if command.kind is CommandKind.TOPIC:
                     publisher = node.create_publisher(kind, command.target, 10)
                     self._publishers[address] = (publisher, kind)
+                elif command.kind is CommandKind.ACTION:
+                    self._actions[address] = Ros2Action(command, kind, node, thread)
                 else:
                     client = _Client(node.create_client(kind, command.target), kind, {})
                     self._clients[address] = client
@@ -69,8 +73,28 @@ class Ros2Commands:
         """Say that there is nobody to ask."""
         return Outcome(CommandPhase.REFUSED, "the robot is not connected")
 
-    def act(self, address: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]) -> None:
-        """Call the service or publish; see `CommandTarget.act`."""
+    def begin(
+        self,
+        address: str,
+        fields: dict[str, Scalar],
+        done: Callable[[Outcome], None],
+        on_thread: Callable[[Callable[[], None]], None],
+    ) -> Callable[[], None] | None:
+        """Begin from any thread; see `CommandTarget.act`. Jobs go to ``on_thread``."""
+        action = self._actions.get(address)
+        goal = None if action is None else Goal(done)
+        on_thread(lambda: self._act(address, fields, done, goal))
+        if action is None or goal is None:
+            return None
+        return lambda: on_thread(lambda: action.cancel(goal))
+
+    def _act(
+        self,
+        address: str,
+        fields: dict[str, Scalar],
+        done: Callable[[Outcome], None],
+        goal: Goal | None,
+    ) -> None:
         problem = self._problems.get(address)
         if problem is not None:
             done(Outcome(CommandPhase.REFUSED, problem))
@@ -78,6 +102,8 @@ class Ros2Commands:
         try:
             if address in self._publishers:
                 done(self._publish(address, fields))
+            elif goal is not None:
+                self._actions[address].act(goal, fields)
             else:
                 self._call(address, fields, done)
         except FieldError as error:
