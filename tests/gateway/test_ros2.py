@@ -208,11 +208,23 @@ def states(hub: FakeHub, command_id: str) -> list[CommandState]:
     return [x for x in hub.messages if isinstance(x, CommandState) and x.id == command_id]
 
 
+async def until_ended(hub: FakeHub, command_id: str) -> list[CommandState]:
+    under_way = {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
+    await hub.until(
+        lambda: [x for x in states(hub, command_id) if x.phase not in under_way], "its end"
+    )
+    return states(hub, command_id)
+
+
 async def test_an_action_tells_its_progress_and_its_end(hub: FakeHub, peer: Peer) -> None:
-    done = await command(hub, "count", "c1", order=10)
-    assert (done.phase, done.progress) == (CommandPhase.SUCCEEDED, 1.0)
+    args = {"order": 10}
+    await hub.send(
+        CommandAsk(id="c1", device="base", command="count", args=args, ttl_ms=5000, who="Ada")
+    )
+    said = await until_ended(hub, "c1")
+    assert (said[-1].phase, said[-1].progress) == (CommandPhase.SUCCEEDED, 1.0)
     assert peer.heard("goal") == [10]
-    shares = [x.progress for x in states(hub, "c1") if x.phase is CommandPhase.RUNNING]
+    shares = [x.progress for x in said if x.phase is CommandPhase.RUNNING]
     assert shares == sorted(shares)
     assert any(0.0 < share < 1.0 for share in shares)
     # Ten feedbacks in a second; at most five of them are told.
@@ -239,12 +251,10 @@ async def test_an_action_is_cancelled_by_the_robot_and_told_so(hub: FakeHub, pee
     await hub.send(ask)
     await peer.until(lambda: peer.heard("goal"))
     await hub.send(CommandCancel(id="c5", device="base", who="Ben"))
-    ended = await hub.next(
-        CommandState, lambda x: x.id == "c5" and x.phase not in {"accepted", "running"}
-    )
-    assert ended.phase is CommandPhase.CANCELLED
+    said = await until_ended(hub, "c5")
+    assert said[-1].phase is CommandPhase.CANCELLED
     assert peer.heard("cancelled") == [50]
-    assert any("Ben asked to cancel" in x.message for x in states(hub, "c5"))
+    assert any("Ben asked to cancel" in x.message for x in said)
 
 
 async def test_a_command_asked_in_another_unit_is_refused(hub: FakeHub, peer: Peer) -> None:
