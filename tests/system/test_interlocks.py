@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 import time
@@ -61,6 +62,7 @@ def slope(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
     people = {"driver": "operator", "guest": "guest", "boss": "admin"}
     running = Stack(tmp_path_factory.mktemp("slope"), DESCRIPTION, people)
     try:
+        asyncio.run(running.ready())
         yield running
     finally:
         running.close()

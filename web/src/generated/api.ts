@@ -12,13 +12,14 @@ export interface ArgumentShape {
   readonly default: boolean | number | string | null;
 }
 
-/** A one-shot command. ``timeout`` is in seconds. */
+/** A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early. */
 export interface CommandShape {
   readonly id: string;
   readonly name: string;
   readonly description: string;
   readonly confirm: boolean;
   readonly timeout: number;
+  readonly cancellable: boolean;
   readonly arguments: readonly ArgumentShape[];
 }
 
@@ -31,6 +32,7 @@ export interface DeviceShape {
   readonly streams: readonly StreamShape[];
   readonly commands: readonly CommandShape[];
   readonly drive: DriveShape | null;
+  readonly link_loss: string;
   readonly rights: readonly ("view" | "use" | "admin")[];
 }
 

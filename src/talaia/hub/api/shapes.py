@@ -133,13 +133,14 @@ class ArgumentShape(_Shape):
 
 
 class CommandShape(_Shape):
-    """A one-shot command. ``timeout`` is in seconds."""
+    """A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early."""
 
     id: str
     name: str
     description: str
     confirm: bool
     timeout: float
+    cancellable: bool
     arguments: list[ArgumentShape]
 
 
@@ -158,7 +159,10 @@ class DriveShape(_Shape):
 
 
 class DeviceShape(_Shape):
-    """A device as far as you may see it; ``rights`` are yours: view, use, admin."""
+    """A device as far as you may see it; ``rights`` are yours: view, use, admin.
+
+    ``link_loss`` says what its gateway does with it when the hub is out of reach.
+    """
 
     id: str
     name: str
@@ -167,6 +171,7 @@ class DeviceShape(_Shape):
     streams: list[StreamShape]
     commands: list[CommandShape]
     drive: DriveShape | None
+    link_loss: str
     rights: list[str]
 
 

@@ -48,7 +48,7 @@ const DETAIL: SiteDetail = {
   site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, last_seen_us: 0,
   devices: [
     {
-      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, rights: [],
+      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, link_loss: "", rights: [],
       signals: [
         signal("left"),
         signal("volt", { unit: "V", primary: false }),
