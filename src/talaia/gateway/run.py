@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import Adapter
     from talaia.gateway.settings import Settings
     from talaia.gateway.spool.segment import Record
-    from talaia.model.interlock import Step
     from talaia.model.site import Site
     from talaia.wire.frames import Welcome
 
@@ -100,7 +99,11 @@ class Gateway:
         self._adapter = self._make_adapter()
         self._voice.adapter = self._adapter
         interlocks = Interlocks(
-            site, self._adapter, self._voice, self._begin_sequence, clock.monotonic_ns()
+            site,
+            self._adapter,
+            self._voice,
+            lambda label, steps: self._sequences.begin(label, steps),
+            clock.monotonic_ns(),
         )
         self._control = Control(
             site,
@@ -146,9 +149,6 @@ class Gateway:
             self._voice,
             self._settings.domain,
         )
-
-    def _begin_sequence(self, label: str, steps: tuple[Step, ...]) -> None:
-        self._sequences.begin(label, steps)
 
     def _on_batch(self, record: Record) -> None:
         self._lanes.live(record.body, record.first, record.end)
