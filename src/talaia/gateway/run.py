@@ -1,4 +1,7 @@
-"""The gateway's process: builds every part, runs them in one task group, ends them in order."""
+"""The gateway's process: builds every part, runs them in one task group, ends them in order.
+
+Long, because the parts are joined here and nowhere else.
+"""
 
 from __future__ import annotations
 
@@ -125,7 +128,7 @@ class Gateway:
             self._lanes.send,
             lambda device, command: interlocks.refusal(device, command, clock.monotonic_ns()),
         )
-        self._sequences = Sequences(self._commanding, self._voice, self._boot)
+        self._sequences: Sequences = Sequences(self._commanding, self._voice, self._boot)
         self._desk = FrontDesk(
             self._boot, self._control, self._pacer, self._commanding, self._keeper, self._adapter
         )
