@@ -38,6 +38,7 @@ GLOSSARY = {
     "overridden_by": "who overrides it; empty while nobody does",
     "reason": "why it is overridden, in that person's words",
     "rival_who": "that person's name",
+    "units": "argument name to the unit it was shown with; empty where none was",
     "seconds": "for how long (s); 0 ends it",
     "good": "false where somebody should look",
     "height": "rows of the picture",

@@ -54,6 +54,15 @@ devices:
         arguments: {active: {type: boolean, field: data}}
       fail: {name: Fail, target: /fail, type: std_srvs/srv/Trigger}
       absent: {name: Absent, target: /absent, type: std_srvs/srv/Trigger}
+      count:
+        name: Count
+        kind: action
+        target: /count
+        type: test_msgs/action/Fibonacci
+        progress: sequence[0]
+        progress_end: 100
+        arguments: {order: {type: integer, field: order, unit: s, minimum: 0, maximum: 100}}
+      missing: {name: Missing, kind: action, target: /nowhere, type: test_msgs/action/Fibonacci}
       horn:
         name: Horn
         kind: topic

@@ -14,12 +14,15 @@ import time
 import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Image
 from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool, Trigger
+from test_msgs.action import Fibonacci
 
 
 def say(**row: object) -> None:
@@ -47,6 +50,34 @@ class Peer:
         self.node.create_subscription(String, "/horn", lambda m: say(horn=m.data), 10)
         self.node.create_service(SetBool, "/wander", self.wander)
         self.node.create_service(Trigger, "/fail", self.fail)
+        self.action = ActionServer(
+            self.node,
+            Fibonacci,
+            "/count",
+            self.run_goal,
+            goal_callback=lambda goal: (
+                GoalResponse.REJECT if goal.order == 0 else GoalResponse.ACCEPT
+            ),
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+            callback_group=ReentrantCallbackGroup(),
+        )
+
+    def run_goal(self, goal: object) -> Fibonacci.Result:
+        """Count to 100 in ``order`` tenths of a second; give up at 13."""
+        order = goal.request.order
+        say(goal=order)
+        for share in range(0, 101, 10):
+            goal.publish_feedback(Fibonacci.Feedback(sequence=[share]))
+            if goal.is_cancel_requested:
+                say(cancelled=order)
+                goal.canceled()
+                return Fibonacci.Result()
+            if order == 13 and share >= 50:
+                goal.abort()
+                return Fibonacci.Result()
+            time.sleep(order / 100)
+        goal.succeed()
+        return Fibonacci.Result(sequence=[100])
 
     def wander(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         say(wander=request.data)
@@ -96,7 +127,7 @@ class Peer:
 def main() -> None:
     rclpy.init()
     peer = Peer()
-    executor = SingleThreadedExecutor()
+    executor = MultiThreadedExecutor(2)
     executor.add_node(peer.node)
     spinning = threading.Thread(target=executor.spin)
     spinning.start()

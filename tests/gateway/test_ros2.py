@@ -15,6 +15,7 @@ from gateway_bench import Peer, addresses_of, running
 
 from talaia.wire.frames import (
     CommandAsk,
+    CommandCancel,
     CommandPhase,
     CommandState,
     Drive,
@@ -204,6 +205,70 @@ async def test_commands_end_as_the_robot_says(hub: FakeHub, peer: Peer) -> None:
     assert (await command(hub, "horn", "h1", tune="la")).phase is CommandPhase.SUCCEEDED
     await peer.until(lambda: peer.heard("horn") == ["la"])
     assert peer.heard("wander") == [True]
+
+
+def states(hub: FakeHub, command_id: str) -> list[CommandState]:
+    return [x for x in hub.messages if isinstance(x, CommandState) and x.id == command_id]
+
+
+async def until_ended(hub: FakeHub, command_id: str) -> list[CommandState]:
+    under_way = {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
+    await hub.until(
+        lambda: [x for x in states(hub, command_id) if x.phase not in under_way], "its end"
+    )
+    return states(hub, command_id)
+
+
+async def test_an_action_tells_its_progress_and_its_end(hub: FakeHub, peer: Peer) -> None:
+    args = {"order": 10}
+    await hub.send(
+        CommandAsk(id="c1", device="base", command="count", args=args, ttl_ms=5000, who="Ada")
+    )
+    said = await until_ended(hub, "c1")
+    assert (said[-1].phase, said[-1].progress) == (CommandPhase.SUCCEEDED, 1.0)
+    assert peer.heard("goal") == [10]
+    shares = [x.progress for x in said if x.phase is CommandPhase.RUNNING]
+    assert shares == sorted(shares)
+    assert any(0.0 < share < 1.0 for share in shares)
+    # Ten feedbacks in a second; at most five of them are told.
+    assert len(shares) <= 8
+
+
+async def test_an_action_ends_as_the_robot_says(hub: FakeHub, peer: Peer) -> None:
+    refused = await command(hub, "count", "c2", order=0)
+    assert (refused.phase, refused.message) == (
+        CommandPhase.REFUSED,
+        "the robot does not accept it",
+    )
+    assert (await command(hub, "count", "c3", order=13)).phase is CommandPhase.FAILED
+    missing = await command(hub, "missing", "c4")
+    assert missing.phase is CommandPhase.REFUSED
+    assert "does not offer /nowhere" in missing.message
+    assert peer.heard("goal") == [13]
+
+
+async def test_an_action_is_cancelled_by_the_robot_and_told_so(hub: FakeHub, peer: Peer) -> None:
+    ask = CommandAsk(
+        id="c5", device="base", command="count", args={"order": 50}, ttl_ms=5000, who="Ada"
+    )
+    await hub.send(ask)
+    await peer.until(lambda: peer.heard("goal"))
+    await hub.send(CommandCancel(id="c5", device="base", who="Ben"))
+    said = await until_ended(hub, "c5")
+    assert said[-1].phase is CommandPhase.CANCELLED
+    assert peer.heard("cancelled") == [50]
+    assert any("Ben asked to cancel" in x.message for x in said)
+
+
+async def test_a_command_asked_in_another_unit_is_refused(hub: FakeHub, peer: Peer) -> None:
+    ask = CommandAsk(
+        id="c6", device="base", command="count", args={"order": 1}, units={"order": "min"},
+        ttl_ms=5000, who="Ada",
+    )  # fmt: skip
+    await hub.send(ask)
+    ended = await hub.next(CommandState, lambda x: x.id == "c6" and x.phase == "refused")
+    assert "asked in min, but it is s here" in ended.message
+    assert peer.heard("goal") == []
 
 
 async def test_command_id_acts_once_even_across_a_restart(peer: Peer, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 import time
@@ -61,6 +62,7 @@ def slope(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
     people = {"driver": "operator", "guest": "guest", "boss": "admin"}
     running = Stack(tmp_path_factory.mktemp("slope"), DESCRIPTION, people)
     try:
+        asyncio.run(running.ready())
         yield running
     finally:
         running.close()
@@ -134,6 +136,7 @@ async def test_without_a_hub_the_gateway_acts_all_the_same(slope: Stack) -> None
     assert 1_900_000_000 <= home.t - at <= 4_500_000_000
     at = tilt(slope, 30)
     await until(lambda: [x for x in slope.heard("/control", at) if x.v == "h"], 5, "the brake")
+    await slope.fresh()
 
 
 @pytest.fixture(scope="module")
@@ -168,13 +171,14 @@ def test_every_page_shows_the_lock_and_an_admin_overrides_it_with_a_reason(
 ) -> None:
     slope.gateway.end()
     slope.start_gateway()
-    if slope.hub.popen.poll() is not None:
-        slope.start_hub()
     boss = visit(chrome, slope, "boss")
     bar = boss.get_by_role("status").filter(has_text="Too steep")
     # Nothing was heard of the slope yet: unknown is unsafe.
     expect(bar).to_contain_text("Tilt: no value yet", timeout=30_000)
-    tilt(slope, 30)
+    while not bar.filter(has_text="above").count():
+        # Until the gateway's subscription and the robot have found each other.
+        tilt(slope, 30)
+        boss.wait_for_timeout(100)
     expect(bar).to_contain_text("Tilt is above 20 °")
     for where in ("home", f"sites/{SITE}/live", f"sites/{SITE}/history", f"sites/{SITE}/drive"):
         boss.goto(f"{slope.address}/{where}")

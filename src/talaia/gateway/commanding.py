@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.clock import SECOND
 from talaia.gateway.commands import FINAL, CommandBook
 from talaia.gateway.errors import SpoolError
 from talaia.gateway.keep import write_whole
-from talaia.model.arguments import fields_of
+from talaia.model.arguments import fields_of, unit_problem
 from talaia.wire.frames import CommandPhase, CommandState
 
 if TYPE_CHECKING:
@@ -23,11 +24,12 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.ports import CommandTarget, Outcome
     from talaia.model.site import Command, Site
-    from talaia.wire.frames import CommandAsk
+    from talaia.wire.frames import CommandAsk, CommandCancel
 
 __all__ = ["Commanding", "Journal"]
 
 log = logging.getLogger(__name__)
+PROGRESS_NS = SECOND // 5
 _line = msgspec.json.Decoder(CommandState)
 _encode = msgspec.json.Encoder().encode
 
@@ -118,6 +120,8 @@ class Commanding:
         self._ends: dict[str, asyncio.Future[CommandState]] = {}
         self._book = CommandBook(journal.remembered)
         self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._cancels: dict[str, Callable[[], None]] = {}
+        self._progress_ns: dict[str, int] = {}
         self._writes: set[asyncio.Task[None]] = set()
         try:
             journal.compact(self._book.states())
@@ -177,8 +181,9 @@ class Commanding:
             self._move(ask.id, CommandPhase.REFUSED, problem)
             return
         fields = fields_of(command, ask.args)
-        if isinstance(fields, str):
-            self._move(ask.id, CommandPhase.REFUSED, fields)
+        problem = fields if isinstance(fields, str) else unit_problem(command, ask.units)
+        if isinstance(fields, str) or problem:
+            self._move(ask.id, CommandPhase.REFUSED, problem)
             return
         if barred := guarded and self._refusal(ask.device, ask.command):
             self._move(ask.id, CommandPhase.REFUSED, barred)
@@ -206,18 +211,56 @@ class Commanding:
     ) -> None:
         loop = asyncio.get_running_loop()
         self._move(ask.id, CommandPhase.RUNNING)
-        message = f"no answer for {command.timeout:g} s; look at the device"
-        self._timers[ask.id] = loop.call_later(
-            command.timeout, self._move, ask.id, CommandPhase.UNKNOWN, message
-        )
+        self._time_out(ask.id, command.timeout)
 
         def done(outcome: Outcome) -> None:
-            loop.call_soon_threadsafe(self._move, ask.id, outcome.phase, outcome.message)
+            loop.call_soon_threadsafe(self._told, ask.id, command.timeout, outcome)
 
-        self._target.act(ask.device, ask.command, fields, done)
+        cancel = self._target.act(ask.device, ask.command, fields, done)
+        if cancel is not None:
+            self._cancels[ask.id] = cancel
 
-    def _move(self, command_id: str, phase: CommandPhase, message: str = "") -> None:
-        state = self._book.move(command_id, phase, message)
+    def _time_out(self, command_id: str, seconds: float) -> None:
+        before = self._timers.get(command_id)
+        if before is not None:
+            before.cancel()
+        message = f"no answer for {seconds:g} s; look at the device"
+        self._timers[command_id] = asyncio.get_running_loop().call_later(
+            seconds, self._move, command_id, CommandPhase.UNKNOWN, message
+        )
+
+    def _told(self, command_id: str, timeout: float, outcome: Outcome) -> None:
+        if outcome.phase is not CommandPhase.RUNNING:
+            self._move(command_id, outcome.phase, outcome.message)
+            return
+        state = self._book.get(command_id)
+        if state is None or state.phase in FINAL:
+            return
+        self._time_out(command_id, timeout)
+        # Feedback may come a hundred times a second; a bar on a page does not move that fast.
+        now_ns = self._clock.monotonic_ns()
+        if outcome.message or now_ns - self._progress_ns.get(command_id, 0) >= PROGRESS_NS:
+            self._progress_ns[command_id] = now_ns
+            self._move(command_id, CommandPhase.RUNNING, outcome.message, outcome.progress)
+
+    def cancel(self, ask: CommandCancel) -> None:
+        """Ask the robot to end a command early; what came of it is told as its state."""
+        state = self._book.get(ask.id)
+        if state is None or state.device != ask.device:
+            return
+        cancel = self._cancels.get(ask.id)
+        if state.phase in FINAL:
+            self._send(state)
+        elif cancel is None:
+            self._move(ask.id, CommandPhase.RUNNING, "this command cannot be cancelled")
+        else:
+            self._move(ask.id, CommandPhase.RUNNING, f"{ask.who} asked to cancel it")
+            cancel()
+
+    def _move(
+        self, command_id: str, phase: CommandPhase, message: str = "", progress: float = 0.0
+    ) -> None:
+        state = self._book.move(command_id, phase, message, progress)
         if state is None:
             log.info("command %s: %s came after its end", command_id, phase)
             return
@@ -226,6 +269,8 @@ class Commanding:
             timer = self._timers.pop(command_id, None)
             if timer is not None:
                 timer.cancel()
+            self._cancels.pop(command_id, None)
+            self._progress_ns.pop(command_id, None)
             ended = self._ends.get(command_id)
             if ended is not None and not ended.done():
                 ended.set_result(state)

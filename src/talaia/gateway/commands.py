@@ -56,12 +56,14 @@ class CommandBook:
         self._forget()
         return True
 
-    def move(self, command_id: str, phase: CommandPhase, message: str = "") -> CommandState | None:
+    def move(
+        self, command_id: str, phase: CommandPhase, message: str = "", progress: float = 0.0
+    ) -> CommandState | None:
         """Take a step, or give none when that step is not possible from where it stands."""
         state = self._states.get(command_id)
         if state is None or phase not in _STEPS[state.phase]:
             return None
-        moved = _with(state, phase, message)
+        moved = _with(state, phase, message, progress)
         self._states[command_id] = moved
         return moved
 
@@ -74,13 +76,15 @@ class CommandBook:
             del self._states[key]
 
 
-def _with(state: CommandState, phase: CommandPhase, message: str) -> CommandState:
+def _with(
+    state: CommandState, phase: CommandPhase, message: str, progress: float = 0.0
+) -> CommandState:
     return CommandState(
         id=state.id,
         device=state.device,
         command=state.command,
         phase=phase,
         message=message[:2000],
-        progress=1.0 if phase is _P.SUCCEEDED else state.progress,
+        progress=1.0 if phase is _P.SUCCEEDED else max(progress, state.progress),
         who=state.who,
     )

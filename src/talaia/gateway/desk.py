@@ -10,6 +10,7 @@ from talaia.wire.frames import (
     Ack,
     Again,
     CommandAsk,
+    CommandCancel,
     CommandPhase,
     Drive,
     Event,
@@ -195,6 +196,8 @@ class FrontDesk:
                 self._spawn(self._control.reset(message))
             case CommandAsk():
                 self._spawn(self._commanding.ask(message))
+            case CommandCancel():
+                self._commanding.cancel(message)
             case OverrideAsk():
                 self._control.override(message)
             case Watch():

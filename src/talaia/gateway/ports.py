@@ -32,10 +32,18 @@ class Reading(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """How an act ended, in the robot's own words where it gave any."""
+    """How an act ended, or stands, in the robot's own words where it gave any.
+
+    Attributes:
+        phase: ``running`` as often as the robot says so, then one of the final ones, once.
+        message: the robot's words.
+        progress: 0 to 1, while running.
+
+    """
 
     phase: CommandPhase
     message: str = ""
+    progress: float = 0.0
 
 
 class SampleSink(Protocol):
@@ -96,11 +104,16 @@ class CommandTarget(Protocol):
 
     def act(
         self, device: str, command: str, fields: dict[str, Field], done: Callable[[Outcome], None]
-    ) -> None:
+    ) -> Callable[[], None] | None:
         """Begin a one-shot command with its request fields by path.
 
-        ``done`` is called at most once, from any thread. An act that cannot begin is ``refused``;
-        after that point an act without an answer is simply never done (the caller keeps time).
+        ``done`` is called from any thread: with ``running`` any number of times, and with a final
+        phase at most once, last. An act that cannot begin is ``refused``; after that point an act
+        without an answer is simply never done (the caller keeps time).
+
+        Returns:
+            What asks the robot to end it early, from any thread; none where that cannot be asked.
+
         """
         ...
 

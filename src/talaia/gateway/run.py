@@ -1,4 +1,7 @@
-"""The gateway, in one place: builds every part, runs them in one task group, ends them in order."""
+"""The gateway's process: builds every part, runs them in one task group, ends them in order.
+
+Long, because the parts are joined here and nowhere else.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +52,6 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import Adapter
     from talaia.gateway.settings import Settings
     from talaia.gateway.spool.segment import Record
-    from talaia.model.interlock import Step
     from talaia.model.site import Site
     from talaia.wire.frames import Welcome
 
@@ -109,7 +111,11 @@ class Gateway:
         self._adapter = self._make_adapter()
         self._voice.adapter = self._adapter
         interlocks = Interlocks(
-            site, self._adapter, self._voice, self._begin_sequence, clock.monotonic_ns()
+            site,
+            self._adapter,
+            self._voice,
+            lambda label, steps: self._sequences.begin(label, steps),
+            clock.monotonic_ns(),
         )
         self._control = Control(
             site,
@@ -131,7 +137,7 @@ class Gateway:
             self._lanes.send,
             lambda device, command: interlocks.refusal(device, command, clock.monotonic_ns()),
         )
-        self._sequences = Sequences(self._commanding, self._voice, self._boot)
+        self._sequences: Sequences = Sequences(self._commanding, self._voice, self._boot)
         self._desk = FrontDesk(
             self._boot,
             self._control,
@@ -162,9 +168,6 @@ class Gateway:
             self._voice,
             self._settings.domain,
         )
-
-    def _begin_sequence(self, label: str, steps: tuple[Step, ...]) -> None:
-        self._sequences.begin(label, steps)
 
     def _on_batch(self, record: Record) -> None:
         self._lanes.live(record.body, record.first, record.end)

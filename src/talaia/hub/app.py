@@ -26,8 +26,8 @@ from talaia.hub.api.roles import RolePages
 from talaia.hub.api.shield import Shield
 from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sockets import Sockets
-from talaia.hub.api.tokens import TokenPages
 from talaia.hub.api.storage import StoragePages
+from talaia.hub.api.tokens import TokenPages
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.seal import SEAL_FILE, seal_of
 from talaia.hub.auth.throttle import Throttle

@@ -125,6 +125,7 @@ FROM_BROWSER: Mapping[type[Message], Need] = {
     browser.Stop: Need.VIEW,
     browser.Reset: Need.USE,
     browser.Command: Need.USE,
+    browser.Cancel: Need.USE,
     # Of the whole site: an interlock guards more than one device.
     browser.Override: Need.ADMIN,
     browser.Ping: Need.SESSION,
@@ -187,6 +188,7 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.StopAsk,
         frames.ResetAsk,
         frames.CommandAsk,
+        frames.CommandCancel,
         frames.OverrideAsk,
         frames.Watch,
         frames.Reconnect,

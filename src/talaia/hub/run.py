@@ -189,7 +189,7 @@ async def _serve(settings: Settings) -> None:
         )
     clock = SystemClock()
     take_restored(settings.data, clock)
-    set_aside_if_damaged(settings.history_url, clock)
+    set_aside_if_damaged(settings.url, clock)
     hub = build(settings, clock)
     with _listen(settings) as listener:
         port = listener.getsockname()[1]

@@ -8,7 +8,7 @@ from zoneinfo import available_timezones
 
 from talaia.model.check_interlocks import interlock_findings
 from talaia.model.errors import DescriptionError, UnknownWord
-from talaia.model.site import ArgumentType, DriveMessage, SignalType, Site
+from talaia.model.site import ArgumentType, CommandKind, DriveMessage, SignalType, Site
 from talaia.model.unit import unit_of
 from talaia.model.words import (
     FIELD,
@@ -147,9 +147,13 @@ def _stream(where: str, stream: Stream) -> Iterator[Finding]:
 def _command(where: str, command: Command) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", command.name)
     yield from topic_fits(f"{where}.target", command.target)
-    yield from type_fits(
-        f"{where}.type", command.type, "srv" if command.kind == "service" else "msg"
-    )
+    middle = {CommandKind.SERVICE: "srv", CommandKind.TOPIC: "msg", CommandKind.ACTION: "action"}
+    yield from type_fits(f"{where}.type", command.type, middle[command.kind])
+    yield from above(f"{where}.progress_end", command.progress_end, 0)
+    if command.progress:
+        yield from field_fits(f"{where}.progress", command.progress)
+        if command.kind is not CommandKind.ACTION:
+            yield Finding(f"{where}.progress", "only an action tells its progress", "leave it out")
     yield from above(f"{where}.ttl", command.ttl, 0)
     yield from above(f"{where}.timeout", command.timeout, 0)
     for field in command.fixed:

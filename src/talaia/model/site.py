@@ -91,6 +91,7 @@ class CommandKind(StrEnum):
 
     SERVICE = "service"
     TOPIC = "topic"
+    ACTION = "action"
 
 
 class DriveMessage(StrEnum):
@@ -255,12 +256,15 @@ class Command(Shape, frozen=True, kw_only=True):
     """Something a device can be asked to do once.
 
     Attributes:
-        target: the ROS service or topic.
-        type: ``package/srv/Name`` or ``package/msg/Name``.
+        target: the ROS service, topic or action.
+        type: ``package/srv/Name``, ``package/msg/Name`` or ``package/action/Name``.
+        progress: for an action: the path of a number in its feedback, or empty.
+        progress_end: the value of ``progress`` that means done.
         fixed: request fields with values that the asker does not choose, by path.
         arguments: by argument name.
         ttl: not accepted within this time, it is refused (s).
-        timeout: accepted but without an answer for this long, its state is unknown (s).
+        timeout: accepted but without an answer for this long, its state is unknown (s). The
+            feedback of an action counts as an answer.
         confirm: ask the person once more before it is sent.
 
     """
@@ -270,6 +274,8 @@ class Command(Shape, frozen=True, kw_only=True):
     type: str
     kind: CommandKind = CommandKind.SERVICE
     description: str = ""
+    progress: str = ""
+    progress_end: float = 1.0
     fixed: dict[str, float | int | bool | str] = {}
     arguments: dict[str, Argument] = {}
     ttl: float = 5.0

@@ -25,7 +25,7 @@ __all__ = [
 
 _WORD = re.compile(r"[a-z][a-z0-9_]{0,62}\Z")
 _TOPIC = re.compile(r"/[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*\Z")
-_TYPE = re.compile(r"[a-z][a-z0-9_]*/(msg|srv)/[A-Z][A-Za-z0-9]*\Z")
+_TYPE = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*\Z")
 FIELD = re.compile(
     r"([A-Za-z][A-Za-z0-9_]*(\[\d{1,6}\])*)(\.[A-Za-z][A-Za-z0-9_]*(\[\d{1,6}\])*)*\Z"
 )

@@ -28,6 +28,7 @@ from talaia.wire.frames import (
     Pixels,
     Sentence,
     Texts,
+    Units,
     ValueColumn,
     Word,
 )
@@ -38,6 +39,7 @@ __all__ = [
     "MEDIA_FROM_BROWSER",
     "MEDIA_TO_BROWSER",
     "TO_BROWSER",
+    "Cancel",
     "Command",
     "CommandNews",
     "Drive",
@@ -143,13 +145,25 @@ class Reset(Message, frozen=True, kw_only=True, tag="reset"):
 
 
 class Command(Message, frozen=True, kw_only=True, tag="command"):
-    """Ask a device to do something once. ``id`` is the page's own, never used twice."""
+    """Ask a device to do something once. ``id`` is the page's own, never used twice.
+
+    ``units`` are those the page showed beside the arguments; see `frames.CommandAsk`.
+    """
 
     site: Name
     device: Name
     command: Name
     id: Name
     args: Arguments = {}
+    units: Units = {}
+
+
+class Cancel(Message, frozen=True, kw_only=True, tag="cancel"):
+    """End a command that is under way, if the robot can; `CommandNews` tells what came of it."""
+
+    site: Name
+    device: Name
+    id: Name
 
 
 class Override(Message, frozen=True, kw_only=True, tag="override"):
@@ -406,7 +420,17 @@ class Shown(Message, frozen=True, kw_only=True, tag="shown"):
 
 
 FromBrowser = (
-    Subscribe | Unsubscribe | Lease | LeaseForce | Drive | Stop | Reset | Command | Override | Ping
+    Subscribe
+    | Unsubscribe
+    | Lease
+    | LeaseForce
+    | Drive
+    | Stop
+    | Reset
+    | Command
+    | Cancel
+    | Override
+    | Ping
 )
 ToBrowser = (
     Greeting

@@ -31,6 +31,7 @@ __all__ = [
     "BeatReply",
     "Bye",
     "CommandAsk",
+    "CommandCancel",
     "CommandPhase",
     "CommandState",
     "Drive",
@@ -69,6 +70,7 @@ Millis = Annotated[int, Meta(ge=0, le=2**40)]
 Pixels = Annotated[int, Meta(ge=0, le=16_384)]
 Scalar = float | int | bool | Annotated[str, Meta(max_length=10_000)]
 Arguments = Annotated[dict[Name, Scalar], Meta(max_length=100)]
+Units = Annotated[dict[Name, Word], Meta(max_length=100)]
 # One column of a batch: so many bytes a sample; see `wire.columns`.
 ChannelColumn = Annotated[bytes, Meta(max_length=2 * MAX_SAMPLES)]
 OffsetColumn = Annotated[bytes, Meta(max_length=4 * MAX_SAMPLES)]
@@ -382,13 +384,28 @@ class ResetAsk(Message, frozen=True, kw_only=True, tag="reset_ask"):
 
 
 class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
-    """Do this once. The id is the asker's; an id is acted on at most once."""
+    """Do this once. The id is the asker's; an id is acted on at most once.
+
+    Attributes:
+        units: the unit that the asker was shown for each argument; another than the description
+            has now is refused.
+
+    """
 
     id: Name
     device: Name
     command: Name
     args: Arguments = {}
+    units: Units = {}
     ttl_ms: float
+    who: Name
+
+
+class CommandCancel(Message, frozen=True, kw_only=True, tag="command_cancel"):
+    """End a command that is under way, if the robot can; its state tells what came of it."""
+
+    id: Name
+    device: Name
     who: Name
 
 
@@ -456,6 +473,7 @@ FromHub = (
     | StopAsk
     | ResetAsk
     | CommandAsk
+    | CommandCancel
     | OverrideAsk
     | Watch
     | Reconnect

@@ -79,13 +79,14 @@ export interface CodeShape {
   readonly qr: string;
 }
 
-/** A one-shot command. ``timeout`` is in seconds. */
+/** A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early. */
 export interface CommandShape {
   readonly id: string;
   readonly name: string;
   readonly description: string;
   readonly confirm: boolean;
   readonly timeout: number;
+  readonly cancellable: boolean;
   readonly arguments: readonly ArgumentShape[];
 }
 
@@ -99,6 +100,7 @@ export interface DeviceShape {
   readonly commands: readonly CommandShape[];
   readonly drive: DriveShape | null;
   readonly public: boolean;
+  readonly link_loss: string;
   readonly rights: readonly ("view" | "use" | "admin")[];
 }
 

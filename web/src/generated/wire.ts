@@ -77,6 +77,15 @@ export interface Command {
   readonly command: string;
   readonly id: string;
   readonly args: Readonly<Record<string, number | boolean | string>>;
+  readonly units: Readonly<Record<string, string>>;
+}
+
+/** End a command that is under way, if the robot can; `CommandNews` tells what came of it. */
+export interface Cancel {
+  readonly t: "cancel";
+  readonly site: string;
+  readonly device: string;
+  readonly id: string;
 }
 
 /** Override an interlock of a site for so many seconds, with the reason; 0 s ends that. */
@@ -294,6 +303,7 @@ export type FromBrowser =
   | Stop
   | Reset
   | Command
+  | Cancel
   | Override
   | Ping;
 
@@ -358,7 +368,8 @@ export const DEFAULTS = {
   drive: { held_ms: 0.0, picture_ms: -1.0 },
   stop: {},
   reset: { token: "" },
-  command: { args: {} },
+  command: { args: {}, units: {} },
+  cancel: {},
   override: { reason: "" },
   ping: { active: false },
   greeting: { protocol: 1, version: "" },

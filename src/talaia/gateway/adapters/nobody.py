@@ -43,9 +43,10 @@ class Nobody:
         command: str,
         fields: dict[str, Scalar],
         done: Callable[[Outcome], None],
-    ) -> None:
+    ) -> Callable[[], None] | None:
         """Refuse."""
         done(Outcome(CommandPhase.REFUSED, "this site has no robot connection"))
+        return None
 
     def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
         """Say that there is nothing to connect to."""

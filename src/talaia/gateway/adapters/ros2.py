@@ -151,13 +151,13 @@ class Ros2:
 
     def act(
         self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
-    ) -> None:
+    ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
         thread, commands = self._thread, self._commands
         if thread is None or commands is None:
             done(Ros2Commands.away())
-            return
-        thread.do(lambda: commands.act(f"{device}/{command}", fields, done))
+            return None
+        return commands.begin(f"{device}/{command}", fields, done, thread.do)
 
     def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
         """See `Adapter.reconnect`."""

@@ -1,9 +1,10 @@
-"""Commands as ROS 2 service calls and publications."""
+"""Commands as ROS 2 service calls, publications and actions."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from talaia.gateway.adapters.ros2_actions import Goal, Ros2Action
 from talaia.gateway.adapters.ros2_requests import class_of, fill, outcome_of
 from talaia.gateway.errors import FieldError, TypeMissing
 from talaia.gateway.ports import Outcome
@@ -46,6 +47,7 @@ class Ros2Commands:
         self._site, self._node, self._thread, self._missing = site, node, thread, missing
         self._clients: dict[str, _Client] = {}
         self._publishers: dict[str, tuple[Any, Any]] = {}
+        self._actions: dict[str, Ros2Action] = {}
         self._problems: dict[str, str] = {}
         self._commands: dict[str, Command] = {}
         for device_id, device in site.devices.items():
@@ -63,6 +65,8 @@ class Ros2Commands:
         if command.kind is CommandKind.TOPIC:
             publisher = self._node.create_publisher(kind, command.target, 10)
             self._publishers[address] = (publisher, kind)
+        elif command.kind is CommandKind.ACTION:
+            self._actions[address] = Ros2Action(command, kind, self._node, self._thread)
         else:
             client = _Client(self._node.create_client(kind, command.target), kind, {})
             self._clients[address] = client
@@ -76,6 +80,9 @@ class Ros2Commands:
             publisher, _ = self._publishers.pop(address, (None, None))
             if publisher is not None:
                 self._node.destroy_publisher(publisher)
+            action = self._actions.pop(address, None)
+            if action is not None:
+                action.close(Outcome(CommandPhase.UNKNOWN, _CUT))
             client = self._clients.pop(address, None)
             if client is not None:
                 self._thread.remove_client(client.entity.handle)
@@ -94,6 +101,8 @@ class Ros2Commands:
                 absent.append(f"{command.target} (its type is not known here)")
             elif client is not None and not client.entity.service_is_ready():
                 absent.append(f"{command.target} (no such service now)")
+            elif address in self._actions and not self._actions[address].ready:
+                absent.append(f"{command.target} (no such action now)")
         return absent
 
     @staticmethod
@@ -101,8 +110,28 @@ class Ros2Commands:
         """Say that there is nobody to ask."""
         return Outcome(CommandPhase.REFUSED, "the robot is not connected")
 
-    def act(self, address: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]) -> None:
-        """Call the service or publish; see `CommandTarget.act`."""
+    def begin(
+        self,
+        address: str,
+        fields: dict[str, Scalar],
+        done: Callable[[Outcome], None],
+        on_thread: Callable[[Callable[[], None]], None],
+    ) -> Callable[[], None] | None:
+        """Begin from any thread; see `CommandTarget.act`. Jobs go to ``on_thread``."""
+        action = self._actions.get(address)
+        goal = None if action is None else Goal(done)
+        on_thread(lambda: self._act(address, fields, done, goal))
+        if action is None or goal is None:
+            return None
+        return lambda: on_thread(lambda: action.cancel(goal))
+
+    def _act(
+        self,
+        address: str,
+        fields: dict[str, Scalar],
+        done: Callable[[Outcome], None],
+        goal: Goal | None,
+    ) -> None:
         problem = self._problems.get(address)
         if problem is not None:
             done(Outcome(CommandPhase.REFUSED, problem))
@@ -110,6 +139,8 @@ class Ros2Commands:
         try:
             if address in self._publishers:
                 done(self._publish(address, fields))
+            elif goal is not None:
+                self._actions[address].act(goal, fields)
             else:
                 self._call(address, fields, done)
         except FieldError as error:

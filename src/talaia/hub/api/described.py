@@ -18,7 +18,7 @@ from talaia.hub.api.shapes import (
     StreamShape,
 )
 from talaia.hub.auth.permissions import Grants, Right, sees_device, sees_signal, sees_stream
-from talaia.model.site import SignalType, Visibility, parts_of
+from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, parts_of
 from talaia.model.unit import unit_of
 
 if TYPE_CHECKING:
@@ -140,8 +140,25 @@ def _device(site: Site, device_id: str, device: Device, grants: Grants) -> Devic
         commands=[_command(*each) for each in device.commands.items()] if uses else [],
         drive=_drive(device.drive) if device.drive and views else None,
         public=device.visibility is Visibility.PUBLIC,
+        link_loss=_link_loss(site, device) if views else "",
         rights=[str(right) for right in grants.rights(site.site, device_id)],
     )
+
+
+def _link_loss(site: Site, device: Device) -> str:
+    """Say what is done with a device without the hub; empty when there is nothing to say."""
+    said = []
+    if device.drive is not None:
+        stops = device.drive.link_loss is LinkLoss.STOP
+        said.append("stops at once" if stops else "stops if it is being driven from here")
+    if device.link_loss is not None:
+        steps = (step.command.partition("/") for step in device.link_loss.run)
+        names = ", then ".join(
+            f"{site.devices[at].name}: {site.devices[at].commands[what].name}"
+            for at, _, what in steps
+        )
+        said.append(f"after {device.link_loss.after:g} s {names}")
+    return "; ".join(said)
 
 
 def _signal(device_id: str, signal_id: str, signal: Signal) -> SignalShape:
@@ -174,6 +191,7 @@ def _command(command_id: str, command: Command) -> CommandShape:
         description=command.description,
         confirm=command.confirm,
         timeout=command.timeout,
+        cancellable=command.kind is CommandKind.ACTION,
         arguments=[
             ArgumentShape(
                 id=argument_id,

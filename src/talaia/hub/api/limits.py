@@ -39,6 +39,10 @@ RATES: Mapping[str, Rate] = {
     "/api/sites/{site}/history": HISTORY,
     "/api/sites/{site}/statistics": HISTORY,
     "/api/sites/{site}/export": HEAVY,
+    "/api/sites/{site}/last": HISTORY,
+    "/api/sites/{site}/statistics": HISTORY,
+    "/api/sites/{site}/export": HEAVY,
+    "/api/storage": HEAVY,
     "/api/audit/export": HEAVY,
     "/api/audit/verify": HEAVY,
 }

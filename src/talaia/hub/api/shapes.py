@@ -181,13 +181,14 @@ class ArgumentShape(Shape):
 
 
 class CommandShape(Shape):
-    """A one-shot command. ``timeout`` is in seconds."""
+    """A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early."""
 
     id: str
     name: str
     description: str
     confirm: bool
     timeout: float
+    cancellable: bool
     arguments: list[ArgumentShape]
 
 
@@ -206,7 +207,10 @@ class DriveShape(Shape):
 
 
 class DeviceShape(Shape):
-    """A device as far as you may see it; ``rights`` are yours: view, use, admin."""
+    """A device as far as you may see it; ``rights`` are yours: view, use, admin.
+
+    ``link_loss`` says what its gateway does with it when the hub is out of reach.
+    """
 
     id: str
     name: str
@@ -216,6 +220,7 @@ class DeviceShape(Shape):
     commands: list[CommandShape]
     drive: DriveShape | None
     public: bool
+    link_loss: str
     rights: list[str]
 
 

@@ -10,6 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.hub.live.sites import Pending
+from talaia.model.arguments import fields_of, unit_problem
 from talaia.wire import browser as page, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
@@ -29,6 +30,7 @@ Asked = (
     | page.Stop
     | page.Reset
     | page.Command
+    | page.Cancel
     | page.Override
 )
 
@@ -83,6 +85,11 @@ class Commanding:
                     self._note(live, "stop reset asked", browser.who.name, asked.device)
             case page.Command():
                 self._command(browser, live, asked)
+            case page.Cancel():
+                live.link.send(
+                    frames.CommandCancel(id=asked.id, device=asked.device, who=browser.who.name)
+                )
+                self._note(live, "cancel asked", browser.who.name, asked.device, asked.id)
             case page.Override():
                 self._override(browser, live, asked)
 
@@ -138,10 +145,11 @@ class Commanding:
         if command is None or live.link is None:
             self._refuse(browser, asked, "unknown", f"there is no command {asked.command!r}")
             return
-        strange = asked.args.keys() - command.arguments.keys()
-        if strange:
-            names = ", ".join(sorted(strange))
-            self._refuse(browser, asked, "invalid", f"the command has no argument {names}")
+        # The gateway checks it again, by its own copy of the description.
+        fields = fields_of(command, asked.args)
+        problem = fields if isinstance(fields, str) else unit_problem(command, asked.units)
+        if problem:
+            self._refuse(browser, asked, "invalid", problem)
             return
         if asked.id in live.pending or len(live.pending) >= _MOST_PENDING:
             self._refuse(browser, asked, "busy", "this command is under way already")
@@ -154,6 +162,7 @@ class Commanding:
                 device=asked.device,
                 command=asked.command,
                 args=asked.args,
+                units=asked.units,
                 ttl_ms=command.ttl * 1000,
                 who=who,
             )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from talaia.wire.frames import (
     Ack,
     CommandAsk,
+    CommandCancel,
     Drive,
     LeaseAsk,
     LeaseForce,
@@ -86,7 +87,7 @@ def _lane_of(message: FromHub) -> int:
             return 0
         case Drive() | LeaseAsk() | LeaseForce() | ResetAsk():
             return 1
-        case CommandAsk() | OverrideAsk():
+        case CommandAsk() | CommandCancel() | OverrideAsk():
             return 2
         case _:
             return 3

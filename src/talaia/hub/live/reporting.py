@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.clock import MS
-from talaia.hub.auth.permissions import Right, sees_device
+from talaia.hub.live.interlock_news import interlock_news
 from talaia.wire import browser as page, frames
 from talaia.wire.frames import CommandPhase
 
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from talaia.hub.live.browsers import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.store.audit import Audit
-    from talaia.model.site import Site
 
 __all__ = ["Reporting", "site_news"]
 
@@ -150,34 +149,10 @@ class Reporting:
             )
 
     def _tell_interlock(self, live: LiveSite, name: str, browser: Browser) -> None:
-        rule = live.description.interlocks.get(name)
-        if rule is None:
-            return
-        state, heard_ns = live.interlocks[name]
-        passed_ms = (self._clock.monotonic_ns() - heard_ns) // MS
-        since_ms = self._clock.wall_ns() // MS - state.for_ms - passed_ms
-        grants = browser.who.grants
-        browser.tell(
-            page.InterlockNews(
-                site=live.name,
-                interlock=name,
-                name=rule.name,
-                locked=state.locked,
-                unsafe=state.unsafe,
-                why=state.why,
-                since_us=since_ms * 1000 if state.locked else 0,
-                clears_ms=max(0, state.clears_ms - passed_ms),
-                refuses=[
-                    _named(live.description, each)
-                    for each in rule.refuse
-                    if sees_device(grants, live.description, each.split("/", 1)[0])
-                ],
-                overridden_by=state.overridden_by,
-                reason=state.reason,
-                override_ms=max(0, state.override_ms - passed_ms),
-                longest_s=rule.longest_override if grants.may(Right.ADMIN, live.name) else 0.0,
-            )
-        )
+        now = (self._clock.monotonic_ns(), self._clock.wall_ns())
+        news = interlock_news(live, name, browser.who.grants, *now)
+        if news is not None:
+            browser.tell(news)
 
     def _lease(self, live: LiveSite, state: frames.LeaseState) -> None:
         before = live.leases.get(state.device)
@@ -255,16 +230,6 @@ class Reporting:
 
     def _note(self, live: LiveSite, kind: str, who: str, device: str, message: str = "") -> None:
         self._audit.note(kind, who=who, site=live.name, device=device, message=message)
-
-
-def _named(site: Site, target: str) -> str:
-    """Say what an interlock refuses, as people call it."""
-    device_id, _, what = target.partition("/")
-    device = site.devices[device_id]
-    if what == "*":
-        return f"{device.name}: everything"
-    command = device.commands.get(what)
-    return f"{device.name}: {command.name if command is not None else 'driving'}"
 
 
 def site_news(live: LiveSite) -> page.SiteNews:

@@ -55,13 +55,23 @@ export class CommandLine extends Store {
     clearInterval(this.timer);
   }
 
-  /** Asks once. Without a connection it is not kept for later: it is offline, at once. */
-  ask(device: string, command: string, args: Arguments): void {
+  /**
+   * Asks once. Without a connection it is not kept for later: it is offline, at once.
+   *
+   * @param units - those that were shown beside the arguments; in others it is refused
+   */
+  ask(device: string, command: string, args: Arguments, units: Readonly<Record<string, string>> = {}): void {
     const id = freshId();
     this.desk.ask(id, device, command, TTL_MS, this.now());
-    const sent = this.line.send({ t: "command", site: this.site, device, command, id, args });
+    const sent = this.line.send({ t: "command", site: this.site, device, command, id, args, units });
     if (!sent) this.desk.unsent(id);
     this.changed();
+  }
+
+  /** Ends what is under way, if the robot can; what came of it is told as news. */
+  cancel(device: string, command: string): void {
+    const asked = this.desk.latest(device, command);
+    if (asked) this.line.send({ t: "cancel", site: this.site, device, id: asked.id });
   }
 
   private lose(): void {

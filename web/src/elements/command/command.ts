@@ -44,6 +44,7 @@ const PHASES: Readonly<Record<AskPhase, { kind: StatusKind; word: string }>> = {
 };
 
 /**
+ * @fires t-cancel what is under way is no longer wanted
  * @fires t-ask detail are the arguments by name; it is asked once and never again by itself
  */
 @customElement("t-command")
@@ -160,6 +161,9 @@ export class CommandForm extends LitElement {
           <t-button type="submit" ?disabled=${!this.online || !this.allowed} ?busy=${busy}>
             ${command.confirm ? "Send…" : "Send"}
           </t-button>
+          ${command.cancellable && (this.asked?.phase === "accepted" || this.asked?.phase === "running")
+            ? html`<t-button ?disabled=${!this.online || !this.allowed} @click=${this.cancelled}>Cancel it</t-button>`
+            : nothing}
           <div class="state" role="status">${this.outcome()}</div>
         </div>
       </form>
@@ -264,6 +268,10 @@ export class CommandForm extends LitElement {
 
   private readonly calledOff = (): void => {
     this.confirming = null;
+  };
+
+  private readonly cancelled = (): void => {
+    this.dispatchEvent(new CustomEvent("t-cancel", { bubbles: true, composed: true }));
   };
 
   private ask(detail: Readonly<Record<string, ArgumentValue>>): void {

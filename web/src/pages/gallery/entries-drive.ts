@@ -72,6 +72,7 @@ const WANDER: CommandInfo = {
   description: "The vehicle drives about by itself and avoids what its lidar sees.",
   confirm: false,
   timeout: 10,
+  cancellable: false,
   arguments: [argument({ id: "active", name: "Active", type: "boolean", default: true })],
 };
 const SLEW: CommandInfo = {
@@ -80,6 +81,7 @@ const SLEW: CommandInfo = {
   description: "It moves at once and fast. Nobody may stand beside it.",
   confirm: true,
   timeout: 60,
+  cancellable: true,
   arguments: [
     argument({ id: "az", name: "Azimuth", type: "number", unit: "°", minimum: 0, maximum: 360, default: 180 }),
     argument({ id: "alt", name: "Altitude", type: "number", unit: "°", minimum: 10, maximum: 90 }),

@@ -23,6 +23,14 @@ export class Commands extends LitElement {
         grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr));
         gap: var(--t-space-3);
       }
+      .without {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .without ul {
+        margin: var(--t-space-1) 0 0;
+        padding-inline-start: var(--t-space-5);
+      }
       .device {
         color: var(--t-muted);
         font-size: var(--t-size-s);
@@ -61,7 +69,8 @@ export class Commands extends LitElement {
 
   override render(): TemplateResult | typeof nothing {
     const rows = this.devices.flatMap((device) => device.commands.map((command) => ({ device, command })));
-    if (rows.length === 0) return nothing;
+    const policies = this.devices.filter((device) => device.link_loss !== "");
+    if (rows.length === 0 && policies.length === 0) return nothing;
     return html`
       <h2>Commands</h2>
       <div class="list">
@@ -71,13 +80,29 @@ export class Commands extends LitElement {
           ({ device, command }) => this.card(device, command),
         )}
       </div>
+      ${policies.length === 0
+        ? nothing
+        : html`<div class="without">
+            <strong>When the hub is out of reach</strong> the gateway acts by itself:
+            <ul>
+              ${repeat(
+                policies,
+                (device) => device.id,
+                (device) => html`<li>${device.name}: ${device.link_loss}.</li>`,
+              )}
+            </ul>
+          </div>`}
     `;
   }
 
   private card(device: DeviceInfo, command: CommandInfo): TemplateResult {
     const asked = this.line?.desk.latest(device.id, command.id) ?? null;
     const ask = (event: CustomEvent<Arguments>): void => {
-      this.line?.ask(device.id, command.id, event.detail);
+      const units = command.arguments.map(({ id, unit }) => [id, unit] as const);
+      this.line?.ask(device.id, command.id, event.detail, Object.fromEntries(units));
+    };
+    const cancel = (): void => {
+      this.line?.cancel(device.id, command.id);
     };
     return html`<t-card>
       <span class="device">${device.name}</span>
@@ -87,6 +112,7 @@ export class Commands extends LitElement {
         .online=${this.online}
         .allowed=${device.rights.includes("use")}
         @t-ask=${ask}
+        @t-cancel=${cancel}
       ></t-command>
     </t-card>`;
   }

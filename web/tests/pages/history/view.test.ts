@@ -50,7 +50,7 @@ const DETAIL: SiteDetail = {
   site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, last_seen_us: 0,
   devices: [
     {
-      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, rights: [],
+      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, link_loss: "", rights: [],
       signals: [
         signal("left"),
         signal("volt", { unit: "V", primary: false }),

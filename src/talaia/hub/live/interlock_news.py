@@ -1,0 +1,66 @@
+"""What a page is told of an interlock, by what its person may see and do. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.clock import MS
+from talaia.hub.auth.permissions import Right, sees_device
+from talaia.wire.browser import InterlockNews
+
+if TYPE_CHECKING:
+    from talaia.hub.auth.permissions import Grants
+    from talaia.hub.live.sites import LiveSite
+    from talaia.model.site import Site
+
+__all__ = ["interlock_news"]
+
+
+def interlock_news(
+    live: LiveSite, name: str, grants: Grants, mono_ns: int, wall_ns: int
+) -> InterlockNews | None:
+    """Say how an interlock stands now; none if the description has none of that name.
+
+    Args:
+        live: the site.
+        name: of the interlock, one that the gateway has told of.
+        grants: of the person who is told.
+        mono_ns: now, on the clock by which news is heard.
+        wall_ns: now (UTC), for when it was locked.
+
+    """
+    rule = live.description.interlocks.get(name)
+    if rule is None:
+        return None
+    state, heard_ns = live.interlocks[name]
+    passed_ms = (mono_ns - heard_ns) // MS
+    since_us = (wall_ns // MS - state.for_ms - passed_ms) * 1000
+    return InterlockNews(
+        site=live.name,
+        interlock=name,
+        name=rule.name,
+        locked=state.locked,
+        unsafe=state.unsafe,
+        why=state.why,
+        since_us=since_us if state.locked else 0,
+        clears_ms=max(0, state.clears_ms - passed_ms),
+        refuses=[
+            _named(live.description, each)
+            for each in rule.refuse
+            if sees_device(grants, live.description, each.split("/", 1)[0])
+        ],
+        overridden_by=state.overridden_by,
+        reason=state.reason,
+        override_ms=max(0, state.override_ms - passed_ms),
+        longest_s=rule.longest_override if grants.may(Right.ADMIN, live.name) else 0.0,
+    )
+
+
+def _named(site: Site, target: str) -> str:
+    """Say what an interlock refuses, as people call it."""
+    device_id, _, what = target.partition("/")
+    device = site.devices[device_id]
+    if what == "*":
+        return f"{device.name}: everything"
+    command = device.commands.get(what)
+    return f"{device.name}: {command.name if command is not None else 'driving'}"
