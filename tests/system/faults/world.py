@@ -144,8 +144,11 @@ class Run:
         self.pressed: dict[float, int] = {}
         # Two gateways may each take the same value: a sample's key holds the run that took it.
         self.one_gateway = True
+        # The samples' times jump with the gateway's clock; their order does not.
+        offset_us = round(world.offset_s["gateway"] * 1e6)
         self.from_us = time.time_ns() // 1000
-        self.to_us = 0
+        self.from_us = min(self.from_us, max(0, self.from_us + offset_us))
+        self._ahead_us = max(0, offset_us)
         self.killed: int | None = None
         self._began = now()
         self._first = len(world.said())
@@ -260,7 +263,7 @@ class Run:
         cookie = await self.world.cookie()
         query = {
             "channel": COUNT, "from_us": self.from_us, "width": 10_000,
-            "to_us": self.to_us or time.time_ns() // 1000,
+            "to_us": time.time_ns() // 1000 + self._ahead_us,
         }  # fmt: skip
         async with httpx.AsyncClient(
             base_url=self.world.address, headers={"Cookie": cookie}
