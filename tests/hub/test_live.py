@@ -170,10 +170,12 @@ async def test_of_two_gateways_the_one_whose_run_began_later_stays_in_whatever_o
 
 async def test_gateway_and_page_of_a_later_version_are_understood(hub) -> None:
     gateway = await hub.gateway()
-    await gateway.say(
-        Hello(protocol=2, site="agv", boot="b", catalogue="c1", description=gateway.description)
-    )
+    text = gateway.description
+    await gateway.say(Hello(protocol=2, site="agv", boot="b", catalogue="c1", description=text))
     await gateway.hear(Welcome)
+    await gateway.close()
+    gateway = await hub.gateway()
+    await gateway.hello()
     await gateway.connection.send(msgspec.msgpack.encode({"t": "from_the_future", "x": 1}))
     await gateway.samples(("base/speed", NOW, 0.5))
     await gateway.hear(Ack)
