@@ -103,6 +103,7 @@ async def f4(world: World, chance: random.Random, findings: Findings) -> None:
 async def _dies(process: Process, within: float) -> None:
     await until(lambda: process.popen.poll() is not None, within, "the crash at the named point")
     assert process.popen.returncode == -signal.SIGKILL, process.said()
+    process.end()
 
 
 async def _crash_hub(world: World, point: str, findings: Findings) -> None:
@@ -130,7 +131,6 @@ async def _crash_migration(world: World, findings: Findings) -> None:
         [str(CRASHING), *words], folder / "hub.log", {"TALAIA_CRASH_AT": "hub-mid-migration"}
     )
     await _dies(dying, 30)
-    dying.end()
     whole = Process(["-m", "talaia", *words], folder / "hub.log", {})
     try:
         async with _back(findings):
