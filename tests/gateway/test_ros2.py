@@ -167,6 +167,8 @@ async def test_stop_latches_over_a_restart_and_is_reset_in_two_steps(
         await hub.send(StopAsk(device="base", id="s1", who="Ada"))
         assert (await hub.next(StopState, lambda each: each.id == "s1")).latched
         await peer.until(lambda: True in peer.heard("stop"))
+        # Another topic: it may come a little later, and the first zero before its discovery.
+        await peer.until(lambda: peer.heard("cmd"))
         assert peer.heard("cmd")[-1] == [0.0, 0.0]
         for _ in range(3):
             await peer.do("odom", speed=0.0)
