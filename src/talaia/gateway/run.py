@@ -1,4 +1,7 @@
-"""The gateway's process: builds every part, runs them in one task group, ends them in order."""
+"""The gateway's process: builds every part, runs them in one task group, ends them in order.
+
+Long, because all parts are built in one place.
+"""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ async def test_the_site_survives(world: World, table: Table, row: Row) -> None:
         except PermissionError as error:
             missing(str(error))
         except Exception as error:
-            # In a long run the other seeds are still tried; that this one failed stands in the table.
+            # In a long run the other seeds are still tried; the table tells of this one.
             findings.breach("run", f"{type(error).__name__}: {error}"[:500])
             if not MINUTES:
                 raise
