@@ -123,3 +123,9 @@ def test_every_named_point_is_a_place_in_the_code(point: str) -> None:
             os._exit(1)
         os._exit(0)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_a_hole_in_the_robots_own_counting_is_the_machines() -> None:
+    counted = [Said(each, at * MS, 1) for each, at in enumerate((0, 5, 10, 300, 305, 310))]
+    assert ledgers.stall_ms(counted, 302 * MS) == 290
+    assert ledgers.stall_ms(counted, 5000 * MS) == 0
