@@ -149,8 +149,12 @@ async def _crash_gateway(
         world.more_words = ["--spool-mb", "0.03" if removal else "0.3"]
         world.crash["gateway"] = point
         try:
+            knew = world.said()[-1].known
             gateway = world.start_gateway()
             await gateway.says("linked to")
+            await until(lambda: world.said()[-1].known > knew, 30, "the robot knows the gateway")
+            # What was said while there was none is nobody's to keep.
+            await run.begin_anew()
             knew = world.said()[-1].known
             world.proxy.change(Weather(dark=frozenset(Way)))
             await _dies(gateway, 60)
