@@ -29,7 +29,7 @@ async def fill_yesterday(settings: Settings, signals: int, rate: int) -> None:
     start, count = yesterday_us(), DAY_S * rate * signals
     addresses = tuple(f"base/s{each}" for each in range(signals))
     random = np.random.default_rng(1)
-    store = HistoryStore(settings.history_url, SystemClock())
+    store = HistoryStore(settings.url, SystemClock())
     await store.open()
     for first in range(0, count, AT_ONCE):
         index = np.arange(first, min(first + AT_ONCE, count))

@@ -32,6 +32,7 @@ def main() -> int:
     parser.add_argument("rate", type=float)
     parser.add_argument("seconds", type=float)
     parser.add_argument("--camera", action="store_true")
+    parser.add_argument("--cameras", type=int, default=0, help="numbered ones, 10 pictures/s each")
     parser.add_argument("--listen", type=Path)
     options = parser.parse_args()
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -41,6 +42,10 @@ def main() -> int:
         node.create_publisher(Float64, f"/bench/s{each}", quality) for each in range(options.topics)
     ]
     camera = node.create_publisher(Image, "/bench/image", QoSProfile(depth=1))
+    numbered = [
+        node.create_publisher(Image, f"/bench/image{each}", QoSProfile(depth=1))
+        for each in range(options.cameras)
+    ]
     if options.listen:
         listen(node, options.listen)
     print("ready", flush=True)
@@ -63,6 +68,10 @@ def main() -> int:
         if options.camera and time.monotonic() >= frame_due:
             frame_due += 1 / 30
             camera.publish(picture)
+        if numbered and time.monotonic() >= frame_due:
+            frame_due += 0.1
+            for each in numbered:
+                each.publish(picture)
     return 0
 
 

@@ -2,7 +2,7 @@
 
     make bench                   all of it, about four minutes
     make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
-                                 demo, history, history-page, signin
+                                 demo, history, history-page, signin, press, many, spool, storm
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import json
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import clients
 import day
+import link
 import numpy as np
 import pages
 import signin
@@ -135,6 +137,63 @@ async def demo() -> list[Figure]:
     return [Figure("demo ready, median of 3", float(np.median(seconds)), 10, "s")]
 
 
+async def press() -> list[Figure]:
+    """A frame from a page's socket to a ROS callback: idle, and beside samples and cameras."""
+    async with stack.running(1) as here:
+        target = here.folder / "driven.txt"
+        async with stack.publisher(here, 1, 20.0, "--listen", str(target)):
+            ages = await link.driven(here, await clients.cookie(here), target, 250)
+    figures = percentiles("page's socket → cmd_vel callback, idle", ages, 8, 8)
+    async with stack.running(100, cameras=2) as here:
+        target = here.folder / "driven.txt"
+        more = ("--listen", str(target), "--cameras", "2")
+        async with stack.publisher(here, 100, RATE, *more):
+            session = await clients.cookie(here)
+            async with link.watching(here, session, 2):
+                await asyncio.sleep(3)
+                ages = await link.driven(here, session, target, 250)
+    return figures + percentiles("the same, 10 000 samples/s, two cameras", ages, 20, 20)
+
+
+async def many() -> list[Figure]:
+    """A sample's way to a page's socket at 10 000 samples/s."""
+    async with stack.running(100) as here, stack.publisher(here, 100, RATE):
+        session = await clients.cookie(here)
+        await asyncio.sleep(3)
+        ages = await clients.listen(here, session, 100, 0, 10)
+    return percentiles("ROS → WebSocket client, 10 000 samples/s", ages, 60, 60)
+
+
+async def spool() -> list[Figure]:
+    """What the gateway keeps on disk: how fast, in what memory, in how much room."""
+    said = {}
+    for word in ("rate", "day"):
+        words = [sys.executable, str(ROOT / "bench" / "spool.py"), word]
+        done = await asyncio.to_thread(
+            subprocess.run, words, check=True, capture_output=True, text=True
+        )
+        said |= json.loads(done.stdout)
+    return [
+        Figure("100 000 samples with fsync each batch take", 1e5 / said["samples_per_s"], 1, "s"),
+        Figure("the same, of one core", 1e5 / said["samples_per_cpu_s"], 1, "s"),
+        Figure("memory of a gateway's process at that load", said["rss_mib"], 150, "MiB"),
+        Figure("a day of 1 000 samples/s on disk, white noise", said["gib_a_day"], 1, "GiB"),
+    ]
+
+
+async def storm() -> list[Figure]:
+    """500 gateways that lose the link at once, beside one that is being driven."""
+    async with stack.running(1) as here:
+        target = here.folder / "driven.txt"
+        async with stack.publisher(here, 1, 20.0, "--listen", str(target)):
+            took, grown, ages = await link.storm(here, target, 500)
+    return [
+        Figure("500 gateways back after", took, 60, "s"),
+        Figure("the hub grew by", grown, 64, "MiB"),
+        *percentiles("driving meanwhile", ages, 20, 20),
+    ]
+
+
 async def history() -> list[Figure]:
     """The history store beside one row a sample; prints its own table."""
     script = str(ROOT / "bench" / "history.py")
@@ -195,7 +254,8 @@ async def signin_() -> list[Figure]:
 PARTS = {
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
-    "history-page": history_page, "signin": signin_,
+    "history-page": history_page, "signin": signin_, "press": press, "many": many,
+    "spool": spool, "storm": storm,
 }  # fmt: skip
 
 

@@ -41,7 +41,7 @@ class Stack(NamedTuple):
         return f"https://localhost:{self.port}"
 
 
-def site_text(topics: int, *, camera: bool = False) -> str:
+def site_text(topics: int, *, camera: bool = False, cameras: int = 0) -> str:
     """Write the description of the publisher's site."""
     signals = "\n".join(
         f"      s{each}: {{name: Signal {each}, source: {{topic: /bench/s{each},"
@@ -54,6 +54,13 @@ def site_text(topics: int, *, camera: bool = False) -> str:
         if camera
         else ""
     )
+    if cameras:
+        listed = ", ".join(
+            f"camera{each}: {{name: Camera {each}, source: {{topic: /bench/image{each},"
+            " type: sensor_msgs/msg/Image}}"
+            for each in range(cameras)
+        )
+        stream = f"    streams: {{{listed}}}\n"
     return (
         "talaia: 1\nsite: bench\nname: Bench\nros2: {}\ndevices:\n  base:\n    name: Base\n"
         f"    kind: vehicle\n{stream}    signals:\n{signals}\n"
@@ -74,6 +81,7 @@ async def running(
     topics: int,
     *,
     camera: bool = False,
+    cameras: int = 0,
     before: Callable[[Settings], Awaitable[None]] | None = None,
 ) -> AsyncIterator[Stack]:
     """Run a hub and a gateway for a site with so many topics; ``before`` is done before both."""
@@ -85,7 +93,7 @@ async def running(
         settings = Settings(data=folder, host="127.0.0.1", port=port)
         await accounts.create_user(settings, "admin", PASSWORD, "admin")
         (folder / "key").write_text(await accounts.create_gateway(settings, "bench"))
-        (folder / "site.yaml").write_text(site_text(topics, camera=camera))
+        (folder / "site.yaml").write_text(site_text(topics, camera=camera, cameras=cameras))
         if before is not None:
             await before(settings)
         words = ["hub", "--data", str(folder), "--host", "127.0.0.1", "--port", str(port)]

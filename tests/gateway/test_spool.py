@@ -6,16 +6,21 @@ import errno
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
+import numpy as np
+import pytest
 from hypothesis import given, settings, strategies as st
 
+from talaia.gateway import keep
+from talaia.gateway.batching import records_of
 from talaia.gateway.spool import journal
 from talaia.gateway.spool.journal import Head, Place, Spool
+from talaia.gateway.spool.packing import FRAME_SAMPLES, packed, unpacked
 from talaia.gateway.spool.segment import Record, pack_record, records
-
-if TYPE_CHECKING:
-    import pytest
+from talaia.gateway.stop import Latched
+from talaia.wire.columns import Columns, unpack
+from talaia.wire.errors import PeerError
+from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 HEAD = Head("boot-a", "cat", ["base/v"])
 LARGE = 1 << 30
@@ -265,3 +270,211 @@ def test_body_that_holds_the_magic_is_read_whole() -> None:
     body = pack_record(record(5))
     outer = pack_record(Record(0, 1, 0, 0, body))
     assert [each.first for _, each in records(outer)] == [0]
+
+
+def batch(first: int, samples: int = 50, boot: str = "boot-a", text: str = "") -> Record:
+    rng = np.random.default_rng(first)
+    columns = Columns(
+        rng.integers(0, 20, samples).astype(np.uint16),
+        np.cumsum(rng.integers(0, 900, samples)) + first * 1000,
+        rng.normal(size=samples),
+        {3: text} if text else {},
+    )
+    (made,) = records_of(columns, boot, "cat", first)
+    return made
+
+
+def samples_of(found: list[Record]) -> list[tuple]:
+    rows = []
+    for each in found:
+        frame = LINK_FROM_GATEWAY.decode(each.body)
+        assert isinstance(frame, Samples)
+        columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+        rows += [
+            (frame.first + at, *row, frame.texts.get(at, ""))
+            for at, row in enumerate(zip(*(each.tolist() for each in columns[:3]), strict=True))
+        ]
+    return rows
+
+
+def test_packed_batches_come_back_to_the_bit() -> None:
+    kept = [batch(number * 50, text="on" if number % 7 == 0 else "") for number in range(100)]
+    # A hole in the numbers begins a new group, and a batch nobody can read is passed on.
+    kept = [*kept[:40], record(2000), *kept[41:]]
+    small = [*packed(kept)]
+    assert len(small) == 3
+    back = [one for each in small for one in unpacked(each)]
+    whole = [each for each in back if each.first != 2000]
+    assert samples_of(whole) == samples_of([each for each in kept if each.first != 2000])
+    assert max(each.samples for each in whole) == FRAME_SAMPLES
+    assert sum(len(each.body) for each in small) < 0.7 * sum(len(each.body) for each in kept)
+
+
+def test_packed_record_that_is_damaged_is_a_peer_error() -> None:
+    (small,) = packed([batch(0), batch(50)])
+    for body in (b"", small.body[:-5], b"\0" * 50):
+        with pytest.raises(PeerError):
+            unpacked(small._replace(body=body))
+
+
+def test_closed_segment_is_packed_and_read_as_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal, "SEGMENT_BYTES", 20_000)
+    spool = Spool(tmp_path, HEAD, LARGE)
+    kept = [batch(number * 50) for number in range(100)]
+    for each in kept:
+        spool.append(each)
+    on_disk = sum(each.stat().st_size for each in tmp_path.glob("*.seg"))
+    assert on_disk < 0.8 * sum(len(pack_record(each)) for each in kept)
+    assert samples_of(all_of(spool)) == samples_of(kept)
+    spool.close()
+    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    assert samples_of(all_of(later)) == samples_of(kept)
+    assert later.gaps() == []
+    later.ack("boot-a", 5000)
+    assert all_of(later) == []
+    later.close()
+
+
+def all_of(spool: Spool) -> list[Record]:
+    found, place = [], Place()
+    while True:
+        more, place = spool.read(place, 2000)
+        if not more:
+            return found
+        found += [stored.record for stored in more]
+
+
+def test_what_waits_too_long_gives_way_and_only_running_time_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal, "SEGMENT_BYTES", 400)
+    time_s = [1000.0]
+    spool = Spool(tmp_path, HEAD, LARGE, age_s=3600, now=lambda: time_s[0])
+    fill(spool, 4)
+    time_s[0] += 3000
+    fill(spool, 4, first=4)
+    spool.close()
+    # Another run, on a machine whose monotonic clock began anew.
+    time_s[0] = 5.0
+    later = Spool(tmp_path, Head("boot-b", "c", []), LARGE, age_s=3600, now=lambda: time_s[0])
+    later.sync()
+    assert later.gaps() == []
+    time_s[0] += 700
+    later.append(record(0))
+    (gap,) = later.gaps()
+    assert (gap.first, gap.last) == (0, 39)
+    assert gap.reason == journal.OLD
+    assert [first for boot, first in kept(later) if boot == "boot-a"] == [40, 50, 60, 70]
+    later.close()
+
+
+def test_segment_without_a_head_is_set_aside_and_what_it_held_is_a_gap(tmp_path: Path) -> None:
+    spool = Spool(tmp_path, HEAD, LARGE)
+    for number in range(4):
+        spool.append(batch(number * 50))
+    (file,) = tmp_path.glob("*.seg")
+    spool.close()
+    data = bytearray(file.read_bytes())
+    data[10] ^= 1
+    file.write_bytes(data)
+    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    assert [(gap.boot, gap.first, gap.last) for gap in later.gaps()] == [("boot-a", 0, 199)]
+    assert [each.read_bytes() for each in tmp_path.glob("*.bad")] == [bytes(data)]
+    later.close()
+
+
+def test_damage_that_comes_while_it_runs_is_a_gap_and_the_rest_is_read(tmp_path: Path) -> None:
+    spool = Spool(tmp_path, HEAD, LARGE)
+    fill(spool, 10)
+    (file,) = tmp_path.glob("*.seg")
+    data = bytearray(file.read_bytes())
+    data[data.index(bytes([50 % 251]) * 100)] ^= 1
+    with file.open("r+b") as there:
+        there.write(data)
+    assert [first for _, first in kept(spool)] == [0, 10, 20, 30, 40, 60, 70, 80, 90]
+    (gap,) = spool.gaps()
+    assert (gap.first, gap.last) == (50, 59)
+    assert len(kept(spool)) == 9
+    assert len(spool.gaps()) == 1
+    spool.close()
+
+
+def test_segment_that_can_no_longer_be_read_is_a_gap_and_breaks_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal, "SEGMENT_BYTES", 500)
+    spool = Spool(tmp_path, HEAD, LARGE)
+    fill(spool, 9)
+    sorted(tmp_path.glob("*.seg"))[1].unlink()
+    there = [first for _, first in kept(spool)]
+    (gap,) = spool.gaps()
+    assert sorted([*there, *range(gap.first, gap.last + 1, 10)]) == [*range(0, 90, 10)]
+    spool.close()
+
+
+def test_disk_is_left_some_room_for_what_matters_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    free = [100_000]
+
+    class Disk:
+        f_blocks, f_frsize = 1 << 30, 1
+
+        @property
+        def f_bavail(self) -> int:
+            return free[0]
+
+    monkeypatch.setattr(os, "statvfs", lambda _: Disk())
+    monkeypatch.setattr(journal, "SEGMENT_BYTES", 500)
+    spool = Spool(tmp_path, HEAD, LARGE, spare=50_000)
+    fill(spool, 9)
+    assert spool.gaps() == []
+    free[0] = 50_000
+    fill(spool, 1, first=9)
+    # The older segments gave way, and the newest waits in memory.
+    assert len([*tmp_path.glob("*.seg")]) == 1
+    assert spool.gaps()[0].reason == journal.FULL
+    assert kept(spool)[-1] == ("boot-a", 90)
+    free[0] = 100_000
+    fill(spool, 1, first=10)
+    spool.close()
+    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    assert kept(later)[-2:] == [("boot-a", 90), ("boot-a", 100)]
+    later.close()
+
+
+def test_spool_opens_on_a_full_disk_and_goes_on_in_memory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(file: int, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "write", full)
+        spool = Spool(tmp_path, HEAD, LARGE)
+        fill(spool, 3)
+        assert len(kept(spool)) == 3
+    fill(spool, 1, first=3)
+    spool.close()
+    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    assert kept(later) == [("boot-a", 0), ("boot-a", 10), ("boot-a", 20), ("boot-a", 30)]
+    later.close()
+
+
+def test_stops_and_epochs_are_written_on_a_full_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    epochs, stops = keep.Epochs(tmp_path / "epochs.json"), keep.KeptStops(tmp_path / "stops.json")
+
+    def full(path: Path, data: bytes) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(keep, "write_whole", full)
+    latched = Latched("id", "somebody", 5)
+    stops.write("base", latched)
+    given = [epochs.next() for _ in range(2500)]
+    assert given == sorted(set(given))
+    assert keep.KeptStops(tmp_path / "stops.json").get("base") == latched
+    assert keep.Epochs(tmp_path / "epochs.json").next() > given[-1]

@@ -1,11 +1,23 @@
 """From the gateway to pages: values, acknowledgements, coming and going."""
 
+import msgspec
 import numpy as np
 import pytest
 
-from talaia.wire.browser import EventNews, Greeting, SiteNews, Subscribe, Subscribed, Values
+from talaia.hub.live import ingest
+from talaia.wire.browser import (
+    EventNews,
+    Greeting,
+    Ping,
+    Pong,
+    Problem,
+    SiteNews,
+    Subscribe,
+    Subscribed,
+    Values,
+)  # fmt: skip
 from talaia.wire.columns import unpack
-from talaia.wire.frames import Ack, Bye, Gap, Hello
+from talaia.wire.frames import Ack, Again, Beat, BeatReply, Bye, Gap, Hello, Welcome
 
 NOW = 1_700_000_000_000_000
 
@@ -128,6 +140,76 @@ async def test_of_two_gateways_with_one_key_the_newest_wins(hub, gateway) -> Non
     await subscribed(page, "base/speed")
     await second.samples(("base/speed", NOW, 0.5))
     await page.hear(Values)
+
+
+async def test_of_two_gateways_the_one_whose_run_began_later_stays_in_whatever_order_they_dial(
+    hub, gateway
+) -> None:
+    page = await hub.page("operator")
+    second = await hub.gateway()
+    await second.hello(boot="boot-2")
+    assert await gateway.closed() == 4409
+    await page.hear(EventNews, lambda news: news.kind == "second gateway")
+    for _ in range(3):
+        first = await hub.gateway()
+        await first.say(
+            Hello(site="agv", boot="boot-1", catalogue="c1", description=first.description)
+        )
+        assert "started later" in (await first.hear(Bye)).reason
+        assert await first.closed() == 4409
+    await second.samples(("base/speed", NOW, 0.5))
+    await second.hear(Ack)
+    # The alarm is raised once for each rival, not each time it dials.
+    await page.say(Ping(n=1, at_ms=0.0))
+    await page.hear(Pong)
+    assert not [x for x in page.heard if isinstance(x, EventNews) and x.kind == "second gateway"]
+    await second.close()
+    await page.hear(SiteNews, lambda news: not news.online)
+    await (await hub.gateway()).hello(boot="boot-1")
+
+
+async def test_gateway_and_page_of_a_later_version_are_understood(hub) -> None:
+    gateway = await hub.gateway()
+    text = gateway.description
+    await gateway.say(Hello(protocol=2, site="agv", boot="b", catalogue="c1", description=text))
+    await gateway.hear(Welcome)
+    await gateway.close()
+    gateway = await hub.gateway()
+    await gateway.hello()
+    await gateway.connection.send(msgspec.msgpack.encode({"t": "from_the_future", "x": 1}))
+    await gateway.samples(("base/speed", NOW, 0.5))
+    await gateway.hear(Ack)
+    page = await hub.page("operator")
+    await page.connection.send(msgspec.msgpack.encode({"t": "from_the_future", "x": 1}))
+    problem = await page.hear(Problem)
+    assert (problem.code, problem.about) == ("unknown", "from_the_future")
+    assert (await subscribed(page, "base/speed")).refused == []
+
+
+async def test_what_the_hub_has_no_room_for_is_asked_for_again_and_nothing_else_waits(
+    hub, gateway, history, monkeypatch
+) -> None:
+    monkeypatch.setattr(ingest, "_MOST_WAITING", 3)
+    monkeypatch.setattr(ingest, "_ROOM", 1)
+    page = await hub.page("operator")
+    await subscribed(page, "base/speed")
+    history.gate.clear()
+    for number in range(10):
+        await gateway.samples(("base/speed", NOW + number, float(number)))
+        # Live values and beats do not wait for the database.
+        await page.hear(Values)
+    await gateway.say(Beat(n=1, mono_us=1))
+    await gateway.hear(BeatReply)
+    history.gate.set()
+    again = await gateway.hear(Again)
+    assert again.boot == "boot-1"
+    assert again.below == 10
+    assert 3 <= again.first <= 5
+    for number in range(again.first, 10):
+        row = ("base/speed", NOW + number, float(number))
+        await gateway.samples(row, first=number, live=False)
+        await gateway.hear(Ack)
+    assert sorted(history.samples["agv", "boot-1"]) == [*range(10)]
 
 
 async def test_description_with_a_mistake_is_refused_with_the_path_to_it(hub) -> None:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from typing import get_args
 
 import msgspec
 import pytest
 from hypothesis import given, strategies as st
 
 from talaia.wire import browser, frames
-from talaia.wire.errors import PeerError
-from talaia.wire.shape import Codec
+from talaia.wire.errors import PeerError, UnknownKind
+from talaia.wire.shape import PROTOCOL, Codec, speaks
 
 CODECS: list[Codec] = [
     frames.LINK_FROM_GATEWAY,
@@ -85,3 +86,113 @@ def test_a_negative_or_huge_sequence_is_refused() -> None:
 def test_a_driving_frame_cannot_come_from_the_gateway() -> None:
     with pytest.raises(PeerError, match="unknown kind"):
         frames.LINK_FROM_GATEWAY.decode(frames.LINK_FROM_HUB.encode(DRIVE))
+
+
+def shapes() -> list[tuple[Codec, type[msgspec.Struct]]]:
+    unions = [
+        frames.FromGateway, frames.FromHub, frames.MediaFromGateway, frames.MediaFromHub,
+        browser.FromBrowser, browser.ToBrowser, browser.MediaToBrowser, browser.MediaFromBrowser,
+    ]  # fmt: skip
+    return [
+        (codec, shape)
+        for codec, union in zip(CODECS, unions, strict=True)
+        for shape in (get_args(union) or (union,))
+    ]
+
+
+def unlimited(kind: msgspec.inspect.Type, where: str) -> list[str]:
+    inner: list[msgspec.inspect.Type] = []
+    wrong = False
+    match kind:
+        case msgspec.inspect.StrType() | msgspec.inspect.BytesType():
+            wrong = kind.max_length is None
+        case msgspec.inspect.ListType():
+            wrong, inner = kind.max_length is None, [kind.item_type]
+        case msgspec.inspect.DictType():
+            wrong, inner = kind.max_length is None, [kind.value_type]
+        case msgspec.inspect.UnionType():
+            # A command's argument: its limits are the description's.
+            inner = [x for x in kind.types if not isinstance(x, msgspec.inspect.IntType)]
+        case msgspec.inspect.IntType():
+            wrong = kind.ge is None or kind.le is None
+    return [where] * wrong + [each for one in inner for each in unlimited(one, where)]
+
+
+def test_every_text_list_mapping_and_number_has_a_limit() -> None:
+    found = []
+    for _, shape in shapes():
+        info = msgspec.inspect.type_info(shape)
+        assert isinstance(info, msgspec.inspect.StructType)
+        for field in info.fields:
+            found += unlimited(field.type, f"{shape.__name__}.{field.name}")
+    assert found == []
+
+
+def example(kind: msgspec.inspect.Type) -> object:
+    match kind:
+        case msgspec.inspect.EnumType():
+            return next(iter(kind.cls))
+        case msgspec.inspect.StrType():
+            return "text"
+        case msgspec.inspect.BytesType():
+            return b"\x00\xff"
+        case msgspec.inspect.BoolType():
+            return True
+        case msgspec.inspect.ListType():
+            return [example(kind.item_type)]
+        case msgspec.inspect.DictType():
+            return {example(kind.key_type): example(kind.value_type)}
+        case msgspec.inspect.UnionType():
+            return example(kind.types[0])
+        case msgspec.inspect.FloatType():
+            return 0.5
+        case _:
+            return 7
+
+
+def full(shape: type[msgspec.Struct]) -> msgspec.Struct:
+    info = msgspec.inspect.type_info(shape)
+    assert isinstance(info, msgspec.inspect.StructType)
+    return shape(**{each.name: example(each.type) for each in info.fields})
+
+
+@pytest.mark.parametrize(
+    ("codec", "shape"), shapes(), ids=lambda each: getattr(each, "__name__", "")
+)
+def test_every_message_says_the_same_in_both_forms_and_survives_a_newer_peer(
+    codec: Codec, shape: type[msgspec.Struct]
+) -> None:
+    message = full(shape)
+    assert codec.decode(codec.encode(message)) == message
+    assert codec.decode(codec.encode_text(message)) == message
+    newer = msgspec.msgpack.decode(codec.encode(message)) | {"later": {"deep": [1, None]}}
+    assert codec.decode(msgspec.msgpack.encode(newer)) == message
+
+
+@pytest.mark.parametrize(
+    ("codec", "shape"), shapes(), ids=lambda each: getattr(each, "__name__", "")
+)
+def test_every_message_of_an_older_peer_that_knows_no_optional_field_is_read(
+    codec: Codec, shape: type[msgspec.Struct]
+) -> None:
+    info = msgspec.inspect.type_info(shape)
+    assert isinstance(info, msgspec.inspect.StructType)
+    fields = {each.name: example(each.type) for each in info.fields if each.required}
+    older = msgspec.to_builtins(fields, builtin_types=(bytes,)) | {"t": info.tag}
+    assert codec.decode(msgspec.msgpack.encode(older)) == shape(**fields)
+
+
+def test_a_kind_of_a_later_version_is_told_apart_from_garbage() -> None:
+    later = {"t": "from_the_future", "x": 1}
+    for data in (msgspec.msgpack.encode(later), msgspec.json.encode(later).decode()):
+        with pytest.raises(UnknownKind, match="from_the_future"):
+            frames.LINK_FROM_HUB.decode(data)
+    with pytest.raises(PeerError) as caught:
+        frames.LINK_FROM_HUB.decode(msgspec.msgpack.encode({"t": "ack", "boot": 5}))
+    assert not isinstance(caught.value, UnknownKind)
+
+
+def test_one_version_more_or_less_is_spoken() -> None:
+    assert [each for each in range(PROTOCOL + 4) if speaks(each)] == [
+        PROTOCOL - 1, PROTOCOL, PROTOCOL + 1
+    ]  # fmt: skip

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 MS = 1_000_000
@@ -119,6 +120,16 @@ def stale(told: Iterable[Told], pressed: Mapping[float, int]) -> list[tuple[Told
             if age > TTL_MS + HOP_MS:
                 found.append((each, age))
     return found
+
+
+def stall_ms(said: Sequence[Said], moment: int) -> float:
+    """Tell for how long the robot itself did not run around a moment (ms).
+
+    It counts by the clock, so that a hole in its own ledger is the machine's, not the product's:
+    what it heard then, it heard later than it was told.
+    """
+    near = [each.at for each in said if moment - 1000 * MS < each.at < moment + 200 * MS]
+    return max(((b - a) / MS for a, b in pairwise(near)), default=0.0)
 
 
 def moved_after(told: Iterable[Told], end: int) -> list[Told]:

@@ -7,6 +7,7 @@ import os
 import shutil
 import signal
 import subprocess
+import tempfile
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -33,14 +34,8 @@ class Server:
         if not PROGRAMS:
             raise PermissionError("PostgreSQL's server programs")
         self._bin, self._folder, self.port = PROGRAMS[-1], folder, port
-        folder.mkdir()
         if os.geteuid() == 0:
             shutil.chown(folder, "postgres", "postgres")
-            for each in folder.parents:
-                if each.stat().st_uid == 0 and each != Path("/"):
-                    each.chmod(each.stat().st_mode | 0o011)
-                if each == Path("/tmp"):  # noqa: S108 - where pytest keeps its folders
-                    break
         self._user = "postgres" if os.geteuid() == 0 else None
         words = ["-D", str(folder / "data"), "-U", "postgres", "-A", "trust", "--no-sync"]
         self._run([str(self._bin / "initdb"), *words])
@@ -60,7 +55,16 @@ class Server:
                 words, stdout=log, stderr=log, user=self._user, cwd=self._folder,
                 start_new_session=True,
             )  # fmt: skip
-        ready = [str(self._bin / "pg_isready"), "-q", "-h", "127.0.0.1", "-p", str(self.port)]
+        ready = [
+            str(self._bin / "pg_isready"),
+            "-q",
+            "-U",
+            "postgres",
+            "-h",
+            "127.0.0.1",
+            "-p",
+            str(self.port),
+        ]
         deadline = time.monotonic() + 30
         while subprocess.run(ready, check=False, capture_output=True).returncode:
             assert time.monotonic() < deadline, (self._folder / "log").read_text()[-2000:]
@@ -77,8 +81,9 @@ class Server:
 @contextlib.asynccontextmanager
 async def postgres(world: World) -> AsyncIterator[Server]:
     """Let the world's hub use a server of its own, with the world's people and its key."""
-    number = time.monotonic_ns()
-    server = Server(world.folder / f"postgres-{number}", free_port())
+    # Not in the hub's folder, which is nobody else's to enter.
+    folder = Path(tempfile.mkdtemp(prefix="talaia-postgres-"))
+    server = Server(folder, free_port())
     url = f"postgresql+asyncpg://postgres@127.0.0.1:{server.port}/talaia"
     settings = Settings(
         data=world.folder, host="127.0.0.1", port=world.port, plain=True, password_cost=4,
@@ -101,7 +106,7 @@ async def postgres(world: World) -> AsyncIterator[Server]:
         (world.folder / "key").write_text(key)
         world.database_url, world._cookie = "", cookie
         server.kill()
-        world.start_hub()
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def free_port() -> int:

@@ -132,6 +132,8 @@ def unpacked(record: Record) -> list[Record]:
     inflate = zlib.decompressobj()
     try:
         group = _decoder.decode(inflate.decompress(record.body, _MOST_BYTES))
+        if not inflate.eof:
+            raise PeerError("a packed record that ends too early, or is too large")
     except (zlib.error, msgspec.DecodeError) as error:
         raise PeerError(f"a packed record that cannot be read: {error}") from error
     count = record.samples

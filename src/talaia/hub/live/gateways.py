@@ -17,6 +17,7 @@ from talaia.hub.live.ingest import Batch, Ingest
 from talaia.hub.live.link import GONE, GatewayLink
 from talaia.hub.live.race import until_first
 from talaia.hub.live.reporting import site_news
+from talaia.hub.live.rivals import KEPT_OUT, Rivals
 from talaia.model.check import raise_first
 from talaia.model.errors import DescriptionError
 from talaia.model.load import load_site
@@ -48,9 +49,7 @@ _LOG = logging.getLogger(__name__)
 _MISSED_BEATS = 3
 _NEWS_EVERY = 5
 _FINISH_S = 1.0
-_MOST_RIVALS = 100
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
-_SECOND = "another gateway of this site, started later, is linked"
 REFUSED = 4400
 REPLACED = 4409
 TRY_LATER = 1013
@@ -77,6 +76,7 @@ class Gateways:
         self._browsers = browsers
         self._fanout = fanout
         self._reporting = reporting
+        self._rivals = Rivals(reporting)
         self._media = media
         self._history = history
         self._registry = registry
@@ -104,8 +104,8 @@ class Gateways:
             return
         if hello is None or description is None:
             return
-        if self._is_second(hello):
-            await link.farewell(_SECOND, REPLACED)
+        if self._rivals.keeps_out(self._sites.get(site), hello.boot):
+            await link.farewell(KEPT_OUT, REPLACED)
             return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
@@ -117,8 +117,8 @@ class Gateways:
             _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
             await link.farewell("the hub cannot store anything now; try again later", TRY_LATER)
             return
-        if self._is_second(hello):
-            await link.farewell(_SECOND, REPLACED)
+        if self._rivals.keeps_out(self._sites.get(site), hello.boot):
+            await link.farewell(KEPT_OUT, REPLACED)
             return
         link.send(
             frames.Welcome(version=__version__, acked=acked, time_us=self._clock.wall_ns() // 1000)
@@ -176,36 +176,13 @@ class Gateways:
             raise PeerError(f"the description is of {description.site!r}, not {site!r}", REFUSED)
         return hello, description
 
-    def _is_second(self, hello: frames.Hello) -> bool:
-        """Tell whether a gateway must leave the site to another with the same identity.
-
-        Of two, the one whose run began later stays, however often and in whatever order they
-        dial: names of runs rise with time. One that no longer answers is none, and is gone after
-        three beats.
-        """
-        live = self._sites.get(hello.site)
-        if live is None or live.link is None or hello.boot >= live.boot:
-            return False
-        self._tell_second(live, hello.boot, "the one that was started earlier is kept out")
-        return True
-
-    def _tell_second(self, live: LiveSite, boot: str, message: str) -> None:
-        """Raise the alarm, once for each rival: the loser goes on dialling."""
-        if boot not in live.rivals:
-            if len(live.rivals) >= _MOST_RIVALS:
-                live.rivals.clear()
-            live.rivals.add(boot)
-            self._reporting.event(live, "second gateway", message=message, good=False)
-
     def _attach(self, link: GatewayLink, hello: frames.Hello, description: Site) -> LiveSite:
         site = description.site
         before = self._sites.get(site)
         if before is not None and before.link is not None:
-            # The same run dials anew when its old connection is half dead: then it is no other.
             before.link.dismiss("another gateway of this site has connected")
             self._reporting.link_lost(before)
-            if before.boot != hello.boot:
-                self._tell_second(before, before.boot, "the one that was started later was taken")
+            self._rivals.replaced(before, hello.boot)
         changed = before is None or before.description != description
         live = self._sites.describe(description, hello.catalogue)
         live.link = link

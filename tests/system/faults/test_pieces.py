@@ -1,0 +1,131 @@
+"""The judge itself is judged: made-up ledgers with known breaches, and weather that repeats."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+
+import pytest
+
+from talaia.wire.frames import LINK_FROM_HUB, Ack
+
+from . import crashing, ledgers
+from .ledgers import MS, Said, Told
+from .proxy import Proxy
+from .weather import CALM, Dice, Frames, Way, Weather
+
+
+def said(*values: int, known: int = 1, step: int = 5 * MS) -> list[Said]:
+    return [Said(value, value * step, known) for value in values]
+
+
+def test_a_value_that_is_nowhere_is_lost_unless_excused_or_in_a_gap() -> None:
+    ten = said(*range(10))
+    assert ledgers.lost(ten, [0, 1, 2, 4, 5, 6, 7, 8, 9], set()) == {3}
+    assert ledgers.lost(ten, range(9), {9}) == set()
+    wall = {each.value: each.value * 10_000_000 for each in ten}
+    assert ledgers.lost(ten, range(5), set(), [(50_000_000, 80_000_000)], wall) == {9}
+
+
+def test_only_what_died_with_the_gateway_or_came_while_nobody_listened_is_excused() -> None:
+    killed = 400 * 5 * MS
+    before, after = said(*range(400)), said(*range(400, 700))
+    after = [each._replace(known=2) if each.value > 500 else each for each in after]
+    spared = ledgers.excused([*before, *after], killed)
+    assert min(spared) == 400 - ledgers.UNWRITTEN_NS // (5 * MS)
+    assert max(spared) == 501 + ledgers.MATCHING_NS // (5 * MS) - 1
+    assert ledgers.excused(before, None) == set()
+
+
+def test_what_is_stored_or_done_twice_is_found() -> None:
+    assert ledgers.doubled([1, 2, 2, 3]) == {2}
+    assert ledgers.repeated(["a", "b", "a"]) == {"a"}
+
+
+def test_a_motion_that_is_old_or_that_nobody_pressed_is_found() -> None:
+    pressed = {0.1: 0, 0.2: 100 * MS}
+    told = [Told(50 * MS, 0.1, 0.0), Told(500 * MS, 0.2, 0.0), Told(501 * MS, 0.0, 0.0)]
+    assert [age for _, age in ledgers.stale(told, pressed)] == [400.0]
+    assert ledgers.stale([Told(1, 0.3, 0.0)], pressed)[0][1] == float("inf")
+
+
+def test_the_time_to_stop_counts_to_the_zero_that_holds() -> None:
+    told = [Told(100 * MS, 0.0, 0.0), Told(200 * MS, 0.1, 0.0), Told(300 * MS, 0.0, 0.0)]
+    assert ledgers.stop_ms(told, 0) == 300
+    assert ledgers.stop_ms(told[:2], 0) == float("inf")
+    assert ledgers.moved_after(told, 150 * MS) == [told[1]]
+
+
+def frame(payload: bytes) -> bytes:
+    """A binary message in one frame, as a server sends it."""
+    size = len(payload)
+    return bytes([0x82, size]) + payload if size < 126 else b"\x82\x7e" + size.to_bytes(2) + payload
+
+
+def test_frames_are_found_however_the_bytes_are_cut() -> None:
+    stream = b"GET / HTTP/1.1\r\n\r\n" + frame(b"x" * 5) + frame(b"y" * 300) + b"\x8a\x00"
+    for cut in range(1, len(stream)):
+        frames = Frames()
+        found = [*frames.feed(stream[:cut]), *frames.feed(stream[cut:])]
+        assert b"".join(piece for piece, _ in found) == stream
+        assert [whole for _, whole in found] == [False, True, True, False]
+
+
+def test_the_same_seed_decides_the_same() -> None:
+    weather = Weather(duplicate=0.3, reorder=0.3, split=0.3)
+    pieces = [bytes([number]) * 20 for number in range(50)]
+
+    def dealt(seed: int) -> list[bytes]:
+        dice = Dice(seed)
+        return [*(bit for piece in pieces for bit in dice.deal(piece, True, weather)), *dice.last()]  # noqa: FBT003
+
+    assert dealt(1) == dealt(1)
+    assert dealt(1) != dealt(2)
+    assert {*b"".join(dealt(1))} == {*range(50)}
+
+
+async def test_in_the_dark_nothing_arrives_and_afterwards_all_of_it() -> None:
+    async def echo(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while data := await reader.read(100):
+            writer.write(data)
+        writer.close()
+
+    server = await asyncio.start_server(echo, "127.0.0.1", 0)
+    proxy = await asyncio.to_thread(Proxy, server.sockets[0].getsockname()[1])
+    try:
+        reader, writer = await asyncio.open_connection("127.0.0.1", proxy.port)
+        writer.write(b"hello\r\n\r\n")
+        assert await reader.readexactly(9) == b"hello\r\n\r\n"
+        message = frame(LINK_FROM_HUB.encode(Ack(boot="b", below=1)))
+        await asyncio.to_thread(proxy.change, Weather(dark=frozenset([Way.DOWN])))
+        writer.write(message)
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(reader.readexactly(1), 0.2)
+        await asyncio.to_thread(proxy.change, CALM)
+        assert await reader.readexactly(len(message)) == message
+        await asyncio.to_thread(proxy.cut)
+        assert await reader.read() == b""
+        writer.close()
+    except ConnectionError:
+        pass
+    finally:
+        await asyncio.to_thread(proxy.close)
+        server.close()
+
+
+@pytest.mark.parametrize("point", sorted(crashing.POINTS))
+def test_every_named_point_is_a_place_in_the_code(point: str) -> None:
+    child = os.fork()
+    if child == 0:
+        try:
+            crashing.arm(crashing.POINTS[point])
+        except BaseException:  # noqa: BLE001 - told by the exit code
+            os._exit(1)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_a_hole_in_the_robots_own_counting_is_the_machines() -> None:
+    counted = [Said(each, at * MS, 1) for each, at in enumerate((0, 5, 10, 300, 305, 310))]
+    assert ledgers.stall_ms(counted, 302 * MS) == 290
+    assert ledgers.stall_ms(counted, 5000 * MS) == 0
