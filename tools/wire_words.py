@@ -36,7 +36,6 @@ GLOSSARY = {
     "from_us": "earliest time (µs since the epoch, UTC)",
     "interlock": "the interlock's short name",
     "overridden_by": "who overrides it; empty while nobody does",
-    "reason": "why it is overridden, in that person's words",
     "rival_who": "that person's name",
     "units": "argument name to the unit it was shown with; empty where none was",
     "seconds": "for how long (s); 0 ends it",

@@ -37,8 +37,6 @@ HEAVY = Rate(burst=10, per_s=0.2)
 ANY = Rate(burst=600, per_s=100.0)
 RATES: Mapping[str, Rate] = {
     "/api/sites/{site}/history": HISTORY,
-    "/api/sites/{site}/statistics": HISTORY,
-    "/api/sites/{site}/export": HEAVY,
     "/api/sites/{site}/last": HISTORY,
     "/api/sites/{site}/statistics": HISTORY,
     "/api/sites/{site}/export": HEAVY,
