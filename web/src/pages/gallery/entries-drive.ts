@@ -11,11 +11,13 @@ import "../../elements/drive/drive-readout.js";
 import "../../elements/drive/lease.js";
 import "../../elements/drive/pad.js";
 import "../../elements/drive/speed-limit.js";
+import "../../elements/interlock.js";
 import "../../elements/map/track-map.js";
 import type { TrackPoint } from "../../elements/map/track.js";
 import "../../elements/stop/stop-button.js";
 import "../../elements/stop/stop-state.js";
 import type { StopPhase } from "../../elements/stop/stop-words.js";
+import type { InterlockNews } from "../../generated/wire.js";
 import type { ArgumentInfo, CommandInfo } from "../../wire/api.js";
 import type { GalleryEntry, GalleryState } from "./entry.js";
 
@@ -65,6 +67,25 @@ const HERE = { x: TRAIL[239]?.x ?? 0, y: TRAIL[239]?.y ?? 0, yaw: 0.9 };
 function argument(more: Partial<ArgumentInfo> & Pick<ArgumentInfo, "id" | "name" | "type">): ArgumentInfo {
   return { unit: "", minimum: null, maximum: null, max_length: 200, default: null, ...more };
 }
+
+const LOCK: InterlockNews = {
+  t: "interlock_news",
+  site: "observatory",
+  interlock: "weather",
+  name: "Bad weather",
+  locked: true,
+  unsafe: true,
+  why: "Wind is above 12 m/s",
+  since_us: NOON_US,
+  clears_ms: 0,
+  refuses: ["Dome: Open", "Telescope: Slew"],
+  overridden_by: "",
+  reason: "",
+  override_ms: 0,
+  longest_s: 3600,
+};
+const WAITING: InterlockNews = { ...LOCK, unsafe: false, longest_s: 0 };
+const OVERRIDDEN: InterlockNews = { ...LOCK, overridden_by: "Grace", reason: "Testing the shutter" };
 
 const WANDER: CommandInfo = {
   id: "wander",
@@ -147,6 +168,21 @@ export const entries: readonly GalleryEntry[] = [
       { name: "second step", show: () => html`<t-stop-state phase="confirmed" who="Ada" .time=${NOON_US} step="armed" .armed=${6400}></t-stop-state>` },
       { name: "refused", show: () => html`<t-stop-state phase="latched" who="Ada" .time=${NOON_US} trouble="That key is not the newest."></t-stop-state>` },
       { name: "offline", show: () => html`<t-stop-state phase="sent" .online=${false}></t-stop-state>` },
+    ],
+  },
+  {
+    tag: "t-interlock",
+    wide: true,
+    states: [
+      { name: "unsafe", show: () => html`<t-interlock .news=${LOCK} zone="UTC"></t-interlock>` },
+      {
+        name: "safe again, waiting",
+        show: () => html`<t-interlock .news=${WAITING} .clears=${192_000}></t-interlock>`,
+      },
+      {
+        name: "overridden",
+        show: () => html`<t-interlock .news=${OVERRIDDEN} .override_=${540_000} site="Observatory"></t-interlock>`,
+      },
     ],
   },
   {
