@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.interlocks import Interlocks
     from talaia.gateway.keep import KeptStops
-    from talaia.gateway.ports import Readings
-    from talaia.gateway.seat import Mouth
+    from talaia.gateway.ports import Mouth, Readings
     from talaia.model.site import Site
     from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, OverrideAsk, ResetAsk, StopAsk
 

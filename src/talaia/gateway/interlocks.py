@@ -14,8 +14,7 @@ from talaia.gateway.latch import Change, Latch, Verdict
 from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
-    from talaia.gateway.ports import Reading, Readings
-    from talaia.gateway.seat import Mouth
+    from talaia.gateway.ports import Mouth, Reading, Readings
     from talaia.model.interlock import Condition, Step
     from talaia.model.site import Signal, Site
     from talaia.wire.frames import OverrideAsk

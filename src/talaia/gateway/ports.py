@@ -8,12 +8,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from talaia.wire.columns import Columns
-    from talaia.wire.frames import CommandPhase, Picture
+    from talaia.wire.frames import CommandPhase, FromGateway, Picture
 
 __all__ = [
     "Adapter",
     "CommandTarget",
     "EventSink",
+    "Mouth",
     "Outcome",
     "PictureSink",
     "Reading",
@@ -139,4 +140,24 @@ class Adapter(CommandTarget, Readings, Protocol):
         ``done`` is called once, from any thread, within some seconds: *succeeded* when all of it
         is there, else *failed* with what is not.
         """
+        ...
+
+
+class Mouth(Protocol):
+    """What those who decide say: to the robot, to the hub, and to the record."""
+
+    def drive(self, device: str, linear: float, angular: float) -> None:
+        """Publish a velocity."""
+        ...
+
+    def stop(self, device: str, *, stopped: bool) -> None:
+        """Publish on the STOP topic."""
+        ...
+
+    def send(self, message: FromGateway) -> None:
+        """Send to the hub."""
+        ...
+
+    def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+        """Write down."""
         ...

@@ -6,7 +6,7 @@ nobody else. A seat holds no timer; it says when it wants to be called (`due_ns`
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from talaia.clock import MS, SECOND
 from talaia.gateway.drive import STILL, Demand, Driving
@@ -18,37 +18,18 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.lease import Lease
+    from talaia.gateway.ports import Mouth
     from talaia.gateway.stop import Proof
     from talaia.model.site import Drive as DriveRule
-    from talaia.wire.frames import Drive, FromGateway, LeaseAsk, LeaseForce, LeaseState
+    from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, LeaseState
 
-__all__ = ["Mouth", "Seat"]
+__all__ = ["Seat"]
 
 REPORT_NS = 100 * MS
 STOP_OFTEN_NS = SECOND
 STOP_SELDOM_NS = SECOND
 # As long as robots wait before they stop by themselves: the vehicle stands between two drivers.
 BETWEEN_DRIVERS_NS = SECOND // 2
-
-
-class Mouth(Protocol):
-    """What a seat says: to the robot, to the hub, and to the record."""
-
-    def drive(self, device: str, linear: float, angular: float) -> None:
-        """Publish a velocity."""
-        ...
-
-    def stop(self, device: str, *, stopped: bool) -> None:
-        """Publish on the STOP topic."""
-        ...
-
-    def send(self, message: FromGateway) -> None:
-        """Send to the hub."""
-        ...
-
-    def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
-        """Write down."""
-        ...
 
 
 class Seat:

@@ -9,7 +9,7 @@ from talaia.wire.frames import CommandAsk, CommandPhase
 
 if TYPE_CHECKING:
     from talaia.gateway.commanding import Commanding
-    from talaia.gateway.seat import Mouth
+    from talaia.gateway.ports import Mouth
     from talaia.model.interlock import Step
 
 __all__ = ["Sequences"]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.lease import Holder, Rival
-    from talaia.gateway.seat import Mouth
+    from talaia.gateway.ports import Mouth
     from talaia.wire.frames import LeaseAsk
 
 __all__ = ["Tenancy"]

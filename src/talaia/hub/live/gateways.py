@@ -1,4 +1,7 @@
-"""The coming and going of gateways, and what each says to the parts of the hub."""
+"""The coming and going of gateways, and what each says to the parts of the hub.
+
+Long, because a link's whole life is told here in its order, from the hello to the farewell.
+"""
 
 from __future__ import annotations
 
