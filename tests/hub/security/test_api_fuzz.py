@@ -33,6 +33,11 @@ from .world import NOW
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+pytestmark = [
+    pytest.mark.timeout(240),
+    # The hub, in the other thread, draws random numbers while a request is made up in this one.
+    pytest.mark.filterwarnings("ignore:Do not use the .random. module inside strategies"),
+]
 ACTORS = ("nobody", "guest", "operator", "admin")
 # No 5xx is declared anywhere: the first of these finds each.
 CHECKS = [
@@ -100,6 +105,7 @@ class Fuzz:
                 session=self._session,
                 headers={"Origin": self._world.hub.origin},
                 cookies=self._cookies[actor],
+                timeout=60,
             )
             route = (case.method.upper(), case.operation.path)
             self.seen[route].add(answer.status_code)

@@ -156,6 +156,7 @@ class World:
             headers={"Origin": self.hub.origin},
             transport=self._transport,
             trust_env=False,
+            timeout=60,
         )
         if actor == "nobody":
             return client
