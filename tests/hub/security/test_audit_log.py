@@ -24,10 +24,6 @@ from talaia.wire.frames import (
     LeaseState,
 )
 
-from .databases import database, database_url  # noqa: F401 - fixtures
-
-# ruff: noqa: F811 - fixtures are imported by name
-
 PASSWORD = "a password for tests"  # noqa: S105
 
 
