@@ -63,6 +63,14 @@ export class Nav extends LitElement {
       a:focus-visible {
         outline-offset: -4px;
       }
+      @media (max-width: 96rem) and (min-width: 45.01rem) {
+        nav {
+          gap: 0;
+        }
+        a {
+          padding-inline: var(--t-space-2);
+        }
+      }
       @media (max-width: 60rem) and (min-width: 45.01rem) {
         nav {
           gap: 0;

@@ -27,6 +27,8 @@ export class Shell extends LitElement {
     css`
       :host {
         display: grid;
+        /* Not wider than the window, whatever a site is called. */
+        grid-template-columns: minmax(0, 1fr);
         grid-template-rows: auto 1fr;
         min-block-size: 100dvh;
       }
