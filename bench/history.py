@@ -1,8 +1,11 @@
-"""History: blocks and rollups against one row a sample, in one run, as ratios.
+"""History: blocks and rollups against one row a sample, in one run, each figure beside its limit.
 
-Run ``python bench/history.py``: a day of one signal at 100 Hz, under a minute; or, for example,
-``python bench/history.py --samples 3000000 --signals 10``. Beside the comparison, it measures what
-the hub spends to store 20 channels at 100 Hz in 20 ms batches.
+Run ``python bench/history.py``: a day of one signal at 100 Hz on SQLite, and a smaller set on each
+database server that answers on this machine; or, for example, ``python bench/history.py --samples
+3000000 --signals 10 --servers 0``. ``--samples 100000000 --rows 0`` measures a hundred million
+samples and takes some minutes. It ends with the number of limits that are missed.
+
+The file is longer than 300 lines because what is measured and its limits are read together.
 """
 
 from __future__ import annotations
@@ -10,36 +13,52 @@ from __future__ import annotations
 import argparse
 import asyncio
 import os
-import sqlite3
+import resource
 import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import sqlalchemy as sa
+from rows import RowTables, database_bytes
 
 from talaia.clock import SystemClock
 from talaia.hub.history.store import HistoryStore
 from talaia.wire.columns import Columns
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 START = 1_700_000_000_000_000
 BATCH = 1_000
 PIXELS = 1_000
+MEANWHILE_US = 600_000_000
+SERVERS = {
+    "PostgreSQL": "postgresql+pg8000://postgres@127.0.0.1/postgres",
+    "MariaDB": "mysql+pymysql://root@127.0.0.1/mysql",
+}
 
 
 class Figures(NamedTuple):
-    """What one way of storing costs."""
+    """What one way of storing costs; NaN is not measured."""
 
     rate: float
-    cpu_s_per_million: float
-    bytes_per_sample: float
+    cpu: float
+    commit_ms: float
+    size: float
+    written: float
+    meanwhile_ms: float
     cold_ms: float
     warm_ms: float
-    slowest_commit_ms: float
+
+
+class Row(NamedTuple):
+    """A line of the table: what, which figure, its limit, and how much better than rows."""
+
+    what: str
+    name: str
+    limit: float = float("nan")
+    more: bool = False
+    times: float = float("nan")
 
 
 def batch(first: int, signals: int, count: int = BATCH, rate: int = 100) -> Columns:
@@ -60,24 +79,60 @@ def drop_caches(path: Path) -> None:
             os.posix_fadvise(opened.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
 
 
-async def measure_blocks(path: Path, samples: int, signals: int) -> Figures:
-    """Store and read by `HistoryStore`."""
-    url = f"sqlite:///{path}"
+def written_bytes() -> int:
+    """Give what this process has had written to devices so far."""
+    lines = Path("/proc/self/io").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("write_bytes"))
+
+
+def path_of(url: str) -> Path | None:
+    """Give a SQLite database's file."""
+    parsed = sa.make_url(url)
+    return Path(parsed.database or "") if parsed.get_backend_name() == "sqlite" else None
+
+
+def size_of(url: str) -> int:
+    """Give what a database takes (bytes)."""
+    path = path_of(url)
+    if path is None:
+        return database_bytes(url)
+    return sum(file.stat().st_size for file in path.parent.glob(path.name + "*"))
+
+
+async def measure_blocks(url: str, samples: int, signals: int) -> Figures:
+    """Store and read by `HistoryStore`; a chart is asked for meanwhile."""
     addresses = tuple(f"base/s{i}" for i in range(signals))
     store = HistoryStore(url, SystemClock())
     await store.create_tables()
     await store.open()
-    commits, cpu = [], 0.0
+    commits: list[float] = []
+    meanwhile: list[float] = []
+    cpu, before_written = 0.0, written_bytes()
+
+    async def look() -> None:
+        while True:
+            await asyncio.sleep(0.1)
+            past = START + len(commits) * BATCH // signals * 10_000
+            before = time.perf_counter()
+            await store.read("agv", ["base/s0"], past - MEANWHILE_US, past, PIXELS)
+            meanwhile.append(time.perf_counter() - before)
+
+    looking = asyncio.create_task(look())
     for first in range(0, samples, BATCH):
         columns = batch(first, signals)
         before, cpu_before = time.perf_counter(), time.process_time()
         await store.append("agv", "b", first, addresses, columns)
         commits.append(time.perf_counter() - before)
         cpu += time.process_time() - cpu_before
+    looking.cancel()
+    await asyncio.gather(looking, return_exceptions=True)
     await store.close()
-    size = sum(file.stat().st_size for file in path.parent.glob(path.name + "*"))
+    written = written_bytes() - before_written
+    size = size_of(url)
     window = (START, START + samples // signals * 10_000)
-    drop_caches(path)
+    path = path_of(url)
+    if path is not None:
+        drop_caches(path)
     store = HistoryStore(url, SystemClock())
     await store.open()
     times = []
@@ -87,59 +142,119 @@ async def measure_blocks(path: Path, samples: int, signals: int) -> Figures:
         times.append(time.perf_counter() - before)
         assert 0 < series.time_us.size <= 2 * PIXELS
     await store.close()
-    return _figures(samples, sum(commits), cpu, size, times, commits)
+    return figures(url, samples, commits, cpu, size, written, meanwhile, times)
 
 
-def measure_rows(path: Path, samples: int, signals: int) -> Figures:
-    """Store and read one row a sample, with the index such a table needs."""
-    database = sqlite3.connect(path, isolation_level=None)
-    database.execute("pragma journal_mode=wal")
-    database.execute("pragma synchronous=full")
-    database.execute(
-        "create table sample (signal integer, time_us integer, value real,"
-        " primary key (signal, time_us)) without rowid"
-    )
-    commits, cpu = [], 0.0
+def measure_rows(url: str, samples: int, signals: int) -> Figures:
+    """Store and read one row a sample."""
+    tables = RowTables(url, signals)
+    cpu, commits, before_written = 0.0, [], written_bytes()
     for first in range(0, samples, BATCH):
         columns = batch(first, signals)
-        before, cpu_before = time.perf_counter(), time.process_time()
-        rows = zip(
-            columns.channel.tolist(), columns.time_us.tolist(), columns.value.tolist(), strict=True
-        )
-        database.execute("begin immediate")
-        database.executemany("insert or ignore into sample values (?, ?, ?)", rows)
-        database.execute("commit")
-        commits.append(time.perf_counter() - before)
+        cpu_before = time.process_time()
+        commits.append(tables.store(columns))
         cpu += time.process_time() - cpu_before
-    database.close()
-    size = sum(file.stat().st_size for file in path.parent.glob(path.name + "*"))
+    tables.engine.dispose()
+    written, size = written_bytes() - before_written, size_of(url)
+    path = path_of(url)
+    if path is not None:
+        drop_caches(path)
     past = START + samples // signals * 10_000
-    drop_caches(path)
-    database = sqlite3.connect(path)
-    times = []
-    for _ in range(4):
-        before = time.perf_counter()
-        database.execute(
-            "select (time_us - ?) / ?, min(value), max(value) from sample"
-            " where signal = 0 and time_us between ? and ? group by 1",
-            (START, max(1, (past - START) // PIXELS), START, past),
-        ).fetchall()
-        times.append(time.perf_counter() - before)
-    database.close()
-    return _figures(samples, sum(commits), cpu, size, times, commits)
+    times = [tables.chart(START, past, PIXELS) for _ in range(4)]
+    tables.engine.dispose()
+    return figures(url, samples, commits, cpu, size, written, [], times)
 
 
-def _figures(
-    samples: int, spent: float, cpu: float, size: int, times: list[float], commits: list[float]
+def figures(
+    url: str,
+    samples: int,
+    commits: list[float],
+    cpu: float,
+    size: int,
+    written: int,
+    meanwhile: list[float],
+    times: list[float],
 ) -> Figures:
+    """Sum up what was measured."""
+    ours = path_of(url) is not None  # what a server writes is not in our process's account
     return Figures(
-        rate=samples / spent,
-        cpu_s_per_million=cpu / samples * 1e6,
-        bytes_per_sample=size / samples,
+        rate=samples / sum(commits) / 1e3,
+        cpu=cpu / samples * 1e6,
+        commit_ms=float(np.percentile(commits, 99)) * 1e3,
+        size=size / samples,
+        written=written / samples if ours else float("nan"),
+        meanwhile_ms=float(np.percentile(meanwhile, 95)) * 1e3 if meanwhile else float("nan"),
         cold_ms=times[0] * 1e3,
         warm_ms=float(np.median(times[1:])) * 1e3,
-        slowest_commit_ms=float(np.percentile(commits, 99)) * 1e3,
     )
+
+
+def report(title: str, rows: list[Row], ours: Figures, peer: Figures | None) -> int:
+    """Print a table; give how many limits are missed."""
+    print(f"\n{title}")
+    print(f"{'':36}{'blocks':>9}{'limit':>9}{'rows':>10}{'ratio':>8}{'limit':>7}")
+    missed = 0
+    for row in rows:
+        mine = getattr(ours, row.name)
+        other = getattr(peer, row.name) if peer is not None else float("nan")
+        ratio = mine / other if row.more else other / mine
+        bad = mine < row.limit if row.more else mine > row.limit
+        bad = bad or ratio < row.times
+        missed += bool(bad)
+        limit = "" if np.isnan(row.limit) else f"{'≥' if row.more else '≤'} {row.limit:g}"
+        times = "" if np.isnan(row.times) else f"≥{row.times:g}×"
+        print(
+            f"{row.what:36}{mine:9.2f}{limit:>9}{other:10.2f}{ratio:7.1f}×{times:>7}"
+            f"{'  missed' if bad else ''}"
+        )
+    return missed
+
+
+def lines(rate: float, smaller: float, chart: str, *, day: bool) -> list[Row]:
+    """Give the figures with the limits that hold for a database."""
+    nan = float("nan")
+    return [
+        Row("ingest, k samples/s", "rate", rate, more=True),
+        Row("CPU, s per million samples", "cpu"),
+        Row("p99 commit, ms", "commit_ms", 25),
+        Row("bytes a sample", "size", 5 if day else nan, times=smaller),
+        Row("bytes written a sample", "written", 40),
+        Row("chart of 10 min meanwhile, p95, ms", "meanwhile_ms", 25),
+        Row(f"{chart}, cold, ms", "cold_ms", 60 if day else nan),
+        Row(f"{chart}, warm, ms", "warm_ms", 10 if day else nan, times=100 if day else nan),
+    ]
+
+
+def on_servers(samples: int) -> int:
+    """Measure each server that answers; give how many limits are missed."""
+    missed = 0
+    for name, server in SERVERS.items():
+        admin = sa.create_engine(server, isolation_level="AUTOCOMMIT")
+        try:
+            admin.connect().close()
+        except (sa.exc.SQLAlchemyError, OSError):
+            print(f"\n{name}: no server answers here")
+            continue
+        found = []
+        for kind in ("blocks", "rows"):
+            database = f"talaia_bench_{os.getpid()}"
+            url = sa.make_url(server).set(database=database).render_as_string(hide_password=False)
+            with admin.connect() as connection:
+                connection.exec_driver_sql(f"CREATE DATABASE {database}")
+            try:
+                if kind == "blocks":
+                    found.append(asyncio.run(measure_blocks(url, samples, 1)))
+                else:
+                    found.append(measure_rows(url, samples, 1))
+            finally:
+                with admin.connect() as connection:
+                    connection.exec_driver_sql(f"DROP DATABASE {database}")
+        admin.dispose()
+        rate = 300 if name == "PostgreSQL" else 200
+        shown = lines(rate, 8, f"chart of {samples}", day=False)
+        title = f"{name}, {samples} samples of 1 signal, {BATCH} a durable commit"
+        missed += report(title, shown, *found)
+    return missed
 
 
 async def measure_idle_hub(path: Path, seconds: float) -> tuple[float, float]:
@@ -166,41 +281,35 @@ async def measure_idle_hub(path: Path, seconds: float) -> tuple[float, float]:
     return percent, float(np.percentile(waits, 99)) * 1e3
 
 
-def report(ours: Figures, rows: Figures, samples: int, signals: int) -> None:
-    """Print the comparison."""
-    each = samples // signals
-    print(f"{samples} samples of {signals} signal(s), {BATCH} a durable commit, SQLite")
-    print(f"{'':38}{'blocks':>10}{'rows':>10}{'ratio':>8}")
-
-    def line(what: str, of: Callable[[Figures], float], more_is_better: bool = False) -> None:  # noqa: FBT001, FBT002
-        mine, other = of(ours), of(rows)
-        ratio = mine / other if more_is_better else other / mine
-        print(f"{what:38}{mine:10.2f}{other:10.2f}{ratio:7.1f}×")
-
-    line("ingest, k samples/s", lambda f: f.rate / 1e3, more_is_better=True)
-    line("CPU, s per million samples", lambda f: f.cpu_s_per_million)
-    line("p99 commit, ms", lambda f: f.slowest_commit_ms)
-    line("bytes a sample", lambda f: f.bytes_per_sample)
-    line(f"chart of {each} samples, cold, ms", lambda f: f.cold_ms)
-    line(f"chart of {each} samples, warm, ms", lambda f: f.warm_ms)
-
-
 def main() -> int:
-    """Measure and print."""
+    """Measure and print; give how many limits are missed."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--samples", type=int, default=8_640_000, help="samples in all")
+    parser.add_argument("--samples", type=int, default=8_640_000, help="samples in all, on SQLite")
     parser.add_argument("--signals", type=int, default=1, help="signals they are of")
+    parser.add_argument("--rows", type=int, default=1, help="0 leaves the tables of rows out")
+    parser.add_argument("--servers", type=int, default=200_000, help="samples on each server")
     parser.add_argument("--seconds", type=float, default=8.0, help="length of the hub's load")
     chosen = parser.parse_args()
     size = (chosen.samples, chosen.signals)
+    each = chosen.samples // chosen.signals
     with tempfile.TemporaryDirectory() as folder:
-        ours = asyncio.run(measure_blocks(Path(folder) / "blocks.db", *size))
-        rows = measure_rows(Path(folder) / "rows.db", *size)
-        report(ours, rows, *size)
-        percent, wait = asyncio.run(measure_idle_hub(Path(folder) / "load.db", chosen.seconds))
-    load = "20 × 100 Hz in 20 ms batches"
-    print(f"{load}: {percent:.1f} % of a core, acknowledged in {wait:.0f} ms (p99)")
-    return 0
+        ours = asyncio.run(measure_blocks(f"sqlite:///{folder}/blocks.db", *size))
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        peer = measure_rows(f"sqlite:///{folder}/rows.db", *size) if chosen.rows else None
+        day = each == 8_640_000
+        chart = "chart of a day at 100 Hz" if day else f"chart of {each}"
+        title = f"SQLite, {size[0]} samples of {size[1]} signal(s), {BATCH} a durable commit"
+        missed = report(title, lines(600, 4, chart, day=day), ours, peer)
+        if chosen.seconds:
+            percent, wait = asyncio.run(measure_idle_hub(Path(folder) / "l.db", chosen.seconds))
+            load = "20 × 100 Hz in 20 ms batches"
+            print(f"{load}: {percent:.1f} % of a core, acknowledged in {wait:.0f} ms (p99)")
+    print(f"memory of the process that stored the blocks: {memory:.0f} MiB (limit 300)")
+    missed += memory > 300
+    if chosen.servers:
+        missed += on_servers(chosen.servers)
+    print(f"\n{missed} limits missed" if missed else "\nall limits kept")
+    return missed
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The history store: what comes out is what went in."""
 
 import asyncio
+import itertools
 import shutil
 import tempfile
 from pathlib import Path
@@ -83,6 +84,38 @@ def test_what_comes_out_went_in_for_any_order_overlap_and_crash(some, stretches,
 
     with tempfile.TemporaryDirectory() as folder:
         asyncio.run(run(Path(folder)))
+
+
+def test_what_comes_out_went_in_on_each_database(url) -> None:
+    """The same on a server, with fewer examples: each is a site of its own."""
+    numbers = itertools.count()
+
+    @settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
+    @given(st.lists(row, min_size=1, max_size=30), stretches)
+    def one(some, stretches) -> None:
+        again = (some * 300)[:300]
+        rows = [
+            (channel, at + i // len(some), value) for i, (channel, at, value) in enumerate(again)
+        ]
+        site = f"site{next(numbers)}"
+
+        async def run() -> None:
+            stored = set()
+            for part in (stretches[::2], stretches[1::2]):
+                async with opened(url) as store:
+                    for first, length in part:
+                        some = batch(rows[first : first + length])
+                        await store.append(site, "b1", first, ADDRESSES, some)
+                        stored |= set(range(first, min(first + length, 300)))
+            async with opened(url) as store:
+                known = [r for i, r in enumerate(rows) if i in stored]
+                found = await store.read(site, ADDRESSES, *ALL, 1000)
+                for channel, series in enumerate(found):
+                    assert rows_of(series) == wanted(known, channel)
+
+        asyncio.run(run())
+
+    one()
 
 
 async def feed(store, count, rate=100, first=0, size=500, value=None):

@@ -1,4 +1,8 @@
-"""The history as the rest of the hub sees it."""
+"""The history as the rest of the hub sees it.
+
+The file is longer than 300 lines because all that the history promises stands here in one place;
+how it is done is in the modules beside it.
+"""
 
 from __future__ import annotations
 
