@@ -17,8 +17,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import numpy as np
-import psutil
-from playwright.async_api import CDPSession, Page, async_playwright, expect
+from playwright.async_api import Page, async_playwright, expect
 from stack import PASSWORD, Stack
 
 FLAGS = [
@@ -106,9 +105,6 @@ async def painted(stack: Stack, seconds: float) -> np.ndarray:
 async def day_drawn(stack: Stack, charts: int, day_us: int, times: int) -> np.ndarray:
     """Click "Yesterday" on the history page; ms until all charts have drawn that day.
 
-    Beside each, the ms of CPU that the hub and the page's main thread took meanwhile: on a machine
-    with other things to do, these say more than the clock.
-
     The page shows a quarter of an hour of that day before each click. The window is so tall that
     every chart is on the screen: one that is not would not be drawn.
     """
@@ -118,8 +114,6 @@ async def day_drawn(stack: Stack, charts: int, day_us: int, times: int) -> np.nd
     took = []
     async with browser_page(NOTE_DRAWN, height=1000 + charts * 470) as page:
         await sign_in(page, stack, path)
-        session = await page.context.new_cdp_session(page)
-        await session.send("Performance.enable", {"timeDomain": "threadTicks"})
         for _ in range(times):
             await expect(page.locator("t-history-chart canvas")).to_have_count(charts)
             await page.locator(".charts[aria-busy=false]").wait_for()
@@ -127,25 +121,12 @@ async def day_drawn(stack: Stack, charts: int, day_us: int, times: int) -> np.nd
             # Later than all that the page has loaded so far, margins and all.
             end = day_us + 86_400_000_000 - 600_000_000
             await page.evaluate(f"Object.assign(window.__drawn, {{all: {charts}, upTo: {end}}})")
-            before = await _cpu_ms(session), _hub_ms(stack)
             await page.get_by_label("Yesterday").click()
             await _until(page, "window.__drawn.took > 0")
-            after = await _cpu_ms(session), _hub_ms(stack)
-            clock = float(await page.evaluate("window.__drawn.took"))
-            took.append((clock, after[1] - before[1], after[0] - before[0]))
+            took.append(float(await page.evaluate("window.__drawn.took")))
             await page.evaluate("window.__drawn.upTo = Infinity")
             await page.go_back()
     return np.array(took)
-
-
-async def _cpu_ms(session: CDPSession) -> float:
-    metrics = (await session.send("Performance.getMetrics"))["metrics"]
-    return 1000 * next(each["value"] for each in metrics if each["name"] == "TaskDuration")
-
-
-def _hub_ms(stack: Stack) -> float:
-    used = psutil.Process(stack.hub.process.pid).cpu_times()
-    return 1000 * (used.user + used.system)
 
 
 async def _until(page: Page, true: str) -> None:

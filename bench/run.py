@@ -210,11 +210,10 @@ async def history_page() -> list[Figure]:
 
     start = day.yesterday_us()
     async with stack.running(charts, before=fill) as here:
-        took, hub, main = (await pages.day_drawn(here, charts, start, times=5)).T
+        took = await pages.day_drawn(here, charts, start, times=8)
     return [
-        Figure("click → ten charts of a day drawn, median of 5", float(np.median(took)), 300, "ms"),
-        Figure("of that, CPU of the hub, median", float(np.median(hub)), 150, "ms"),
-        Figure("of that, CPU of the page's main thread, median", float(np.median(main)), 150, "ms"),
+        Figure("click → ten charts of a day drawn, median of 8", float(np.median(took)), 300, "ms"),
+        Figure("click → ten charts of a day drawn, slowest", float(took.max()), 300, "ms"),
     ]
 
 

@@ -24,13 +24,24 @@ function format(zone: string, options: Intl.DateTimeFormatOptions): Intl.DateTim
   return made;
 }
 
+const zones = new Map<string, string>();
+
 /** The zone itself, or UTC when this browser does not know it. */
 export function knownZone(zone: string): string {
+  let known = zones.get(zone);
+  if (known === undefined) {
+    known = isKnown(zone) ? zone : "UTC";
+    zones.set(zone, known);
+  }
+  return known;
+}
+
+function isKnown(zone: string): boolean {
   try {
     new Intl.DateTimeFormat("en-GB", { timeZone: zone });
-    return zone;
+    return true;
   } catch {
-    return "UTC";
+    return false;
   }
 }
 

@@ -6,6 +6,9 @@ export const HOUR_US = 60 * MINUTE_US;
 export const DAY_US = 24 * HOUR_US;
 const QUARTER_US = 15 * MINUTE_US;
 
+/** So many offsets are remembered: what the marks of a page of charts take. */
+const MOST_QUARTERS = 500;
+
 const WALL = {
   year: "numeric",
   month: "2-digit",
@@ -19,8 +22,7 @@ const WALL = {
 /** A zone's clock. Build one and keep it: building takes far longer than using it. */
 export class ZoneClock {
   private readonly format: Intl.DateTimeFormat;
-  private quarter = NaN;
-  private offset = 0;
+  private readonly offsets = new Map<number, number>();
 
   /** @param zone an IANA name that this browser knows */
   constructor(readonly zone: string) {
@@ -32,11 +34,13 @@ export class ZoneClock {
     // Zones change their offset at full quarters of an hour only, and a chart asks for the same
     // quarter over and over: asking the formatter each time was the dearest part of a live axis.
     const quarter = Math.floor(us / QUARTER_US) * QUARTER_US;
-    if (quarter !== this.quarter) {
-      this.quarter = quarter;
-      this.offset = this.wallUs(quarter) - quarter;
+    let offset = this.offsets.get(quarter);
+    if (offset === undefined) {
+      offset = this.wallUs(quarter) - quarter;
+      if (this.offsets.size >= MOST_QUARTERS) this.offsets.clear();
+      this.offsets.set(quarter, offset);
     }
-    return this.offset;
+    return offset;
   }
 
   /** Start of the day in which a moment lies. */
@@ -82,4 +86,16 @@ export class ZoneClock {
     const { year = 1970, month = 1, day = 1, hour = 0, minute = 0, second = 0 } = part;
     return Date.UTC(year, month - 1, day, hour, minute, second) * 1000;
   }
+}
+
+const clocks = new Map<string, ZoneClock>();
+
+/** The zone's clock, one for all who ask: charts that stand together ask for the same moments. */
+export function clockOf(zone: string): ZoneClock {
+  let clock = clocks.get(zone);
+  if (clock === undefined) {
+    clock = new ZoneClock(zone);
+    clocks.set(zone, clock);
+  }
+  return clock;
 }

@@ -11,7 +11,7 @@ import { customElement, property, query } from "lit/decorators.js";
 import { knownZone } from "../../format/time.js";
 import type { Range } from "../../series/range.js";
 import { lengthOf, type Span } from "../../series/window.js";
-import { ZoneClock } from "../../series/zone.js";
+import { clockOf } from "../../series/zone.js";
 import { base } from "../base.js";
 import { Axes } from "./axes.js";
 import { drawMarks, type ChartMark } from "./draw-marks.js";
@@ -253,7 +253,7 @@ export class Chart extends LitElement implements Paintable {
     if (root instanceof ShadowRoot && !root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets.push(sheet);
     this.palette = readPalette(this);
     this.view = new ChartView(UPlot, this.place, this.size, this.palette, {
-      clock: new ZoneClock(knownZone(this.zone)),
+      clock: clockOf(knownZone(this.zone)),
       axisWidth: this.axisWidth,
       axes: this.axes.looks,
       indent: this.indent,

@@ -5,7 +5,7 @@ import { customElement, property, queryAll, state } from "lit/decorators.js";
 import { base } from "../../elements/base.js";
 import { knownZone, timeText, zoneName } from "../../format/time.js";
 import { lengthOf, pan, zoom, type Span } from "../../series/window.js";
-import { ZoneClock } from "../../series/zone.js";
+import { clockOf, type ZoneClock } from "../../series/zone.js";
 import { QUICK, quickOf, quickShown, spanOf, type HistoryView } from "./query.js";
 import "../../elements/button.js";
 import "../../elements/choice.js";
@@ -187,7 +187,7 @@ export class HistoryTools extends LitElement {
   }
 
   private clock(): ZoneClock {
-    return new ZoneClock(knownZone(this.zone));
+    return clockOf(knownZone(this.zone));
   }
 
   private readonly quick = (event: CustomEvent<string>): void => {

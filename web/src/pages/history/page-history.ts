@@ -17,7 +17,7 @@ import { momentText } from "../../elements/chart/read-out.js";
 import { adviceFor } from "../../format/problem.js";
 import { formatDate, knownZone, utcSpan } from "../../format/time.js";
 import { Pace } from "../../series/pace.js";
-import { DAY_US, ZoneClock } from "../../series/zone.js";
+import { DAY_US, clockOf, type ZoneClock } from "../../series/zone.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { EventList, SiteDetail } from "../../wire/api.js";
@@ -110,7 +110,7 @@ export class PageHistory extends LitElement {
     const detail = this.detail.value;
     if (detail === undefined) return;
     this.rows = rowsOf(detail);
-    this.clock = this.clock?.zone === knownZone(detail.zone) ? this.clock : new ZoneClock(knownZone(detail.zone));
+    this.clock = clockOf(knownZone(detail.zone));
     this.data ??= new WindowData(this.api, () => {
       this.requestUpdate();
     });
@@ -264,7 +264,10 @@ export class PageHistory extends LitElement {
 
   private mark({ events }: WindowData, detail: SiteDetail): void {
     if (events === this.markedOf) return;
+    // Nothing new happened: charts that got another list would be drawn again for it.
+    const same = JSON.stringify(events.events) === JSON.stringify(this.markedOf?.events ?? []);
     this.markedOf = events;
+    if (same) return;
     this.marks = marksOf(events.events, new Map(detail.devices.map(({ id, name }) => [id, name])));
   }
 

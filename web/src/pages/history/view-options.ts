@@ -7,7 +7,7 @@ import { base } from "../../elements/base.js";
 import { control } from "../../elements/control.js";
 import { knownZone } from "../../format/time.js";
 import type { Span } from "../../series/window.js";
-import { DAY_US, ZoneClock } from "../../series/zone.js";
+import { DAY_US, clockOf, type ZoneClock } from "../../series/zone.js";
 import type { HistoryView } from "./query.js";
 import "../../elements/button.js";
 
@@ -72,7 +72,7 @@ export class ViewOptions extends LitElement {
   }
 
   private clock(): ZoneClock {
-    return new ZoneClock(knownZone(this.zone));
+    return clockOf(knownZone(this.zone));
   }
 
   private then(): number {
