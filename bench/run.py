@@ -191,6 +191,7 @@ async def storm() -> list[Figure]:
         Figure("500 gateways back after", took, 60, "s"),
         Figure("the hub grew by", grown, 64, "MiB"),
         *percentiles("driving meanwhile", ages, 20, 20),
+        Figure("driving frames that did not arrive", 100 - ages.size / 2, 5, "%"),
     ]
 
 
