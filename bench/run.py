@@ -2,7 +2,7 @@
 
     make bench                   all of it, about four minutes
     make bench ARGS="load page"  only some parts: load, idle, page, drive, drive-demo,
-                                 size, demo, history
+                                 size, demo, history, signin
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -21,6 +21,7 @@ from typing import NamedTuple
 import clients
 import numpy as np
 import pages
+import signin
 import stack
 
 TOPICS, RATE = 20, 100.0
@@ -136,9 +137,22 @@ async def history() -> list[Figure]:
     return [Figure("limits of the history that are missed", done.returncode, 0, "limits")]
 
 
+async def signin_() -> list[Figure]:
+    """Whether a refused sign-in tells by its time that there is a person of that name."""
+    known, other = await signin.refusals(60)
+    middle = float(np.median(known))
+    beyond = abs(middle - float(np.median(other))) / middle * 100
+    # Two halves of the same: what the machine alone makes of it.
+    noise = abs(float(np.median(known[::2])) - float(np.median(known[1::2]))) / middle * 100
+    return [
+        Figure("known and unknown name, medians apart", beyond, 10.0, "%"),
+        Figure("the same name twice, medians apart (noise)", noise, 10.0, "%"),
+    ]
+
+
 PARTS = {
     "load": load, "idle": idle, "page": page, "drive": drive, "drive-demo": drive_demo,
-    "size": size, "demo": demo, "history": history,
+    "size": size, "demo": demo, "history": history, "signin": signin_,
 }  # fmt: skip
 
 

@@ -10,6 +10,7 @@ import json
 import re
 import subprocess
 import sys
+import tempfile
 from enum import StrEnum
 from pathlib import Path
 from typing import get_args
@@ -17,6 +18,10 @@ from typing import get_args
 import msgspec
 
 from talaia.cli.main import WORDS
+from talaia.clock import SystemClock
+from talaia.hub.api.openapi import describe_api
+from talaia.hub.app import build
+from talaia.hub.settings import Settings
 from talaia.model import site
 from talaia.model.schema import site_schema
 from talaia.model.unit import UNITS
@@ -33,6 +38,7 @@ def main(*, check_only: bool) -> int:
         "site-description.md": site_page(),
         "wire.md": wire_page(),
         "commands.md": commands_page(),
+        "openapi.json": openapi_text(),
         "site.schema.json": json.dumps(site_schema(), indent=2, ensure_ascii=False) + "\n",
     }
     stale = []
@@ -92,13 +98,25 @@ def wire_page() -> str:
 def commands_page() -> str:
     """Show the help of every word of the command line."""
     parts = [NOTE + "# The `talaia` command\n"]
-    for name in WORDS:
+    for name in sorted([*WORDS, "gateway enrol"], key=ordered):
         done = subprocess.run(
-            [sys.executable, "-m", "talaia", name, "--help"],
+            [sys.executable, "-m", "talaia", *name.split(), "--help"],
             capture_output=True, text=True, check=True, env={**child_environment()},
         )  # fmt: skip
         parts.append(f"## talaia {name}\n\n```text\n{done.stdout.strip()}\n```\n")
     return "\n".join(parts)
+
+
+def openapi_text() -> str:
+    """Describe the HTTP API; the hub is only put together for it, and nothing is opened."""
+    with tempfile.TemporaryDirectory() as folder:
+        hub = build(Settings(data=Path(folder)), SystemClock())
+    return json.dumps(describe_api(hub.app), indent=2, ensure_ascii=False) + "\n"
+
+
+def ordered(name: str) -> tuple[int, str]:
+    """Keep the order of the words, each with its own words after it."""
+    return list(WORDS).index(name.split()[0]), name
 
 
 def child_environment() -> dict[str, str]:

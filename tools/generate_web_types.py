@@ -11,13 +11,13 @@ import json
 import sys
 import types
 from pathlib import Path
-from typing import TYPE_CHECKING, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Literal, Union, get_args, get_origin
 
 import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
-from talaia.hub.api import history_shapes, shapes
+from talaia.hub.api import history_shapes, people_shapes, shapes
 from talaia.hub.auth.permissions import Right
 from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
 from talaia.model.unit import UNITS
@@ -34,6 +34,7 @@ UNIONS = (
     ("MediaToBrowser", browser.MediaToBrowser),
     ("MediaFromBrowser", browser.MediaFromBrowser),
 )
+SHAPES = (shapes, people_shapes, history_shapes)
 # Texts of the API that come from a closed list.
 CLOSED = {
     ("SignalShape", "type"): [kind.value for kind in SignalType],
@@ -41,6 +42,8 @@ CLOSED = {
     ("ArgumentShape", "type"): [kind.value for kind in ArgumentType],
     ("DeviceShape", "kind"): [kind.value for kind in DeviceKind],
     ("DeviceShape", "rights"): [right.value for right in Right],
+    ("DeviceSummary", "kind"): [kind.value for kind in DeviceKind],
+    ("DeviceSummary", "rights"): [right.value for right in Right],
     ("SeriesShape", "kind"): ["exact", "minmax"],
 }
 SIMPLE = {int: "number", float: "number", str: "string", bool: "boolean", types.NoneType: "null"}
@@ -188,6 +191,8 @@ def api_type(hint: object, words: list[str] | None) -> str:
     """
     if hint is str and words:
         return " | ".join(json.dumps(word) for word in words)
+    if get_origin(hint) is Literal:
+        return " | ".join(json.dumps(word) for word in get_args(hint))
     if isinstance(hint, type) and hint in SIMPLE:
         return SIMPLE[hint]
     if isinstance(hint, type) and issubclass(hint, BaseModel):
@@ -203,16 +208,23 @@ def api_type(hint: object, words: list[str] | None) -> str:
 def api_text() -> str:
     """Write api.ts."""
     parts = []
-    owners = [(module, name) for module in (shapes, history_shapes) for name in module.__all__]
-    for module, name in owners:
-        shape_class: type[BaseModel] = getattr(module, name)
+    classes: list[type[BaseModel]] = [
+        getattr(module, name) for module in SHAPES for name in module.__all__
+    ]
+    for shape_class in classes:
+        name = shape_class.__name__
         lines = [f"/** {first_sentence(shape_class)} */", f"export interface {name} {{"]
         for key, info in shape_class.model_fields.items():
             mark = "" if info.is_required() else "?"
             kind = api_type(info.annotation, CLOSED.get((name, key)))
             lines.append(f"  readonly {key}{mark}: {kind};")
         parts.append("\n".join([*lines, "}"]))
-    return FIRST_LINE.format(source="hub.api.shapes") + "\n" + "\n\n".join(parts) + "\n"
+    return (
+        FIRST_LINE.format(source="hub.api.shapes and people_shapes")
+        + "\n"
+        + "\n\n".join(parts)
+        + "\n"
+    )
 
 
 def units_text() -> str:

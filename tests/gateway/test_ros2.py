@@ -23,6 +23,7 @@ from talaia.wire.frames import (
     LeaseAsk,
     LeaseOp,
     LeaseState,
+    Reconnect,
     ResetAsk,
     ResetToken,
     StopAsk,
@@ -238,3 +239,75 @@ async def test_pictures_come_only_while_somebody_looks(hub: FakeHub, peer: Peer)
     await peer.do("image", encoding="yuv9")
     event = await hub.next(Event, lambda each: each.kind == "unreadable")
     assert "yuv9" in event.message
+
+
+async def test_device_that_is_connected_anew_says_what_is_not_there_and_works_on(
+    hub: FakeHub, peer: Peer
+) -> None:
+    await hub.send(Reconnect(device="base", who="Ada"))
+    told = await hub.next(Event, lambda each: each.kind.startswith("device "))
+    assert (told.kind, told.device, told.who, told.good) == (
+        "device not reconnected", "base", "Ada", False
+    )  # fmt: skip
+    assert "7 of 9" in told.message
+    assert "/odd (its type is not known here)" in told.message
+    assert "/absent (no such service now)" in told.message
+    await peer.until_heard_by(1)
+    await peer.do("count", **{"from": 0, "to": 50, "hz": 500})
+    await hub.until(lambda: len(hub.values("base/number")) >= 50, "samples")
+    assert (await command(hub, "wander", "after", active=True)).phase is CommandPhase.SUCCEEDED
+
+
+async def test_reconnecting_a_device_leaves_driving_alone(hub: FakeHub, peer: Peer) -> None:
+    epoch = await take_lease(hub)
+    await drive(hub, epoch)
+    await peer.until(lambda: any(row[0] > 0 for row in peer.heard("cmd")))
+    await hub.send(Reconnect(device="base", who="Ada"))
+    heard = len(peer.heard("cmd"))
+    await drive(hub, epoch, 0.1)
+    await peer.until(lambda: any(row[0] == 0.1 for row in peer.heard("cmd")[heard:]))
+    state = await hub.next(DriveState, lambda each: each.linear == 0.1)
+    assert state.device == "base"
+
+
+async def test_device_with_all_of_it_there_is_connected_anew(peer: Peer, tmp_path: Path) -> None:
+    text = """
+talaia: 1
+site: test
+name: Test robot
+ros2: {}
+devices:
+  base:
+    name: Base
+    signals:
+      number: {name: N, source: {topic: /number, type: std_msgs/msg/Float64, field: data}}
+    commands:
+      wander:
+        name: Wander
+        target: /wander
+        type: std_srvs/srv/SetBool
+        arguments: {active: {type: boolean, field: data}}
+  spare: {name: Spare}
+"""
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path, text):
+        await hub.until(lambda: hub.hellos, "a hello")
+        await peer.until_heard_by(1)
+        for device, said in (
+            ("base", "2 of 2 topics and services are there"),
+            ("spare", "it has nothing on the robot to connect to"),
+        ):
+            await hub.send(Reconnect(device=device, who="Ada"))
+            told = await hub.next(Event, lambda each: each.kind.startswith("device "))
+            assert (told.kind, told.message, told.good) == ("device reconnected", said, True)
+        await hub.send(Reconnect(device="cellar", who="Ada"))
+        told = await hub.next(Event, lambda each: each.kind.startswith("device "))
+        assert (told.good, told.message) == (False, "there is no such device at the robot now")
+
+
+async def test_site_without_a_robot_says_so_when_asked_to_reconnect(tmp_path: Path) -> None:
+    text = "talaia: 1\nsite: q\nname: Q\ndevices: {d: {name: D}}"
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path, text):
+        await hub.until(lambda: hub.hellos, "a hello")
+        await hub.send(Reconnect(device="d", who="Ada"))
+        told = await hub.next(Event)
+        assert (told.good, told.message) == (False, "this site has no robot connection")

@@ -36,6 +36,8 @@ from talaia.wire.frames import (
     Welcome,
 )
 
+from .databases import database, database_url  # noqa: F401 - fixtures of every test of the hub
+
 DESCRIPTION = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
 PASSWORD = "a password for tests"  # noqa: S105
 DEADLINE_S = 10.0

@@ -26,7 +26,15 @@ async def test_everything_else_wants_a_session(hub) -> None:
 async def test_sign_in_tells_who_you_are_and_leaves_a_guarded_cookie(hub) -> None:
     client = await hub.client()
     answer = await client.post("/api/login", json={"name": "Operator", "password": PASSWORD})
-    assert answer.json() == {"name": "operator", "role": "operator", "admin": False}
+    me = answer.json()
+    assert (me["name"], me["role"], me["admin"], me["factor"]) == (
+        "operator",
+        "operator",
+        False,
+        False,
+    )
+    assert [each["right"] for each in me["permissions"]] == ["view", "use"]
+    assert me["ends_us"] > me["idle_ends_us"] > 0
     cookie = answer.headers["set-cookie"].lower()
     assert all(word in cookie for word in ("httponly", "samesite=strict", "path=/"))
     assert (await client.get("/api/me")).json()["name"] == "operator"
@@ -91,11 +99,8 @@ async def test_first_start_offers_setup_once(empty_hub) -> None:
     weak = {"token": token, "name": "ada", "password": "short"}
     assert (await first.post("/api/setup", json=weak)).status_code == 422
     asked = {"token": token, "name": "ada", "password": PASSWORD}
-    assert (await first.post("/api/setup", json=asked)).json() == {
-        "name": "ada",
-        "role": "admin",
-        "admin": True,
-    }
+    me = (await first.post("/api/setup", json=asked)).json()
+    assert (me["name"], me["role"], me["admin"]) == ("ada", "admin", True)
     again = {"token": token, "name": "eve", "password": PASSWORD}
     assert (await second.post("/api/setup", json=again)).status_code == 403
     assert (await first.get("/api/me")).json()["name"] == "ada"

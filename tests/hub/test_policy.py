@@ -49,6 +49,7 @@ SIGNED_IN = EVERYONE - {"nobody"}
 MEETS = {
     Need.OPEN: (EVERYONE, EVERYONE, EVERYONE, EVERYONE),
     Need.SESSION: (SIGNED_IN, SIGNED_IN, SIGNED_IN, SIGNED_IN),
+    Need.OWN: (SIGNED_IN, SIGNED_IN, SIGNED_IN, SIGNED_IN),
     Need.SEE: (SIGNED_IN, {"barn operator", "operator", "admin"}, SIGNED_IN, set()),
     Need.VIEW: (
         {"operator", "admin"},

@@ -98,5 +98,5 @@ def test_certificate_is_kept_until_a_month_before_its_end(tmp_path) -> None:
 
 
 def test_certificate_without_its_key_is_refused(tmp_path) -> None:
-    with pytest.raises(CannotStart, match="both --cert and --key"):
+    with pytest.raises(CannotStart, match="both --tls-cert and --tls-key"):
         own_certificate(Settings(data=tmp_path, cert=tmp_path / "cert.pem"), NOW)

@@ -95,7 +95,7 @@ async def stored(stack: Stack, cookie: str, from_us: int) -> set[int]:
 async def on_disk(stack: Stack, from_us: int) -> Series:
     """Read the database itself, once nobody has it open."""
     settings = Settings(data=stack.folder, host="127.0.0.1", port=stack.port, plain=True)
-    store = HistoryStore(settings.history_url, SystemClock())
+    store = HistoryStore(settings.url, SystemClock())
     await store.open()
     try:
         (series,) = await store.read(SITE, [COUNT], from_us, _now_us(), 10_000)

@@ -22,22 +22,31 @@ def main(argv: Sequence[str]) -> int:
     """Ask for the password (or read it from standard input) and make the account."""
     parser = argparse.ArgumentParser(
         "talaia account",
-        description="Make a person's account, or set its password (asked for, or read from stdin).",
+        description="Make a person's account, or set its password (asked for, or read from stdin)."
+        " TALAIA_DATABASE_URL says where the hub keeps its accounts, unless in the data folder.",
     )
     parser.add_argument("name", help="what the person signs in with")
     parser.add_argument(
-        "--role", choices=("guest", "operator", "admin"), default="operator", help="(operator)"
+        "--role", default="operator", help="guest, operator, admin or one of yours (operator)"
     )
     parser.add_argument(
         "--new-password", action="store_true", help="the person is there; only set the password"
     )
+    parser.add_argument(
+        "--remove-factor", action="store_true", help="the person has lost the second factor"
+    )
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
+    settings = Settings(data=options.data, database_url=Settings.url_from())
+    if options.remove_factor:
+        removed = asyncio.run(accounts.remove_factor(settings, options.name))
+        said = "signs in without a second factor now" if removed else "has no second factor"
+        print(f"{options.name} {said}; sessions that were open are ended")
+        return 0
     if sys.stdin.isatty():
         password = getpass.getpass(f"password for {options.name}: ")
     else:
         password = sys.stdin.readline().rstrip("\n")
-    settings = Settings(data=options.data)
     if options.new_password:
         asyncio.run(accounts.set_password(settings, options.name, password))
         print(f"{options.name} has a new password; sessions that were open are ended")

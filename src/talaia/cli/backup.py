@@ -28,5 +28,5 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
     settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
-    print(f"backup: {backup(settings.history_url, options.data, options.folder, SystemClock())}")
+    print(f"backup: {backup(settings.url, options.data, options.folder, SystemClock())}")
     return 0

@@ -113,7 +113,9 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     simulator += ["--log", str(data / "actuations.jsonl")]
     simulator += ["--no-camera"] if options.no_camera else []
     parts.append(await start("simulated vehicle", simulator, data / "sim.log", here))
-    settings = Settings(data=data, host="127.0.0.1", port=port, plain=True)
+    settings = Settings(
+        data=data, host="127.0.0.1", port=port, plain=True, database_url=Settings.url_from()
+    )
     logins = [Login(role, secrets.token_urlsafe(6), role) for role in ROLES]
     for login in logins:
         try:

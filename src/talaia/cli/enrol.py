@@ -24,5 +24,11 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("site", help="the short name in the site description")
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
-    print(asyncio.run(accounts.create_gateway(Settings(data=options.data), options.site)))
+    print(
+        asyncio.run(
+            accounts.create_gateway(
+                Settings(data=options.data, database_url=Settings.url_from()), options.site
+            )
+        )
+    )
     return 0

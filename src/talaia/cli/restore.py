@@ -33,9 +33,9 @@ def main(argv: Sequence[str]) -> int:
     options = parser.parse_args(argv)
     settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
     make_data_folder(settings)
-    if settings.database_url and not settings.history_url.startswith("sqlite"):
+    if not settings.url.startswith("sqlite"):
         asyncio.run(_migrate(settings))
-        print(f"restored: {restore_server(options.folder, settings.history_url)} rows")
+        print(f"restored: {restore_server(options.folder, settings.url)} rows")
     restore_folder(options.folder, options.data)
     print("restored: it takes effect when the hub starts next")
     return 0

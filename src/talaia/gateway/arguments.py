@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from talaia.gateway.errors import SettingsError
+from talaia.gateway.keyfile import read_key_file
 from talaia.gateway.settings import HubAddress, Settings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from talaia.gateway.keyfile import KeyFile
     from talaia.model.site import Site
 
 __all__ = ["parsed", "settings_of"]
@@ -27,8 +29,12 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
     """Read the words; a mistake ends the process with 2 and one line."""
     parser = _Parser(prog="talaia gateway", description="Run the gateway beside a robot.")
     parser.add_argument("site", type=Path, help="site description (YAML)")
-    parser.add_argument("--hub", required=True, metavar="URL", help="wss://host:port")
-    parser.add_argument("--key-file", required=True, type=Path, metavar="FILE")
+    parser.add_argument(
+        "--hub", metavar="URL", help="wss://host:port; not needed with a key file of enrol"
+    )
+    parser.add_argument(
+        "--key-file", required=True, type=Path, metavar="FILE", help="made by talaia gateway enrol"
+    )
     trust = parser.add_mutually_exclusive_group()
     trust.add_argument("--fingerprint", default="", metavar="HEX", help="SHA-256 of the hub's cert")
     trust.add_argument("--ca", type=Path, metavar="FILE", help="certificate authorities (PEM)")
@@ -46,21 +52,32 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
         SettingsError: a key file that holds no key, an address that is none.
 
     """
-    try:
-        key = arguments.key_file.read_text().strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingsError(f"--key-file {arguments.key_file}: {error}") from error
-    if not key or any(ord(each) <= 32 or ord(each) > 126 for each in key):
-        raise SettingsError(f"--key-file {arguments.key_file}: expected the key on one line")
+    kept = read_key_file(arguments.key_file)
+    if kept.site and kept.site != site.site:
+        raise SettingsError(
+            f"--key-file {arguments.key_file} is for the site {kept.site!r}, and the description "
+            f"is of {site.site!r}; give the key file of this site, or enrol for it"
+        )
+    if not arguments.hub and not kept.hub:
+        raise SettingsError(
+            f"--key-file {arguments.key_file} does not say where the hub is; give --hub"
+        )
     state = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
     return Settings(
-        hub=HubAddress.checked(
-            arguments.hub,
-            fingerprint=arguments.fingerprint,
-            ca=arguments.ca,
-            allow_plain=arguments.allow_plain,
-        ),
-        key=key,
+        hub=_hub(arguments, kept),
+        key=kept.key,
         data=arguments.data or Path(state) / "talaia" / "gateway" / site.site,
         domain=arguments.ros_domain,
+    )
+
+
+def _hub(arguments: argparse.Namespace, kept: KeyFile) -> HubAddress:
+    """Take the address and the trust of the words, else those of the key file."""
+    ca = arguments.ca or (Path(kept.ca) if kept.ca and not arguments.fingerprint else None)
+    return HubAddress.checked(
+        arguments.hub or kept.hub,
+        fingerprint=arguments.fingerprint or ("" if arguments.ca else kept.fingerprint),
+        ca=ca,
+        # Whoever enrolled in clear text (on loopback) has asked for it then.
+        allow_plain=arguments.allow_plain or not arguments.hub,
     )

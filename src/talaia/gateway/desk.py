@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 from talaia.wire.frames import (
     Ack,
     CommandAsk,
+    CommandPhase,
     Drive,
     Event,
     LeaseAsk,
+    Reconnect,
     ResetAsk,
     StopAsk,
     Watch,
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.commanding import Commanding
     from talaia.gateway.control import Control
-    from talaia.gateway.ports import Adapter
+    from talaia.gateway.ports import Adapter, Outcome
     from talaia.gateway.spool.keeper import Keeper
     from talaia.gateway.uplink.lanes import Lanes
     from talaia.wire.frames import FromGateway, FromHub, Welcome
@@ -72,10 +74,18 @@ class Voice:
             )
         )
 
-    def tell(self, kind: str, message: str, *, device: str = "", good: bool = False) -> None:
+    def tell(
+        self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
+    ) -> None:
         """Write down, from any thread."""
-        time_us = self._clock.wall_ns() // 1000
-        event = Event(kind=kind, device=device, message=message[:2000], time_us=time_us, good=good)
+        event = Event(
+            kind=kind,
+            device=device,
+            message=message[:2000],
+            who=who,
+            time_us=self._clock.wall_ns() // 1000,
+            good=good,
+        )
         self._loop.call_soon_threadsafe(self._lanes.send, event)
 
 
@@ -128,8 +138,10 @@ class FrontDesk:
         commanding: Commanding,
         keeper: Keeper,
         adapter: Adapter,
+        voice: Voice,
     ) -> None:
-        """Take all who act."""
+        """Take all who act, and the voice that tells how it went."""
+        self._voice = voice
         self._boot = boot
         self._control = control
         self._pacer = pacer
@@ -176,9 +188,19 @@ class FrontDesk:
                 self._spawn(self._commanding.ask(message))
             case Watch():
                 self._adapter.watch(message.streams)
+            case Reconnect():
+                self._reconnect(message)
             case _:
                 log.debug("nothing to do for %s", type(message).__name__)
         self._pacer.touch()
+
+    def _reconnect(self, asked: Reconnect) -> None:
+        def done(outcome: Outcome) -> None:
+            good = outcome.phase is CommandPhase.SUCCEEDED
+            kind = "device reconnected" if good else "device not reconnected"
+            self._voice.tell(kind, outcome.message, device=asked.device, who=asked.who, good=good)
+
+        self._adapter.reconnect(asked.device, done)
 
     def _spawn(self, work: Coroutine[None, None, None]) -> None:
         task = asyncio.ensure_future(work)

@@ -6,8 +6,10 @@ GatewayError
 ├── AdapterLost       the robot's side cannot be reached
 ├── SpoolError        the data folder cannot be used
 ├── SettingsError     the gateway was started with settings that do not fit
+├── EnrolRefused      the hub does not take the one-time code
 └── LinkLost          the hub cannot be reached
-    └── KeyRefused    the hub does not know our key
+    ├── HubUnreachable    it could not be asked, when enrolling
+    └── KeyRefused        the hub does not know our key
 """
 
 from __future__ import annotations
@@ -16,8 +18,10 @@ from talaia.errors import TalaiaError
 
 __all__ = [
     "AdapterLost",
+    "EnrolRefused",
     "FieldError",
     "GatewayError",
+    "HubUnreachable",
     "KeyRefused",
     "LinkLost",
     "SettingsError",
@@ -72,8 +76,25 @@ class SettingsError(GatewayError):
     """The gateway was started with settings that do not fit."""
 
 
+class EnrolRefused(GatewayError):
+    """The hub does not take the one-time code."""
+
+    def __init__(self, code: str, sentence: str) -> None:
+        """Keep the hub's word for programs, and its sentence for people."""
+        super().__init__(code, sentence)
+        self.code = code
+        self.sentence = sentence
+
+    def __str__(self) -> str:
+        return self.sentence
+
+
 class LinkLost(GatewayError):
     """The hub cannot be reached, or stopped answering."""
+
+
+class HubUnreachable(LinkLost):
+    """The hub could not be asked: it is not there, or is not the one that was meant."""
 
 
 class KeyRefused(LinkLost):

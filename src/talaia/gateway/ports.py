@@ -119,3 +119,11 @@ class Adapter(CommandTarget, Readings, Protocol):
     def watch(self, streams: Collection[str]) -> None:
         """Take pictures of these streams (``device/stream``) and of no others."""
         ...
+
+    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+        """Connect anew to all that belongs to a device, but for driving and STOP.
+
+        ``done`` is called once, from any thread, within some seconds: *succeeded* when all of it
+        is there, else *failed* with what is not.
+        """
+        ...

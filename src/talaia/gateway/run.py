@@ -1,4 +1,4 @@
-"""The gateway's process: builds every part, runs them in one task group, ends them in order."""
+"""The gateway, in one place: builds every part, runs them in one task group, ends them in order."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ import uvloop
 from talaia import __version__
 from talaia.clock import SystemClock
 from talaia.errors import TalaiaError
+from talaia.gateway import enrol
 from talaia.gateway.adapters.nobody import Nobody
 from talaia.gateway.arguments import parsed, settings_of
 from talaia.gateway.batching import Batcher
@@ -115,7 +116,13 @@ class Gateway:
             self._lanes.send,
         )
         self._desk = FrontDesk(
-            self._boot, self._control, self._pacer, self._commanding, self._keeper, self._adapter
+            self._boot,
+            self._control,
+            self._pacer,
+            self._commanding,
+            self._keeper,
+            self._adapter,
+            self._voice,
         )
         self._trust = Trust(settings.hub)
 
@@ -272,6 +279,8 @@ async def _serve(site: Site, settings: Settings) -> None:
 
 def main(argv: Sequence[str]) -> int:
     """Run a gateway until SIGINT or SIGTERM; 0 after a clean end, 2 if it cannot start."""
+    if argv and argv[0] == "enrol":
+        return enrol.main(argv[1:])
     arguments = parsed(argv)
     logging.basicConfig(
         level=logging.DEBUG if arguments.verbose else logging.INFO,

@@ -19,7 +19,8 @@ class HubAddress:
 
     Attributes:
         url: ``wss://host:port``, without a path.
-        fingerprint: SHA-256 of the hub's certificate, hex without colons; empty to use a CA.
+        fingerprint: SHA-256 of the hub's certificate or of its public key, hex without colons;
+            empty to use a CA.
         ca: file of certificate authorities; none takes the system's.
 
     """

@@ -7,9 +7,13 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
 from talaia.hub.auth.passwords import Passwords, check_name, check_password
-from talaia.hub.errors import CannotStart
+from talaia.hub.auth.seal import SEAL_FILE, seal_of
+from talaia.hub.errors import CannotStart, UnknownPerson
+from talaia.hub.store.audit import Audit
 from talaia.hub.store.database import Database
+from talaia.hub.store.factors import Factors
 from talaia.hub.store.people import People
+from talaia.hub.store.sessions import Sessions
 from talaia.hub.store.sites import SiteRegistry
 
 if TYPE_CHECKING:
@@ -17,7 +21,16 @@ if TYPE_CHECKING:
 
     from talaia.hub.settings import Settings
 
-__all__ = ["create_gateway", "create_user", "make_data_folder", "set_password"]
+__all__ = [
+    "create_gateway",
+    "create_user",
+    "make_data_folder",
+    "remove_factor",
+    "set_password",
+]
+
+# Who is named in the audit log; a person of this name would have done it by the pages.
+_WHO = "(command line)"
 
 
 async def create_user(settings: Settings, name: str, password: str, role: str) -> None:
@@ -29,10 +42,11 @@ async def create_user(settings: Settings, name: str, password: str, role: str) -
 
     """
     check_name(name)
-    check_password(password)
+    check_password(password, name)
     hashed = await Passwords(settings.password_cost).hash(password)
     async with _opened(settings) as database:
         await People(database, SystemClock()).add(name, hashed, role)
+        await _note(database, "person added", f"{name} ({role})")
 
 
 async def set_password(settings: Settings, name: str, password: str) -> None:
@@ -43,10 +57,32 @@ async def set_password(settings: Settings, name: str, password: str) -> None:
             opened.
 
     """
-    check_password(password)
+    check_password(password, name)
     hashed = await Passwords(settings.password_cost).hash(password)
     async with _opened(settings) as database:
         await People(database, SystemClock()).set_password(name, hashed)
+        await _note(database, "person changed", f"{name}: new password")
+
+
+async def remove_factor(settings: Settings, name: str) -> bool:
+    """Take a person's second factor away, for one who has lost it; their sessions end.
+
+    Returns:
+        False when there was none.
+
+    Raises:
+        HubError: there is nobody of that name, or the database cannot be opened.
+
+    """
+    async with _opened(settings) as database:
+        person = await People(database, SystemClock()).find(name)
+        if person is None:
+            raise UnknownPerson(f"there is no person named {name!r}")
+        key = settings.data / SEAL_FILE
+        removed = await Factors(database, SystemClock(), lambda: seal_of(key)).remove(person.id)
+        await Sessions(database, SystemClock(), settings).end_all(person.id)
+        await _note(database, "person's second factor removed", name)
+    return removed
 
 
 async def create_gateway(settings: Settings, site: str) -> str:
@@ -57,7 +93,9 @@ async def create_gateway(settings: Settings, site: str) -> str:
 
     """
     async with _opened(settings) as database:
-        return await SiteRegistry(database, SystemClock()).new_key(site)
+        key = await SiteRegistry(database, SystemClock()).new_key(site)
+        await _note(database, "gateway key made", "", site)
+    return key
 
 
 def make_data_folder(settings: Settings) -> None:
@@ -74,6 +112,14 @@ def make_data_folder(settings: Settings) -> None:
             f"the data folder {settings.data} cannot be made: {error.strerror}",
             "choose another with --data",
         ) from error
+
+
+async def _note(database: Database, kind: str, message: str, site: str = "") -> None:
+    """Write down what was done past the pages; whoever may do it has the data folder or the URL."""
+    audit = Audit(database, SystemClock())
+    audit.note(kind, who=_WHO, message=message, site=site)
+    audit.stop()
+    await audit.run()
 
 
 @asynccontextmanager

@@ -1,8 +1,9 @@
-"""The hub put together: the only place where its parts are built."""
+"""The hub put together: the one place where its parts are built."""
 
 from __future__ import annotations
 
 import asyncio
+import functools
 import logging
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
@@ -11,31 +12,51 @@ from fastapi import Depends, FastAPI
 
 from talaia.hub.api.access import Access
 from talaia.hub.api.accounts import Accounts
+from talaia.hub.api.audit import AuditPages
+from talaia.hub.api.gateways import GatewayPages, Proof
 from talaia.hub.api.history import HistoryPages
+from talaia.hub.api.limits import Limits
+from talaia.hub.api.openapi import ApiDescription
+from talaia.hub.api.own import OwnPages
 from talaia.hub.api.pages import Pages
+from talaia.hub.api.people import PeoplePages
 from talaia.hub.api.problems import answer_problems
+from talaia.hub.api.proving import Proving
+from talaia.hub.api.roles import RolePages
 from talaia.hub.api.shield import Shield
 from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sockets import Sockets
 from talaia.hub.api.storage import StoragePages
+from talaia.hub.api.tokens import TokenPages
 from talaia.hub.auth.passwords import Passwords
+from talaia.hub.auth.seal import SEAL_FILE, seal_of
 from talaia.hub.auth.throttle import Throttle
-from talaia.hub.history.limits import Limits
+from talaia.hub.certificate import certificate_of, fingerprint, key_hash
+from talaia.hub.history.limits import Limits as HistoryLimits
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.commanding import Commanding
 from talaia.hub.live.fanout import Fanout
 from talaia.hub.live.gate import Gate
 from talaia.hub.live.gateways import Gateways
+from talaia.hub.live.links import Links
 from talaia.hub.live.media import Media
 from talaia.hub.live.reporting import Reporting
 from talaia.hub.live.seats import Seats
 from talaia.hub.live.sites import Sites
 from talaia.hub.store.audit import Audit
+from talaia.hub.store.browsers import KnownBrowsers
 from talaia.hub.store.database import Database
+from talaia.hub.store.enrolment import Enrolment
+from talaia.hub.store.factors import Factors
 from talaia.hub.store.people import People
+from talaia.hub.store.register import Register
+from talaia.hub.store.roles import Roles
+from talaia.hub.store.roster import Roster
 from talaia.hub.store.sessions import Sessions
 from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.tokens import ApiTokens
+from talaia.hub.store.tries import Tries
 from talaia.model.errors import DescriptionError
 from talaia.model.load import load_site
 from talaia.web import static_dir
@@ -71,14 +92,22 @@ class Hub:
         self._clock = clock
         self._database = Database(settings.url)
         self._history = history or HistoryStore(
-            settings.history_url, clock, Limits(bytes=settings.history_bytes)
+            settings.url, clock, HistoryLimits(bytes=settings.history_bytes)
         )
         self._people = People(self._database, clock)
         self._registry = SiteRegistry(self._database, clock)
         self._audit = Audit(self._database, clock)
         self._sessions = Sessions(self._database, clock, settings)
-        self._seats = Seats(self._sessions)
+        self._tokens = ApiTokens(self._database, clock)
+        self._seal = functools.cache(lambda: seal_of(settings.data / SEAL_FILE))
+        self._factors = Factors(self._database, clock, self._seal)
+        self._passwords = Passwords(settings.password_cost)
+        self._known = KnownBrowsers(self._database, clock)
+        self._throttle = Throttle()
+        self._tries = Tries(self._database, clock, self._throttle)
+        self._seats = Seats(Register(self._sessions, self._tokens), clock, settings)
         self._sites = Sites()
+        self._links = Links(self._sites, self._registry)
         self.browsers = Browsers()
         self.fanout = Fanout(self._sites, clock)
         self._media = Media(self._sites, clock, settings.linger_s)
@@ -91,15 +120,19 @@ class Hub:
 
         Raises:
             StoreError: the database cannot be opened.
+            CannotStart: the key that seals secrets cannot be read.
 
         """
+        self._seal()
         await self._database.migrate()
+        await self._tries.bring_back()
         await self._history.open()
         await self._remember_sites()
         self.setup_token = await self._people.offer_setup(self.settings.setup_s)
         self._tasks = [
             asyncio.create_task(self._audit.run()),
             asyncio.create_task(self._seats.watch(self.settings.check_s)),
+            asyncio.create_task(self._links.watch(self.settings.check_s)),
         ]
         self._audit.note("hub started")
 
@@ -107,16 +140,17 @@ class Hub:
         """Let go of everything; what was noted is written first."""
         self._media.close()
         if self._tasks:
-            auditing, watching = self._tasks
-            watching.cancel()
+            auditing, *watching = self._tasks
+            for task in watching:
+                task.cancel()
             self._audit.note("hub stopped")
             self._audit.stop()
-            await asyncio.gather(auditing, watching, return_exceptions=True)
+            await asyncio.gather(auditing, *watching, return_exceptions=True)
         await self._history.close()
         await self._database.close()
 
     def _application(self) -> FastAPI:
-        access = Access(self._sessions, self._sites, self._registry, self.settings)
+        access = Access(self._sessions, self._tokens, self._sites, self._registry, self.settings)
         app = FastAPI(
             title="Talaia hub",
             # The browser's own pages speak to it; the description is made by the docs.
@@ -125,34 +159,87 @@ class Hub:
             redirect_slashes=False,
         )
         answer_problems(app)
-        guarded = [Depends(access.guard)]
+        limits = Limits(self._clock)
+        guarded = [Depends(access.guard), Depends(limits.ask)]
         for routes in (
-            self._accounts(access),
+            *self._account_pages(access),
             self._site_pages(),
+            self._gateway_pages(),
+            AuditPages(self._audit),
+            ApiDescription(lambda: app),
             HistoryPages(self._history),
             StoragePages(self._history, self._clock),
             Pages(static_dir()),
         ):
             app.include_router(routes.router(), dependencies=guarded)
-        app.router.routes[0:0] = self._sockets(access).router().routes
+        app.router.routes[0:0] = self._sockets(access, limits).router().routes
         return app
 
-    def _accounts(self, access: Access) -> Accounts:
-        return Accounts(
+    def _account_pages(
+        self, access: Access
+    ) -> tuple[Accounts, OwnPages, TokenPages, PeoplePages, RolePages]:
+        proving = Proving(
             access,
             self._people,
-            Passwords(self.settings.password_cost),
-            self._sessions,
-            Throttle(),
-            self._seats,
+            self._passwords,
+            self._factors,
+            self._known,
+            self._throttle,
+            self._tries,
             self._audit,
             self._clock,
+        )
+        return (
+            Accounts(
+                access,
+                proving,
+                self._people,
+                self._passwords,
+                self._sessions,
+                self._known,
+                self._seats,
+                self._audit,
+            ),
+            OwnPages(
+                access,
+                proving,
+                self._people,
+                self._passwords,
+                self._sessions,
+                self._factors,
+                self._known,
+                self._seats,
+                self._audit,
+            ),
+            TokenPages(self._tokens, self._seats, self._audit, self._clock),
+            PeoplePages(
+                self._people,
+                Roster(self._database, self._sessions),
+                self._passwords,
+                self._sessions,
+                self._factors,
+                self._seats,
+                self._audit,
+            ),
+            RolePages(Roles(self._database), self._seats, self._audit),
         )
 
     def _site_pages(self) -> SitePages:
         return SitePages(self._sites, self._audit, self._clock)
 
-    def _sockets(self, access: Access) -> Sockets:
+    def _gateway_pages(self) -> GatewayPages:
+        enrolment = Enrolment(self._database, self._clock)
+        return GatewayPages(
+            self._registry, enrolment, self._links, self._audit, self._clock, self._proof
+        )
+
+    def _proof(self) -> Proof:
+        if self.settings.plain:
+            return Proof()
+        cert = certificate_of(self.settings).cert
+        return Proof(fingerprint(cert), key_hash(cert))
+
+    def _sockets(self, access: Access, limits: Limits) -> Sockets:
         browsers = self.browsers
         commanding = Commanding(self._sites, self._audit)
         reporting = Reporting(self._sites, browsers, self._audit, self._clock)
@@ -164,13 +251,15 @@ class Hub:
             self._media,
             self._history,
             self._registry,
+            self._links,
             self.settings,
             self._clock,
         )
         return Sockets(
             access,
+            limits,
             self._sites,
-            Gate(self._sites),
+            Gate(self._sites, lambda: self._seats.sure),
             self._seats,
             browsers,
             self.fanout,

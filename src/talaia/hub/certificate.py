@@ -1,16 +1,23 @@
-"""The hub's own certificate: made at the first start where none is given, and renewed."""
+"""The hub's certificate: the given one, or one of our own, made at the first start and renewed.
+
+Gateways know a hub by its public key. So a certificate of our own is renewed with the key it had,
+and no gateway has to enrol again because a name was added or two years have passed.
+"""
 
 from __future__ import annotations
 
 import datetime as dt
+import hashlib
 import ipaddress
+import logging
 import os
-import socket
+import stat
 from typing import TYPE_CHECKING, NamedTuple
 
 from cryptography import x509
+from cryptography.exceptions import UnsupportedAlgorithm
 from cryptography.hazmat.primitives import hashes, serialization
-from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.hazmat.primitives.asymmetric import ec, ed25519, rsa
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from talaia.hub.errors import CannotStart
@@ -19,10 +26,22 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
+    from cryptography.hazmat.primitives.asymmetric.types import CertificatePublicKeyTypes
+
     from talaia.hub.settings import Settings
 
-__all__ = ["Certificate", "fingerprint", "own_certificate"]
+__all__ = [
+    "Certificate",
+    "certificate_of",
+    "fingerprint",
+    "fresh_certificate",
+    "key_hash",
+    "own_certificate",
+]
 
+_LOG = logging.getLogger(__name__)
+
+_Key = ec.EllipticCurvePrivateKey | rsa.RSAPrivateKey | ed25519.Ed25519PrivateKey
 # Browsers do not take a longer life.
 _LIFE = dt.timedelta(days=825)
 _RENEW = dt.timedelta(days=30)
@@ -35,30 +54,57 @@ class Certificate(NamedTuple):
     key: Path
 
 
+def certificate_of(settings: Settings) -> Certificate:
+    """Tell where the certificate and its key are, given or our own.
+
+    Raises:
+        CannotStart: only one of the two was given.
+
+    """
+    if settings.cert is None and settings.key is None:
+        folder = settings.data / "tls"
+        return Certificate(folder / "cert.pem", folder / "key.pem")
+    if settings.cert is None or settings.key is None:
+        raise CannotStart("a certificate needs its key", "give both --tls-cert and --tls-key")
+    return Certificate(settings.cert, settings.key)
+
+
 def own_certificate(settings: Settings, now: dt.datetime) -> Certificate:
     """Give the certificate to use: the one in the settings, or one of our own in the data folder.
 
     Raises:
-        CannotStart: a file is missing or cannot be read or written.
+        CannotStart: a file is missing, cannot be read or written, or does not fit the other.
 
     """
-    if settings.cert is not None or settings.key is not None:
-        if settings.cert is None or settings.key is None:
-            raise CannotStart("a certificate needs its key", "give both --cert and --key")
-        for path in (settings.cert, settings.key):
-            if not os.access(path, os.R_OK):
-                raise CannotStart(f"{path} cannot be read", "check the path and its rights")
-        return Certificate(settings.cert, settings.key)
-    folder = settings.data / "tls"
-    own = Certificate(folder / "cert.pem", folder / "key.pem")
-    names = {"localhost", "127.0.0.1", "::1", socket.gethostname().lower(), *settings.host_names}
+    found = certificate_of(settings)
+    if settings.cert is not None:
+        _check_given(found, now)
+        return found
+    folder = found.cert.parent
+    names = {"localhost", "127.0.0.1", "::1", *settings.host_names}
     try:
-        if not _is_good(own, names, now):
+        if not _is_good(found, names, now):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            _make(own, names, now)
+            _make(found, names, now)
+        # Copied from a backup, they may have lost their rights.
+        folder.chmod(0o700)
+        found.key.chmod(0o600)
     except OSError as error:
         raise CannotStart(f"{folder} cannot be written: {error.strerror}") from error
-    return own
+    return found
+
+
+def fresh_certificate(settings: Settings, now: dt.datetime, shown: str) -> Certificate | None:
+    """Give the certificate if it is another than the one that is shown (by its fingerprint).
+
+    Ours is renewed in time; given files are looked at again, since others renew them.
+
+    Raises:
+        CannotStart: the files cannot be used (any more); the one that is shown should stay.
+
+    """
+    found = own_certificate(settings, now)
+    return None if fingerprint(found.cert) == shown else found
 
 
 def fingerprint(cert: Path) -> str:
@@ -68,27 +114,93 @@ def fingerprint(cert: Path) -> str:
         CannotStart: the file holds no certificate.
 
     """
+    return _read_cert(cert).fingerprint(hashes.SHA256()).hex(":").upper()
+
+
+def key_hash(cert: Path) -> str:
+    """Give the SHA-256 (hexadecimal) of the public key in a file's first certificate.
+
+    Raises:
+        CannotStart: the file holds no certificate.
+
+    """
+    return hashlib.sha256(_public(_read_cert(cert).public_key())).hexdigest()
+
+
+def _check_given(given: Certificate, now: dt.datetime) -> None:
+    cert, key = _read_cert(given.cert), _read_key(given.key)
+    if _public(cert.public_key()) != _public(key.public_key()):
+        raise CannotStart(
+            f"the key {given.key} is not that of the first certificate in {given.cert}",
+            "give the two that were made together; in a chain, the hub's own stands first",
+        )
+    if cert.not_valid_after_utc <= now:
+        raise CannotStart(
+            f"the certificate {given.cert} ended on {cert.not_valid_after_utc:%Y-%m-%d}",
+            "renew it, or leave --tls-cert and --tls-key out",
+        )
+    if cert.not_valid_before_utc > now:
+        raise CannotStart(
+            f"the certificate {given.cert} begins on {cert.not_valid_before_utc:%Y-%m-%d}",
+            "set this machine's clock",
+        )
+    if given.key.stat().st_mode & (stat.S_IRWXO | stat.S_IWGRP):
+        _LOG.warning("others on this machine can read %s; run: chmod 600 %s", given.key, given.key)
+
+
+def _read_cert(path: Path) -> x509.Certificate:
     try:
-        found = x509.load_pem_x509_certificate(cert.read_bytes())
+        return x509.load_pem_x509_certificate(_bytes_of(path))
     except ValueError as error:
-        raise CannotStart(f"{cert} holds no PEM certificate") from error
-    return found.fingerprint(hashes.SHA256()).hex(":").upper()
+        raise CannotStart(f"{path} holds no PEM certificate") from error
+
+
+def _read_key(path: Path) -> _Key:
+    try:
+        found = serialization.load_pem_private_key(_bytes_of(path), None)
+    except TypeError as error:
+        raise CannotStart(
+            f"the key {path} is locked by a passphrase",
+            "give one without: openssl pkey -in LOCKED -out OPEN",
+        ) from error
+    except (ValueError, UnsupportedAlgorithm) as error:
+        raise CannotStart(f"{path} holds no private key (PEM)", "check --tls-key") from error
+    if not isinstance(found, _Key):
+        raise CannotStart(f"the key {path} is of a kind that TLS cannot use", "use EC or RSA")
+    return found
+
+
+def _bytes_of(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise CannotStart(
+            f"{path} cannot be read: {error.strerror}", "check the path and its rights"
+        ) from error
+
+
+def _public(key: CertificatePublicKeyTypes) -> bytes:
+    return key.public_bytes(
+        serialization.Encoding.DER, serialization.PublicFormat.SubjectPublicKeyInfo
+    )
 
 
 def _is_good(own: Certificate, names: Iterable[str], now: dt.datetime) -> bool:
     if not own.cert.exists() or not own.key.exists():
         return False
     try:
-        found = x509.load_pem_x509_certificate(own.cert.read_bytes())
+        found, key = _read_cert(own.cert), _read_key(own.key)
         said = found.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
-    except (ValueError, x509.ExtensionNotFound):
+    except (CannotStart, x509.ExtensionNotFound):
+        return False
+    if _public(found.public_key()) != _public(key.public_key()):
         return False
     covered = {str(each.value).lower() for each in said}
     return found.not_valid_after_utc - now > _RENEW and set(names) <= covered
 
 
 def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
-    key = ec.generate_private_key(ec.SECP256R1())
+    key = _key_of(own)
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "Talaia hub")])
     alternatives = [_alternative(each) for each in sorted(names)]
     cert = (
@@ -104,8 +216,21 @@ def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .add_extension(x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH]), critical=False)
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
-        .sign(key, hashes.SHA256())
+        .sign(key, None if isinstance(key, ed25519.Ed25519PrivateKey) else hashes.SHA256())
     )
+    fresh = own.cert.with_suffix(".new")
+    fresh.write_bytes(cert.public_bytes(serialization.Encoding.PEM))
+    fresh.replace(own.cert)
+
+
+def _key_of(own: Certificate) -> _Key:
+    """Give the key there is, or make one that only its owner can read."""
+    if own.key.exists():
+        try:
+            return _read_key(own.key)
+        except CannotStart as error:
+            _LOG.warning("a new key is made, gateways must enrol again: %s", error)
+    key = ec.generate_private_key(ec.SECP256R1())
     secret = key.private_bytes(
         serialization.Encoding.PEM,
         serialization.PrivateFormat.PKCS8,
@@ -114,7 +239,7 @@ def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
     own.key.unlink(missing_ok=True)
     with open(os.open(own.key, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
         file.write(secret)
-    own.cert.write_bytes(cert.public_bytes(serialization.Encoding.PEM))
+    return key
 
 
 def _alternative(name: str) -> x509.GeneralName:

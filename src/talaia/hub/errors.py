@@ -3,9 +3,13 @@
 HubError
 ├── CannotStart       a setting, a file or the port keeps the hub from starting
 ├── StoreError        the database cannot be opened or refuses
-├── NameTaken         there is a person of that name already
-├── UnknownPerson     there is nobody of that name
-├── UnknownRole       there is no role of that name
+│   └── StoreDown     it did not answer just now
+├── NameTaken         there is a person or a role of that name already
+├── UnknownPerson     there is nobody of that name or number
+├── UnknownRole       there is no role of that name or number
+├── LastAdmin         the last person who can manage the hub would be gone
+├── RoleInUse         people have the role
+├── SeededRole        the role came with the hub and cannot be changed like that
 ├── HistoryError      history.errors: samples cannot be kept or read
 └── WeakPassword      the password is too short or too long
 """
@@ -17,7 +21,11 @@ from talaia.errors import TalaiaError
 __all__ = [
     "CannotStart",
     "HubError",
+    "LastAdmin",
     "NameTaken",
+    "RoleInUse",
+    "SeededRole",
+    "StoreDown",
     "StoreError",
     "UnknownPerson",
     "UnknownRole",
@@ -46,16 +54,32 @@ class StoreError(HubError):
     """The database cannot be opened, or refuses."""
 
 
+class StoreDown(StoreError):
+    """The database did not answer just now, or has no room; what was asked is not done."""
+
+
 class NameTaken(HubError):
-    """There is a person of that name already."""
+    """There is a person or a role of that name already."""
 
 
 class UnknownPerson(HubError):
-    """There is nobody of that name."""
+    """There is nobody of that name or number."""
 
 
 class UnknownRole(HubError):
-    """There is no role of that name."""
+    """There is no role of that name or number."""
+
+
+class LastAdmin(HubError):
+    """The last person who can manage the hub would be gone."""
+
+
+class RoleInUse(HubError):
+    """People have the role."""
+
+
+class SeededRole(HubError):
+    """The role came with the hub and cannot be changed like that."""
 
 
 class WeakPassword(HubError):

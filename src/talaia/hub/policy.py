@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from talaia.wire.shape import Message
 
 __all__ = [
+    "BY_SCRIPT",
     "FROM_BROWSER",
     "FROM_GATEWAY",
     "ROUTES",
@@ -40,6 +41,8 @@ class Need(Enum):
     OPEN = auto()
     # To be signed in.
     SESSION = auto()
+    # To be signed in oneself; a script with a token of one's is not.
+    OWN = auto()
     # That the object, or something of it, is public or open to the person.
     SEE = auto()
     # The right on the device; on the whole site where the message names no device.
@@ -56,8 +59,31 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/health"): Need.OPEN,
     ("POST", "/api/login"): Need.OPEN,
     ("POST", "/api/setup"): Need.OPEN,
-    ("POST", "/api/logout"): Need.SESSION,
+    ("POST", "/api/logout"): Need.OWN,
     ("GET", "/api/me"): Need.SESSION,
+    ("POST", "/api/me/password"): Need.OWN,
+    ("GET", "/api/me/sessions"): Need.OWN,
+    ("DELETE", "/api/me/sessions"): Need.OWN,
+    ("DELETE", "/api/me/sessions/{session}"): Need.OWN,
+    ("POST", "/api/me/factor"): Need.OWN,
+    ("POST", "/api/me/factor/confirm"): Need.OWN,
+    ("POST", "/api/me/factor/remove"): Need.OWN,
+    ("GET", "/api/me/tokens"): Need.OWN,
+    ("POST", "/api/me/tokens"): Need.OWN,
+    ("DELETE", "/api/me/tokens/{token}"): Need.OWN,
+    ("GET", "/api/people"): Need.ADMIN,
+    ("POST", "/api/people"): Need.ADMIN,
+    ("PATCH", "/api/people/{person}"): Need.ADMIN,
+    ("DELETE", "/api/people/{person}"): Need.ADMIN,
+    ("DELETE", "/api/people/{person}/sessions"): Need.ADMIN,
+    ("DELETE", "/api/people/{person}/factor"): Need.ADMIN,
+    ("GET", "/api/roles"): Need.ADMIN,
+    ("POST", "/api/roles"): Need.ADMIN,
+    ("PUT", "/api/roles/{role}"): Need.ADMIN,
+    ("DELETE", "/api/roles/{role}"): Need.ADMIN,
+    ("GET", "/api/openapi.json"): Need.ADMIN,
+    # Lists what is open to the person, and no more.
+    ("GET", "/api/devices"): Need.SESSION,
     ("GET", "/api/sites"): Need.SESSION,
     ("GET", "/api/sites/{site}"): Need.SEE,
     # Each channel is looked at besides; what may not be seen is as if it were not there.
@@ -68,6 +94,16 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/sites/{site}/export"): Need.SEE,
     ("GET", "/api/sites/{site}/events"): Need.SEE,
     ("GET", "/api/storage"): Need.ADMIN,
+    ("GET", "/api/gateways"): Need.ADMIN,
+    ("POST", "/api/gateways/codes"): Need.ADMIN,
+    ("DELETE", "/api/gateways/codes/{code}"): Need.ADMIN,
+    ("POST", "/api/gateways/{gateway}/revoke"): Need.ADMIN,
+    ("POST", "/api/gateways/{gateway}/reconnect"): Need.ADMIN,
+    # Whoever has a code; it is one-time, short-lived, and tries are counted by address.
+    ("POST", "/api/enrol"): Need.OPEN,
+    ("GET", "/api/audit"): Need.ADMIN,
+    ("GET", "/api/audit/export"): Need.ADMIN,
+    ("GET", "/api/audit/verify"): Need.ADMIN,
     ("GET", "/{path:path}"): Need.OPEN,
 }
 
@@ -108,6 +144,8 @@ TO_BROWSER: Mapping[type[Message], Need] = {
     browser.EventNews: Need.VIEW,
     browser.Pong: Need.SESSION,
     browser.Problem: Need.SESSION,
+    # Of the session of that very socket.
+    browser.SessionNews: Need.SESSION,
     browser.Ended: Need.SESSION,
     # The stream was looked at when its socket was opened.
     browser.Shot: Need.SESSION,
@@ -143,12 +181,16 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.ResetAsk,
         frames.CommandAsk,
         frames.Watch,
+        frames.Reconnect,
         frames.Beat,
         frames.BeatReply,
         frames.Bye,
     ),
     Need.GATEWAY,
 )
+
+# What a token may be used for; the rest a person must do.
+BY_SCRIPT = frozenset({Need.OPEN, Need.SESSION, Need.SEE, Need.VIEW, Need.USE})
 
 _RIGHT = {Need.VIEW: Right.VIEW, Need.USE: Right.USE, Need.ADMIN: Right.ADMIN}
 
@@ -177,7 +219,7 @@ def allows(need: Need, grants: Grants | None, site: Site | None = None, device: 
         return True
     if grants is None or need in {Need.NEVER, Need.GATEWAY}:
         return False
-    if need is Need.SESSION:
+    if need in {Need.SESSION, Need.OWN}:
         return True
     if need is Need.ADMIN and site is None:
         return grants.may(Right.ADMIN, ANY)

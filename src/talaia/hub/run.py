@@ -6,6 +6,7 @@ import argparse
 import asyncio
 import contextlib
 import datetime as dt
+import ipaddress
 import logging
 import os
 import signal
@@ -19,8 +20,14 @@ import uvloop
 
 from talaia.clock import SystemClock
 from talaia.hub.accounts import make_data_folder
+from talaia.hub.api.listening import HubProtocol
 from talaia.hub.app import build
-from talaia.hub.certificate import fingerprint, own_certificate
+from talaia.hub.certificate import (
+    certificate_of,
+    fingerprint,
+    fresh_certificate,
+    own_certificate,
+)
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.settings import Settings, is_loopback
 from talaia.hub.store.backup import take_restored
@@ -28,13 +35,16 @@ from talaia.hub.store.quarantine import set_aside_if_damaged
 from talaia.wire.frames import MAX_PICTURE
 
 if TYPE_CHECKING:
+    import ssl
     from collections.abc import Callable, Iterator, Sequence
 
     from talaia.hub.app import Hub
+    from talaia.hub.settings import Network
 
-__all__ = ["HubServer", "main", "server_of"]
+__all__ = ["HubServer", "main", "renewed", "server_of"]
 
 _LOG = logging.getLogger(__name__)
+_RENEW_S = 3600.0
 
 
 class HubServer(uvicorn.Server):
@@ -64,7 +74,7 @@ def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServe
     config = uvicorn.Config(
         hub.asgi,
         ws="websockets-sansio",
-        http="httptools",
+        http=HubProtocol,
         loop="none",
         lifespan="on",
         ws_per_message_deflate=False,
@@ -107,10 +117,35 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (127.0.0.1)")
     parser.add_argument("--port", type=int, default=8443, help="0 takes any free one (8443)")
     parser.add_argument("--plain", action="store_true", help="no TLS; on a loopback address only")
-    parser.add_argument("--cert", type=Path, help="certificate chain (PEM); else one is made")
-    parser.add_argument("--key", type=Path, help="the certificate's private key (PEM)")
     parser.add_argument(
-        "--name", action="append", default=[], help="another host name of this hub; may repeat"
+        "--tls-cert",
+        "--cert",
+        type=Path,
+        metavar="FILE",
+        help="certificate chain (PEM); else one is made",
+    )
+    parser.add_argument(
+        "--tls-key",
+        "--key",
+        type=Path,
+        metavar="FILE",
+        help="the certificate's private key (PEM)",
+    )
+    parser.add_argument(
+        "--allow-host",
+        "--name",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="another host name under which this hub is reached; may repeat",
+    )
+    parser.add_argument(
+        "--proxy",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="address or network of a reverse proxy that ends TLS before this hub; its"
+        " X-Forwarded headers are believed, and nobody else's; may repeat",
     )
     parser.add_argument(
         "--history-gb", type=float, default=0.0,
@@ -130,12 +165,20 @@ def _settings(options: argparse.Namespace) -> Settings:
         host=options.host,
         port=options.port,
         plain=options.plain,
-        cert=options.cert,
-        key=options.key,
-        hosts=tuple(options.name),
+        cert=options.tls_cert,
+        key=options.tls_key,
+        hosts=tuple(options.allow_host),
+        proxies=_networks(options.proxy),
         database_url=Settings.url_from(os.environ),
         history_bytes=max(0, round(options.history_gb * 1e9)),
     )
+
+
+def _networks(texts: Sequence[str]) -> tuple[Network, ...]:
+    try:
+        return tuple(ipaddress.ip_network(text) for text in texts)
+    except ValueError as error:
+        raise CannotStart(f"--proxy: {error}", "write it like 10.0.0.5 or 10.0.0.0/24") from error
 
 
 async def _serve(settings: Settings) -> None:
@@ -146,7 +189,7 @@ async def _serve(settings: Settings) -> None:
         )
     clock = SystemClock()
     take_restored(settings.data, clock)
-    set_aside_if_damaged(settings.history_url, clock)
+    set_aside_if_damaged(settings.url, clock)
     hub = build(settings, clock)
     with _listen(settings) as listener:
         port = listener.getsockname()[1]
@@ -154,9 +197,42 @@ async def _serve(settings: Settings) -> None:
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
             loop.add_signal_handler(number, _stop, server)
-        await server.serve(sockets=[listener])
+        renewing = asyncio.create_task(keep_certificate(server, settings))
+        try:
+            await server.serve(sockets=[listener])
+        finally:
+            renewing.cancel()
         if not server.started:
             raise CannotStart("the hub did not start", "its log above says why")
+
+
+async def keep_certificate(server: HubServer, settings: Settings) -> None:
+    """Look for a renewed certificate every hour, for as long as the hub runs."""
+    if settings.plain:
+        return
+    shown = fingerprint(certificate_of(settings).cert)
+    while True:
+        await asyncio.sleep(_RENEW_S)
+        if server.config.ssl is not None:
+            shown = await renewed(server.config.ssl, settings, shown)
+
+
+async def renewed(context: ssl.SSLContext, settings: Settings, shown: str) -> str:
+    """Show a renewed certificate to whoever connects from now on; give its fingerprint.
+
+    The one of before (``shown``) stays where the new one cannot be used.
+    """
+    try:
+        found = await asyncio.to_thread(fresh_certificate, settings, _now(), shown)
+        if found is None:
+            return shown
+        context.load_cert_chain(found.cert, found.key)
+        shown = fingerprint(found.cert)
+    except (CannotStart, OSError) as error:
+        _LOG.warning("the certificate of before stays: %s", error)
+    else:
+        _LOG.info("a renewed certificate is shown from now on: %s (SHA-256)", shown)
+    return shown
 
 
 def _stop(server: HubServer) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 import os
+import socket
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,16 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-__all__ = ["Settings", "is_loopback"]
+__all__ = ["Network", "Settings", "is_loopback"]
 
-
-# The history works in threads of its own, with a driver that waits.
-_BLOCKING = {
-    "sqlite": "sqlite",
-    "postgresql": "postgresql+pg8000",
-    "mysql": "mysql+pymysql",
-    "mariadb": "mariadb+pymysql",
-}
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,11 +27,14 @@ class Settings:
         plain: no TLS; allowed on a loopback address only.
         cert: certificate chain (PEM); none makes one in ``data``.
         hosts: names besides localhost and ``host`` under which the hub is reached.
-        database_url: an SQLAlchemy URL; empty takes SQLite in ``data``.
+        proxies: reverse proxies that end TLS before this hub; their headers are believed.
+        database_url: like ``postgresql://user@host/name``; empty takes SQLite in ``data``.
         history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
         life_s: a session ends this long after its start, used or not (s).
+        warn_s: a person is told this long before the session ends (s).
+        unsure_s: when sessions could not be checked for this long, commands are refused (s).
         setup_s: the set-up link is good for this long (s).
         commit_s: samples are gathered this long before each commit (s).
         beat_s: a link says a word at least this often; three missed and it is gone (s).
@@ -54,11 +51,14 @@ class Settings:
     cert: Path | None = None
     key: Path | None = None
     hosts: tuple[str, ...] = ()
+    proxies: tuple[Network, ...] = ()
     database_url: str = ""
     history_bytes: int = 0
     password_cost: int = 12
     idle_s: float = 12 * 3600.0
     life_s: float = 7 * 86400.0
+    warn_s: float = 300.0
+    unsure_s: float = 2.0
     setup_s: float = 86400.0
     max_body: int = 1024 * 1024
     commit_s: float = 0.2
@@ -69,25 +69,19 @@ class Settings:
 
     @property
     def tls(self) -> bool:
-        """Whether browsers and gateways speak TLS with this hub."""
-        return not self.plain
+        """Whether browsers and gateways speak TLS, with this hub or with the proxy before it."""
+        return not self.plain or bool(self.proxies)
 
     @property
     def url(self) -> str:
-        """Give the database's SQLAlchemy URL."""
-        return self.database_url or f"sqlite+aiosqlite:///{self.data.absolute() / 'talaia.db'}"
-
-    @property
-    def history_url(self) -> str:
-        """Give the same database's URL for the history, whose threads need a blocking driver."""
-        scheme, _, rest = self.url.partition("://")
-        engine = scheme.partition("+")[0]
-        return f"{_BLOCKING.get(engine, scheme)}://{rest}"
+        """Give the database's URL; accounts and history are both there."""
+        return self.database_url or f"sqlite:///{self.data.absolute() / 'talaia.db'}"
 
     @property
     def host_names(self) -> frozenset[str]:
         """Names that the Host header may hold, without port, in lower case."""
-        names = {"localhost", "127.0.0.1", "::1", self.host, *self.hosts}
+        own = socket.gethostname()
+        names = {"localhost", "127.0.0.1", "::1", own, self.host, *self.hosts}
         return frozenset(name.lower() for name in names if name not in {"0.0.0.0", "::", ""})  # noqa: S104 - compared, not bound
 
     @staticmethod

@@ -36,6 +36,7 @@ __all__ = [
     "Problem",
     "Reset",
     "ResetKey",
+    "SessionNews",
     "Shot",
     "Shown",
     "SiteNews",
@@ -125,10 +126,17 @@ class Command(Message, frozen=True, kw_only=True, tag="command"):
 
 
 class Ping(Message, frozen=True, kw_only=True, tag="ping"):
-    """Every second. ``at_ms`` is the page's own clock, handed back in `Pong`."""
+    """Every second.
+
+    Attributes:
+        at_ms: the page's own clock, handed back in `Pong`.
+        active: a person has touched the page since the last one; that keeps the session.
+
+    """
 
     n: Count
     at_ms: float
+    active: bool = False
 
 
 # ── hub to browser ──────────────────────────────────────────────────────────────────────────
@@ -270,7 +278,8 @@ class Problem(Message, frozen=True, kw_only=True, tag="problem"):
     """What you asked was not done, and why.
 
     Attributes:
-        code: ``forbidden``, ``unknown``, ``offline``, ``invalid`` or ``busy``.
+        code: ``forbidden``, ``unknown``, ``offline``, ``invalid``, ``busy``, or ``store`` when
+            the hub cannot tell who may do it, since its database does not answer.
         about: the tag of the message this answers.
 
     """
@@ -278,6 +287,19 @@ class Problem(Message, frozen=True, kw_only=True, tag="problem"):
     code: str
     message: str
     about: str = ""
+
+
+class SessionNews(Message, frozen=True, kw_only=True, tag="session"):
+    """Your session ends soon; said in good time, so that a driver can stop and hand over.
+
+    Attributes:
+        ends_us: when (UTC, µs); 0 when it goes on after all.
+        idle: touching the page keeps it; otherwise it ends then whatever you do: sign in again.
+
+    """
+
+    ends_us: int
+    idle: bool = False
 
 
 class Ended(Message, frozen=True, kw_only=True, tag="ended"):
@@ -319,6 +341,7 @@ ToBrowser = (
     | EventNews
     | Pong
     | Problem
+    | SessionNews
     | Ended
 )
 MediaToBrowser = Shot | Problem | Ended

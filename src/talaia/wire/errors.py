@@ -1,10 +1,10 @@
-"""The other side broke the protocol."""
+"""The other side broke the protocol, or a code was not written as it should be."""
 
 from __future__ import annotations
 
 from talaia.errors import TalaiaError
 
-__all__ = ["PeerError"]
+__all__ = ["CodeMistyped", "PeerError"]
 
 
 class PeerError(TalaiaError):
@@ -22,3 +22,15 @@ class PeerError(TalaiaError):
 
     def __str__(self) -> str:
         return f"{self.problem} (close code {self.code})"
+
+
+class CodeMistyped(TalaiaError):
+    """A one-time code that cannot be one."""
+
+    def __init__(self, problem: str) -> None:
+        """Keep what is wrong with it."""
+        super().__init__(problem)
+        self.problem = problem
+
+    def __str__(self) -> str:
+        return f"the code was mistyped: {self.problem}; compare it with the page, or paste it"

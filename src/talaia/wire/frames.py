@@ -42,6 +42,7 @@ __all__ = [
     "LeaseOp",
     "LeaseState",
     "Picture",
+    "Reconnect",
     "ResetAsk",
     "ResetToken",
     "Samples",
@@ -326,6 +327,16 @@ class Watch(Message, frozen=True, kw_only=True, tag="watch"):
     streams: list[Name]
 
 
+class Reconnect(Message, frozen=True, kw_only=True, tag="reconnect"):
+    """Connect anew to a device on the robot's side; an `Event` tells how it went.
+
+    Driving and STOP are not touched by it.
+    """
+
+    device: Name
+    who: Name
+
+
 class Picture(Message, frozen=True, kw_only=True, tag="picture"):
     """One picture of a stream, stamped at the gateway."""
 
@@ -363,6 +374,7 @@ FromHub = (
     | ResetAsk
     | CommandAsk
     | Watch
+    | Reconnect
     | Beat
     | BeatReply
     | Bye

@@ -1,20 +1,13 @@
-"""A history to test with, on each database that is there.
+"""A history to test with, on each database that is there (see `tests.hub.databases`)."""
 
-SQLite always; a server's where one answers on this machine, or at the URL that
-TALAIA_TEST_POSTGRESQL or TALAIA_TEST_MARIADB holds. Each test gets a database of its own there,
-and drops it.
-"""
-
-import functools
-import os
 from contextlib import asynccontextmanager
 
 import pytest
-import sqlalchemy as sa
 
 from talaia.clock import SystemClock
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.store import HistoryStore
+from talaia.hub.store.reach import reach
 
 # So small that a few hundred samples go through all that a year of them goes through.
 SMALL = Limits(
@@ -33,40 +26,7 @@ async def opened(url, limits=SMALL):
         await store.close()
 
 
-SERVERS = {
-    "postgresql": "postgresql+pg8000://postgres@127.0.0.1/postgres",
-    "mariadb": "mysql+pymysql://root@127.0.0.1/mysql",
-}
-
-
-@functools.cache
-def server_of(kind):
-    """Give the URL of a server that answers, or why there is none."""
-    url = os.environ.get(f"TALAIA_TEST_{kind.upper()}") or SERVERS[kind]
-    engine = sa.create_engine(url)
-    try:
-        engine.connect().close()
-    except (sa.exc.SQLAlchemyError, OSError) as error:
-        return "", f"no {kind} answers at {url}: {str(error).splitlines()[0]}"
-    finally:
-        engine.dispose()
-    return url, ""
-
-
-@pytest.fixture(params=["sqlite", "postgresql", "mariadb"])
-def url(request, tmp_path):
-    if request.param == "sqlite":
-        yield f"sqlite:///{tmp_path}/history.db"
-        return
-    server, why = server_of(request.param)
-    if why:
-        (pytest.fail if os.environ.get("TALAIA_REQUIRE_ALL") else pytest.skip)(why)
-    name = f"talaia_test_{os.getpid()}"
-    engine = sa.create_engine(server, isolation_level="AUTOCOMMIT")
-    with engine.connect() as connection:
-        connection.exec_driver_sql(f"DROP DATABASE IF EXISTS {name}")
-        connection.exec_driver_sql(f"CREATE DATABASE {name}")
-    yield sa.make_url(server).set(database=name).render_as_string(hide_password=False)
-    with engine.connect() as connection:
-        connection.exec_driver_sql(f"DROP DATABASE {name}")
-    engine.dispose()
+@pytest.fixture
+def url(database_url):
+    """Give the URL of an empty database with a driver for threads, on each kind that is there."""
+    return reach(database_url, blocking=True).url.render_as_string(hide_password=False)

@@ -72,11 +72,12 @@ export interface Command {
   readonly args: Readonly<Record<string, number | boolean | string>>;
 }
 
-/** Every second. ``at_ms`` is the page's own clock, handed back in `Pong`. */
+/** Every second. */
 export interface Ping {
   readonly t: "ping";
   readonly n: number;
   readonly at_ms: number;
+  readonly active: boolean;
 }
 
 /** First frame: who the hub takes you for. */
@@ -215,6 +216,13 @@ export interface Problem {
   readonly about: string;
 }
 
+/** Your session ends soon; said in good time, so that a driver can stop and hand over. */
+export interface SessionNews {
+  readonly t: "session";
+  readonly ends_us: number;
+  readonly idle: boolean;
+}
+
 /** Your session is over; the socket closes after this. */
 export interface Ended {
   readonly t: "ended";
@@ -263,6 +271,7 @@ export type ToBrowser =
   | EventNews
   | Pong
   | Problem
+  | SessionNews
   | Ended;
 
 export type MediaToBrowser =
@@ -288,6 +297,7 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
   "event",
   "pong",
   "problem",
+  "session",
   "ended",
 ]);
 
@@ -306,7 +316,7 @@ export const DEFAULTS = {
   stop: {},
   reset: { token: "" },
   command: { args: {} },
-  ping: {},
+  ping: { active: false },
   greeting: { protocol: 1, version: "" },
   site: { catalogue: "", loop_ms: 0.0, skew_ms: 0.0, why: "" },
   subscribed: { refused: [] },
@@ -320,6 +330,7 @@ export const DEFAULTS = {
   event: { device: "", message: "", who: "", time_us: 0, good: true },
   pong: {},
   problem: { about: "" },
+  session: { idle: false },
   ended: {},
   shot: {},
   shown: {},

@@ -25,6 +25,8 @@ export interface ConnectionOptions {
   /** This page's monotonic clock (ms). */
   readonly now?: () => number;
   readonly random?: () => number;
+  /** Whether a person has touched the page since this was last asked; said with each ping. */
+  readonly touched?: () => boolean;
 }
 
 const PING_EVERY_MS = 1000;
@@ -41,6 +43,7 @@ export class Connection {
   private readonly openSocket: (url: string) => WebSocket;
   private readonly now: () => number;
   private readonly random: () => number;
+  private readonly touched: () => boolean;
   private readonly listeners = new Map<Tag, Set<(message: never) => void>>();
   private readonly stateListeners = new Set<(state: LinkState) => void>();
   private readonly subscriptions = new Subscriptions();
@@ -58,6 +61,7 @@ export class Connection {
     this.openSocket = options.openSocket ?? ((url) => new WebSocket(url));
     this.now = options.now ?? (() => performance.now());
     this.random = options.random ?? Math.random;
+    this.touched = options.touched ?? (() => false);
   }
 
   get state(): LinkState {
@@ -199,7 +203,7 @@ export class Connection {
     }
     this.unanswered += 1;
     this.pings += 1;
-    this.send({ t: "ping", n: this.pings, at_ms: this.now() });
+    this.send({ t: "ping", n: this.pings, at_ms: this.now(), active: this.touched() });
   }
 
   private lose(): void {

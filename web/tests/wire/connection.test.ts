@@ -9,6 +9,8 @@ const newest = (): FakeSocket => {
   return socket;
 };
 
+let touched = false;
+
 function connect(): { connection: Connection; states: LinkState[] } {
   const connection = new Connection({
     url: "ws://hub/ws",
@@ -19,6 +21,7 @@ function connect(): { connection: Connection; states: LinkState[] } {
     },
     now: () => Date.now(),
     random: () => 0,
+    touched: () => touched,
   });
   const states: LinkState[] = [];
   connection.onState((state) => states.push(state));
@@ -45,6 +48,16 @@ describe("a connection", () => {
     expect(connection.send({ t: "ping", n: 1, at_ms: 0 })).toBe(false);
     newest().greet();
     expect(connection.state).toBe("open");
+  });
+
+  test("says with each ping whether a person has touched the page", () => {
+    touched = true;
+    connect();
+    newest().greet();
+    touched = false;
+    vi.advanceTimersByTime(1000);
+    const pings = newest().sent.filter((message) => message["t"] === "ping");
+    expect(pings.map((ping) => ping["active"])).toEqual([true, false]);
   });
 
   test("comes back after a loss, with a delay that grows", () => {

@@ -46,3 +46,7 @@ class Nobody:
     ) -> None:
         """Refuse."""
         done(Outcome(CommandPhase.REFUSED, "this site has no robot connection"))
+
+    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+        """Say that there is nothing to connect to."""
+        done(Outcome(CommandPhase.FAILED, "this site has no robot connection"))

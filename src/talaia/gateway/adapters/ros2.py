@@ -24,6 +24,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
+from talaia.gateway.adapters.rejoin import Rejoining
 from talaia.gateway.adapters.ros2_decode import Gathered, TopicPlan, decoder_for, plans_of
 from talaia.gateway.adapters.ros2_motion import Ros2Motion
 from talaia.gateway.adapters.ros2_pictures import PictureStream, PictureWorker
@@ -32,12 +33,14 @@ from talaia.gateway.adapters.ros2_requests import class_of
 from talaia.gateway.adapters.ros2_services import Ros2Commands
 from talaia.gateway.adapters.ros2_waitset import WaitThread
 from talaia.gateway.errors import AdapterLost, TypeMissing
+from talaia.gateway.ports import Outcome
+from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from talaia.clock import Clock
-    from talaia.gateway.ports import EventSink, Outcome, PictureSink, Reading, SampleSink
+    from talaia.gateway.ports import EventSink, PictureSink, Reading, SampleSink
     from talaia.model.site import Site, Stream
     from talaia.wire.frames import Scalar
 
@@ -103,6 +106,7 @@ class Ros2:
         self._worker: PictureWorker | None = None
         self._node: Any = None
         self._turn = 0
+        self._rejoining = Rejoining(clock)
 
     # ── Adapter ──
 
@@ -155,6 +159,14 @@ class Ros2:
             return
         thread.do(lambda: commands.act(f"{device}/{command}", fields, done))
 
+    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+        """See `Adapter.reconnect`."""
+        thread = self._thread
+        if thread is None:
+            done(Outcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
+        else:
+            thread.do(lambda: self._rejoin(device, done))
+
     # ── joining and leaving ──
 
     def _join(self, context: Any, fail: Callable[[BaseException], None]) -> None:  # noqa: ANN401
@@ -193,6 +205,7 @@ class Ros2:
         self._motion = self._commands = None
         if thread is not None:
             thread.end()
+        self._rejoining.end()
         if self._worker is not None:
             self._worker.close()
         self._listening.clear()
@@ -215,7 +228,7 @@ class Ros2:
             time_us = came_us if 0 <= now_us - came_us < 1_000_000 else now_us
             plan.take(decode(raw), time_us, self._clock.monotonic_ns(), self._gathered)
 
-        self._listening[f"{plan.topic} {plan.type_name}"] = _Listening(
+        self._listening[_key(plan.topic, plan.type_name)] = _Listening(
             plan.topic, kind, DEPTH, take
         )
 
@@ -251,6 +264,45 @@ class Ros2:
     def _on_idle(self) -> None:
         self._turn += 1
         self._look(everything=self._turn % 4 == 0)
+        self._rejoining.look()
+
+    def _rejoin(self, device: str, done: Callable[[Outcome], None]) -> None:
+        """Make the subscriptions and clients of a device anew; its publishers of motion stay.
+
+        Topics that it shares with other devices are taken anew for them, too.
+        """
+        commands = self._commands
+        if commands is None or device not in self._site.devices:
+            done(Outcome(CommandPhase.FAILED, "there is no such device at the robot now"))
+            return
+        described = self._site.devices[device]
+        sources = [each.source for each in described.signals.values()]
+        wanted = {_key(source.topic, source.type) for source in sources}
+        for plan in self._plans:
+            if _key(plan.topic, plan.type_name) in wanted - self._listening.keys():
+                self._plan(plan)
+        streams = {f"stream {device}/{stream}" for stream in described.streams}
+        wanted |= streams & self._listening.keys()
+        for key in wanted & self._listening.keys():
+            self._drop(self._listening[key])
+        commands.rejoin(device)
+        self._look()
+
+        def absent() -> list[str]:
+            return sorted(self._unheard(wanted)) + commands.absent(device)
+
+        self._rejoining.begin(len(wanted) + len(described.commands), absent, done)
+
+    def _unheard(self, wanted: Collection[str]) -> list[str]:
+        """Name the topics that nobody publishes now, and types not known here."""
+        unheard = []
+        for key in wanted:
+            listening = self._listening.get(key)
+            if listening is None:
+                unheard.append(f"{key.split(' ', 1)[0]} (its type is not known here)")
+            elif listening.subscription is None:
+                unheard.append(f"{listening.topic} (nobody publishes it)")
+        return unheard
 
     def _look(self, *, everything: bool = True) -> None:
         """Bring subscriptions in line with what is wanted and with what publishers offer."""
@@ -320,6 +372,10 @@ class Ros2:
             self._thread.remove_subscription(listening.subscription.handle)
             self._node.destroy_subscription(listening.subscription)
         listening.subscription, listening.quality = None, None
+
+
+def _key(topic: str, type_name: str) -> str:
+    return f"{topic} {type_name}"
 
 
 def _never(_: object) -> None:

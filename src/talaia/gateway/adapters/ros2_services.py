@@ -21,6 +21,7 @@ __all__ = ["Ros2Commands"]
 
 # Calls that were never answered are forgotten beyond so many; their callers have long given up.
 MAX_PENDING = 1000
+_CUT = "the connection was made anew meanwhile; look at the device to see what it did"
 
 
 class _Client(NamedTuple):
@@ -42,27 +43,58 @@ class Ros2Commands:
         missing: Callable[[TypeMissing], None],
     ) -> None:
         """Make a client or publisher for each command, so that they are known before they act."""
+        self._site, self._node, self._thread, self._missing = site, node, thread, missing
         self._clients: dict[str, _Client] = {}
         self._publishers: dict[str, tuple[Any, Any]] = {}
         self._problems: dict[str, str] = {}
         self._commands: dict[str, Command] = {}
         for device_id, device in site.devices.items():
             for command_id, command in device.commands.items():
-                address = f"{device_id}/{command_id}"
-                self._commands[address] = command
-                try:
-                    kind = class_of(command.type, command.target)
-                except TypeMissing as error:
-                    self._problems[address] = str(error)
-                    missing(error)
-                    continue
-                if command.kind is CommandKind.TOPIC:
-                    publisher = node.create_publisher(kind, command.target, 10)
-                    self._publishers[address] = (publisher, kind)
-                else:
-                    client = _Client(node.create_client(kind, command.target), kind, {})
-                    self._clients[address] = client
-                    thread.add_client(client.entity.handle, kind.Response, _taker(client))
+                self._make(f"{device_id}/{command_id}", command)
+
+    def _make(self, address: str, command: Command) -> None:
+        self._commands[address] = command
+        try:
+            kind = class_of(command.type, command.target)
+        except TypeMissing as error:
+            self._problems[address] = str(error)
+            self._missing(error)
+            return
+        if command.kind is CommandKind.TOPIC:
+            publisher = self._node.create_publisher(kind, command.target, 10)
+            self._publishers[address] = (publisher, kind)
+        else:
+            client = _Client(self._node.create_client(kind, command.target), kind, {})
+            self._clients[address] = client
+            self._thread.add_client(client.entity.handle, kind.Response, _taker(client))
+
+    def rejoin(self, device: str) -> None:
+        """Make a device's clients and publishers anew; calls under way end as *unknown*."""
+        for command_id, command in self._site.devices[device].commands.items():
+            address = f"{device}/{command_id}"
+            self._problems.pop(address, None)
+            publisher, _ = self._publishers.pop(address, (None, None))
+            if publisher is not None:
+                self._node.destroy_publisher(publisher)
+            client = self._clients.pop(address, None)
+            if client is not None:
+                self._thread.remove_client(client.entity.handle)
+                self._node.destroy_client(client.entity)
+                for done in client.pending.values():
+                    done(Outcome(CommandPhase.UNKNOWN, _CUT))
+            self._make(address, command)
+
+    def absent(self, device: str) -> list[str]:
+        """Name those of a device's services that nobody offers, and types not known here."""
+        absent = []
+        for command_id, command in self._site.devices[device].commands.items():
+            address = f"{device}/{command_id}"
+            client = self._clients.get(address)
+            if address in self._problems:
+                absent.append(f"{command.target} (its type is not known here)")
+            elif client is not None and not client.entity.service_is_ready():
+                absent.append(f"{command.target} (no such service now)")
+        return absent
 
     @staticmethod
     def away() -> Outcome:

@@ -109,6 +109,10 @@ class WaitThread:
         """Take a service's answers, each with the number of its request."""
         self._clients[handle.pointer] = (handle, kind, take)
 
+    def remove_client(self, handle: Any) -> None:  # noqa: ANN401
+        """Stop taking; the caller destroys it."""
+        self._clients.pop(handle.pointer, None)
+
     def _run(self) -> None:
         try:
             self._turns()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from talaia.gateway.errors import LinkLost, SettingsError
+from talaia.gateway.uplink.der import public_key_of
 
 if TYPE_CHECKING:
     from talaia.gateway.settings import HubAddress
@@ -19,8 +20,9 @@ __all__ = ["Trust"]
 class Trust:
     """Makes the TLS context for a hub.
 
-    With a fingerprint, the certificate is fetched once without telling the hub anything, compared,
-    and from then on is the only one TLS accepts. So the key is never sent to an impostor, as it
+    With a fingerprint (of the certificate, or of its public key, which a renewal keeps), the
+    certificate is fetched once without telling the hub anything, compared, and from then on is the
+    only one TLS accepts. So the key is never sent to an impostor, as it
     would be if the fingerprint were looked at after the request.
     """
 
@@ -52,13 +54,13 @@ class Trust:
             raise SettingsError(f"--ca {self._hub.ca}: {error}") from error
 
     async def _pinned(self) -> ssl.SSLContext:
-        shown = await self._shown()
+        shown = await self.shown()
         found = hashlib.sha256(shown).hexdigest()
-        if found != self._hub.fingerprint:
+        if self._hub.fingerprint not in {found, _key_hash(shown)}:
             raise LinkLost(
-                f"{self._hub.url} shows the certificate {found}, "
-                f"expected {self._hub.fingerprint}; if the hub's certificate was renewed, "
-                "give the new fingerprint, else somebody stands between"
+                f"{self._hub.url} shows the certificate {found}, which is not the one that this "
+                f"gateway knows ({self._hub.fingerprint}); if the hub was set up anew, enrol this "
+                "gateway again with a code from its page, else somebody stands between"
             )
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
         # The name is not compared: the certificate itself is known, whatever name it bears.
@@ -67,7 +69,13 @@ class Trust:
         context.load_verify_locations(cadata=shown)
         return context
 
-    async def _shown(self) -> bytes:
+    async def shown(self) -> bytes:
+        """Fetch the certificate (DER) that the hub shows, without telling it anything.
+
+        Raises:
+            LinkLost: the hub is not there, or speaks no TLS.
+
+        """
         parts = urlsplit(self._hub.url)
         looking = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
         looking.check_hostname = False
@@ -78,7 +86,8 @@ class Trust:
                     parts.hostname, parts.port or 443, ssl=looking
                 )
         except (OSError, TimeoutError) as error:
-            raise LinkLost(f"{self._hub.url} cannot be reached: {error}") from error
+            reason = str(error) or "no answer"
+            raise LinkLost(f"{self._hub.url} cannot be reached: {reason}") from error
         try:
             peer: ssl.SSLObject = writer.get_extra_info("ssl_object")
             return peer.getpeercert(binary_form=True) or b""
@@ -88,3 +97,10 @@ class Trust:
     def forget(self) -> None:
         """Look again next time: the hub's certificate may have been renewed to the pinned one."""
         self._context = None
+
+
+def _key_hash(certificate: bytes) -> str:
+    try:
+        return hashlib.sha256(public_key_of(certificate)).hexdigest()
+    except ValueError:
+        return ""

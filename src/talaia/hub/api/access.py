@@ -6,8 +6,11 @@ from typing import TYPE_CHECKING
 
 from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
-from talaia.hub.api.problems import ApiProblem, problem
-from talaia.hub.policy import SOCKETS, Need, allows, need_of_route
+from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem
+from talaia.hub.errors import StoreDown
+from talaia.hub.policy import BY_SCRIPT, SOCKETS, Need, allows, need_of_route
+from talaia.hub.store.browsers import KNOWN_S
+from talaia.hub.store.tokens import MARK
 
 if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
@@ -17,20 +20,31 @@ if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Who
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.settings import Settings
-    from talaia.hub.store.sessions import Sessions
-    from talaia.hub.store.sites import SiteRegistry
+    from talaia.hub.store.sessions import Alive, Sessions
+    from talaia.hub.store.sites import GatewayKey, SiteRegistry
+    from talaia.hub.store.tokens import ApiTokens
 
-__all__ = ["Access", "deny", "live_of", "who_of"]
+__all__ = ["Access", "address_of", "alive_of", "deny", "live_of", "number_of", "who_of"]
+
+# A page that asks by itself, and not because a person did something, says so with this header.
+_BACKGROUND = "talaia-background"
+_LONGEST_NUMBER = 18
 
 
 class Access:
     """The guard of the routes, and the doorman of the sockets."""
 
     def __init__(
-        self, sessions: Sessions, sites: Sites, registry: SiteRegistry, settings: Settings
+        self,
+        sessions: Sessions,
+        tokens: ApiTokens,
+        sites: Sites,
+        registry: SiteRegistry,
+        settings: Settings,
     ) -> None:
-        """Know people by ``sessions`` and gateways by ``registry``."""
+        """Know people by ``sessions``, scripts by ``tokens`` and gateways by ``registry``."""
         self._sessions = sessions
+        self._tokens = tokens
         self._sites = sites
         self._registry = registry
         self._tls = settings.tls
@@ -41,17 +55,18 @@ class Access:
         """Name of the session's cookie; the prefix makes browsers hold us to its rules."""
         return "__Host-talaia" if self._tls else "talaia"
 
+    @property
+    def browser_cookie(self) -> str:
+        """Name of the cookie by which a browser is known from an earlier sign-in."""
+        return f"{self.cookie}-browser"
+
     def set_cookie(self, response: Response, token: str) -> None:
         """Hand the session to the browser."""
-        response.set_cookie(
-            self.cookie,
-            token,
-            max_age=self._life_s,
-            path="/",
-            secure=self._tls,
-            httponly=True,
-            samesite="strict",
-        )
+        self._hand(response, self.cookie, token, self._life_s)
+
+    def set_browser_cookie(self, response: Response, token: str) -> None:
+        """Let the browser be known at the next sign-in. It opens nothing."""
+        self._hand(response, self.browser_cookie, token, KNOWN_S)
 
     def clear_cookie(self, response: Response) -> None:
         """Take the session from the browser."""
@@ -59,10 +74,21 @@ class Access:
             self.cookie, path="/", secure=self._tls, httponly=True, samesite="strict"
         )
 
-    async def who(self, connection: HTTPConnection) -> Who | None:
-        """Tell who is asking, by the cookie."""
+    async def who(self, connection: HTTPConnection) -> Alive | None:
+        """Tell who is asking: by the token where one is sent, else by the cookie.
+
+        Raises:
+            StoreDown: nobody can be known now.
+
+        """
+        kind, _, key = connection.headers.get("authorization", "").partition(" ")
+        if kind.lower() == "bearer":
+            # Whoever sends a token means it: a cookie beside it does not help.
+            key = key.strip()
+            return await self._tokens.who(key) if key.startswith(MARK) else None
         token = connection.cookies.get(self.cookie)
-        return await self._sessions.who(token) if token else None
+        used = connection.headers.get(_BACKGROUND) != "1" and connection.scope["type"] == "http"
+        return await self._sessions.who(token, used=used) if token else None
 
     async def guard(self, request: Request) -> None:
         """Let a request pass by the policy table's line of its route.
@@ -70,15 +96,19 @@ class Access:
         Raises:
             ApiProblem: 401 nobody is signed in, 403 not for them, 404 there is no such thing,
                 which is also what those are told who may not know of it.
+            StoreDown: it cannot be told who asks.
 
         """
         need = need_of_route(request.method, request.scope["route"].path)
         if need is Need.OPEN:
             return
-        who = await self.who(request)
-        if who is None:
+        alive = await self.who(request)
+        if alive is None:
             raise ApiProblem(401, "unauthorized", "sign in first")
-        request.state.who = who
+        who = alive.who
+        request.state.alive, request.state.who = alive, who
+        if who.script and need not in BY_SCRIPT:
+            raise ApiProblem(403, "forbidden", "a token may not do this; sign in yourself")
         site = request.path_params.get("site")
         live = self._sites.get(site) if site else None
         described = live.description if live else None
@@ -90,36 +120,77 @@ class Access:
         raise ApiProblem(403, "forbidden", "you do not have the right to do this")
 
     async def admit(self, socket: WebSocket) -> Who | None:
-        """Tell who opens a socket; None when they were sent away (401) before the upgrade."""
+        """Tell who opens a socket; None when they were sent away before the upgrade."""
         need = SOCKETS.get(socket.scope["path"], Need.NEVER)
-        who = await self.who(socket)
-        if who is None or need not in {Need.SESSION, Need.SEE}:
+        try:
+            alive = await self.who(socket)
+        except StoreDown:
+            await deny(socket, 503, "store", STORE_DOWN)
+            return None
+        if alive is None or need not in {Need.SESSION, Need.SEE}:
             await deny(socket, 401, "unauthorized", "sign in first")
             return None
-        return who
+        return alive.who
 
-    async def admit_gateway(self, socket: WebSocket) -> str | None:
-        """Tell which site's gateway opens a socket; None when it was sent away (401)."""
+    async def admit_gateway(self, socket: WebSocket) -> GatewayKey | None:
+        """Tell which gateway opens a socket; None when it was sent away before the upgrade."""
         need = SOCKETS.get(socket.scope["path"], Need.NEVER)
         kind, _, key = socket.headers.get("authorization", "").partition(" ")
-        site = None
-        if need is Need.GATEWAY and kind.lower() == "bearer" and key:
-            site = await self._registry.site_of(key.strip())
-        if site is None:
+        found = None
+        try:
+            if need is Need.GATEWAY and kind.lower() == "bearer" and key:
+                found = await self._registry.gateway_of(key.strip())
+        except StoreDown:
+            await deny(socket, 503, "store", STORE_DOWN)
+            return None
+        if found is None:
             await deny(socket, 401, "unauthorized", "this key is not known, or was revoked")
-        return site
+        return found
+
+    def _hand(self, response: Response, name: str, token: str, life_s: int) -> None:
+        response.set_cookie(
+            name,
+            token,
+            max_age=life_s,
+            path="/",
+            secure=self._tls,
+            httponly=True,
+            samesite="strict",
+        )
 
 
 def who_of(request: Request) -> Who:
     """Give the person the guard has let pass."""
-    who: Who = request.state.who
-    return who
+    return alive_of(request).who
+
+
+def alive_of(request: Request) -> Alive:
+    """Give the session of the person the guard has let pass."""
+    alive: Alive = request.state.alive
+    return alive
+
+
+def address_of(connection: HTTPConnection) -> str:
+    """Give the asker's address. The shield has seen to proxies; headers are not believed here."""
+    return connection.client.host if connection.client else ""
 
 
 def live_of(request: Request) -> LiveSite:
     """Give the site the guard has let pass."""
     live: LiveSite = request.state.live
     return live
+
+
+def number_of(text: str, what: str) -> int:
+    """Read an id of a path.
+
+    Raises:
+        ApiProblem: 404, it can be no id.
+
+    """
+    if not (text.isascii() and text.isdecimal()) or len(text) > _LONGEST_NUMBER:
+        raise ApiProblem(404, "unknown", f"there is no such {what}")
+    return int(text)
 
 
 async def deny(socket: WebSocket, status: int, code: str, message: str) -> None:

@@ -6,53 +6,51 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request, Response
 
-from talaia.clock import SECOND
-from talaia.hub.api.access import who_of
+from talaia.hub.api.access import address_of, alive_of, who_of
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.shapes import LoginAsk, Me, SetupAsk
-from talaia.hub.auth.passwords import check_name, check_password, name_key
+from talaia.hub.api.shapes import LoginAsk, Me, PermissionShape, SetupAsk
+from talaia.hub.auth.passwords import check_name, check_password
 from talaia.hub.auth.permissions import ANY, Right
 from talaia.hub.errors import WeakPassword
+from talaia.hub.store.visible import visible
 
 if TYPE_CHECKING:
-    from talaia.clock import Clock
     from talaia.hub.api.access import Access
+    from talaia.hub.api.proving import Proving
     from talaia.hub.auth.passwords import Passwords
-    from talaia.hub.auth.permissions import Who
-    from talaia.hub.auth.throttle import Throttle
+    from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.seats import Seats
     from talaia.hub.store.audit import Audit
+    from talaia.hub.store.browsers import KnownBrowsers
     from talaia.hub.store.people import People
-    from talaia.hub.store.sessions import Sessions
+    from talaia.hub.store.sessions import Alive, Sessions
 
-__all__ = ["Accounts"]
-
-_WRONG = "name or password is wrong"
+__all__ = ["Accounts", "permissions_of"]
 
 
 class Accounts:
-    """The routes of accounts."""
+    """The routes by which one comes in and goes out."""
 
     def __init__(
         self,
         access: Access,
+        proving: Proving,
         people: People,
         passwords: Passwords,
         sessions: Sessions,
-        throttle: Throttle,
+        browsers: KnownBrowsers,
         seats: Seats,
         audit: Audit,
-        clock: Clock,
     ) -> None:
         """Take the parts of an account."""
         self._access = access
+        self._proving = proving
         self._people = people
         self._passwords = passwords
         self._sessions = sessions
-        self._throttle = throttle
+        self._browsers = browsers
         self._seats = seats
         self._audit = audit
-        self._clock = clock
 
     def router(self) -> APIRouter:
         """Give the routes."""
@@ -65,41 +63,26 @@ class Accounts:
 
     async def login(self, asked: LoginAsk, request: Request, response: Response) -> Me:
         """Sign in. Wrong name and wrong password look alike, and take as long."""
-        key, address = name_key(asked.name), _address(request)
-        now = self._clock.monotonic_ns()
-        wait_ns = self._throttle.wait_ns(key, address, now)
-        if wait_ns:
-            raise ApiProblem(
-                429, "busy", "too many wrong tries; wait a little", -(-wait_ns // SECOND)
-            )
-        self._throttle.tried(key, address, now)
-        person = await self._people.find(asked.name)
-        kept = person.password_hash if person and not person.disabled else None
-        if not await self._passwords.verify(asked.password, kept) or person is None:
-            self._audit.note("login failed", who=asked.name, address=address, good=False)
-            raise ApiProblem(401, "wrong", _WRONG)
-        self._throttle.succeeded(key, address)
+        person = await self._proving.sign_in(request, asked.name, asked.password, asked.code)
         return await self._welcome(person.id, request, response, "login")
 
     async def setup(self, asked: SetupAsk, request: Request, response: Response) -> Me:
         """Make the first admin and sign in."""
-        address = _address(request)
-        now = self._clock.monotonic_ns()
-        if self._throttle.wait_ns("", address, now):
-            raise ApiProblem(429, "busy", "too many wrong tries; wait a little", 60)
+        # No name of a person begins like this, so it is counted by address alone.
+        ask = await self._proving.begin(request, f"\0setup from {address_of(request)}")
         if not await self._people.may_set_up(asked.token):
-            self._throttle.tried("", address, now)
-            self._audit.note("setup refused", address=address, good=False)
+            self._audit.note("setup refused", address=address_of(request), good=False)
             raise ApiProblem(403, "forbidden", "this set-up link is used up or too old")
         try:
             check_name(asked.name)
-            check_password(asked.password)
+            check_password(asked.password, asked.name)
         except WeakPassword as error:
             raise ApiProblem(422, "invalid", str(error)) from error
         hashed = await self._passwords.hash(asked.password)
         user = await self._people.set_up(asked.token, asked.name, hashed)
         if user is None:
             raise ApiProblem(403, "forbidden", "this set-up link is used up or too old")
+        await self._proving.right(ask)
         return await self._welcome(user, request, response, "setup")
 
     async def logout(self, request: Request, response: Response) -> None:
@@ -108,29 +91,47 @@ class Accounts:
         await self._sessions.end(who.session)
         self._seats.end_session(who.session, "you have signed out")
         self._access.clear_cookie(response)
-        self._audit.note("logout", who=who.name, address=_address(request))
+        self._audit.note("logout", who=who.name, address=address_of(request))
 
     async def me(self, request: Request) -> Me:
-        """Tell who is signed in."""
-        return _me(who_of(request))
+        """Tell who is signed in, with which rights and until when."""
+        return _me(alive_of(request))
 
     async def _welcome(self, user: int, request: Request, response: Response, kind: str) -> Me:
-        address = _address(request)
+        address = address_of(request)
         # A session that the browser brought is not the one that it leaves with.
         before = await self._access.who(request)
-        if before is not None:
-            await self._sessions.end(before.session)
-            self._seats.end_session(before.session, "you have signed in anew")
-        token, who = await self._sessions.begin(user, address)
+        if before is not None and not before.who.script:
+            await self._sessions.end(before.who.session)
+            self._seats.end_session(before.who.session, "you have signed in anew")
+        agent = visible(request.headers.get("user-agent", ""), 200)
+        token, alive = await self._sessions.begin(user, address, agent)
         self._access.set_cookie(response, token)
-        self._audit.note(kind, who=who.name, address=address)
-        return _me(who)
+        known = request.cookies.get(self._access.browser_cookie, "")
+        self._access.set_browser_cookie(response, await self._browsers.remember(user, known))
+        self._audit.note(kind, who=alive.who.name, address=address)
+        return _me(alive)
 
 
-def _me(who: Who) -> Me:
-    return Me(name=who.name, role=who.role, admin=who.grants.may(Right.ADMIN, ANY))
+def permissions_of(grants: Grants) -> list[PermissionShape]:
+    """List permissions in one order: by site, device and right."""
+    ordered = sorted(
+        grants.permissions, key=lambda each: (each.site, each.device, list(Right).index(each.right))
+    )
+    return [
+        PermissionShape(right=each.right.value, site=each.site, device=each.device)
+        for each in ordered
+    ]
 
 
-def _address(request: Request) -> str:
-    """Give the peer's address; headers of proxies are not believed."""
-    return request.client.host if request.client else ""
+def _me(alive: Alive) -> Me:
+    who = alive.who
+    return Me(
+        name=who.name,
+        role=who.role,
+        admin=who.grants.may(Right.ADMIN, ANY),
+        factor=who.factor,
+        idle_ends_us=alive.idle_ends_us,
+        ends_us=alive.ends_us,
+        permissions=permissions_of(who.grants),
+    )

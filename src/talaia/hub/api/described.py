@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from talaia.hub.api.people_shapes import DeviceSummary
 from talaia.hub.api.shapes import (
     ArgumentShape,
     CommandShape,
@@ -16,16 +17,18 @@ from talaia.hub.api.shapes import (
     SiteSummary,
     StreamShape,
 )
-from talaia.hub.auth.permissions import Right, sees_device, sees_signal, sees_stream
+from talaia.hub.auth.permissions import Grants, Right, sees_device, sees_signal, sees_stream
 from talaia.model.site import SignalType, parts_of
 from talaia.model.unit import unit_of
 
 if TYPE_CHECKING:
-    from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.sites import LiveSite
     from talaia.model.site import Command, Device, Drive, Signal, Site
 
-__all__ = ["describe", "summarise"]
+__all__ = ["describe", "list_devices", "summarise"]
+
+# Sees only what is public.
+_GUEST = Grants()
 
 
 def describe(live: LiveSite, grants: Grants) -> SiteShape:
@@ -50,20 +53,7 @@ def describe(live: LiveSite, grants: Grants) -> SiteShape:
 def summarise(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
     """Say in short how a site is."""
     site = live.description
-    seen = {
-        (device_id, signal_id): signal.max_age
-        for device_id, device in site.devices.items()
-        for signal_id, signal in device.signals.items()
-        if sees_signal(grants, site, device_id, signal_id)
-    }
-    arrived = live.latest.arrived_ns
-    fresh = {
-        (channel.device, channel.signal)
-        for at, channel in enumerate(live.channels)
-        if arrived[at] != np.iinfo(np.int64).min
-        and now_ns - int(arrived[at])
-        <= seen.get((channel.device, channel.signal), 0.0) * 1_000_000_000
-    }
+    seen, fresh = _signals(live, grants, now_ns)
     return SiteSummary(
         site=site.site,
         name=site.name,
@@ -76,8 +66,52 @@ def summarise(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
         skew_ms=live.skew_ms,
         devices=sum(sees_device(grants, site, device) for device in site.devices),
         signals=len(seen),
-        stale=len(seen.keys() - fresh),
+        stale=len(seen - fresh),
     )
+
+
+def list_devices(live: LiveSite, grants: Grants, now_ns: int) -> list[DeviceSummary]:
+    """Say in short how each device is that is open to the person."""
+    site = live.description
+    seen, fresh = _signals(live, grants, now_ns)
+    return [
+        DeviceSummary(
+            site=site.site,
+            site_name=site.name,
+            device=device_id,
+            name=device.name,
+            kind=device.kind,
+            online=live.online,
+            rights=list(grants.rights(site.site, device_id)),
+            public=sees_device(_GUEST, site, device_id),
+            signals=sum(of == device_id for of, _ in seen),
+            stale=sum(of == device_id for of, _ in seen - fresh),
+        )
+        for device_id, device in site.devices.items()
+        if sees_device(grants, site, device_id)
+    ]
+
+
+def _signals(
+    live: LiveSite, grants: Grants, now_ns: int
+) -> tuple[set[tuple[str, str]], set[tuple[str, str]]]:
+    """Give the signals a person sees, and those of them that are not older than their limit."""
+    site = live.description
+    ages = {
+        (device_id, signal_id): signal.max_age
+        for device_id, device in site.devices.items()
+        for signal_id, signal in device.signals.items()
+        if sees_signal(grants, site, device_id, signal_id)
+    }
+    arrived = live.latest.arrived_ns
+    fresh = {
+        (channel.device, channel.signal)
+        for at, channel in enumerate(live.channels)
+        if arrived[at] != np.iinfo(np.int64).min
+        and now_ns - int(arrived[at])
+        <= ages.get((channel.device, channel.signal), 0.0) * 1_000_000_000
+    }
+    return set(ages), fresh
 
 
 def _device(site: Site, device_id: str, device: Device, grants: Grants) -> DeviceShape:

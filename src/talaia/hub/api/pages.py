@@ -53,7 +53,10 @@ class Pages:
     def router(self) -> APIRouter:
         """Give the route; it takes every path that no other route took."""
         router = APIRouter()
-        router.api_route("/{path:path}", methods=["GET", "HEAD"], response_model=None)(self.page)
+        # Files for browsers are no part of the API's description.
+        router.api_route(
+            "/{path:path}", methods=["GET", "HEAD"], response_model=None, include_in_schema=False
+        )(self.page)
         return router
 
     def page(self, request: Request, path: str) -> Response:

@@ -11,14 +11,18 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from talaia.errors import TalaiaError
+from talaia.hub.errors import StoreDown
 
 if TYPE_CHECKING:
     from fastapi import FastAPI, Request, Response
 
-__all__ = ["ApiProblem", "answer_problems", "problem"]
+__all__ = ["STORE_DOWN", "ApiProblem", "answer_problems", "problem"]
 
 _LOG = logging.getLogger(__name__)
 _CODES = {404: "unknown", 405: "method", 413: "too_large", 422: "invalid"}
+
+
+STORE_DOWN = "the hub's database does not answer; try again soon"
 
 
 class ApiProblem(TalaiaError):
@@ -52,6 +56,7 @@ def answer_problems(app: FastAPI) -> None:
     app.add_exception_handler(ApiProblem, _ours)
     app.add_exception_handler(HTTPException, _starlette)
     app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(StoreDown, _down)
     app.add_exception_handler(Exception, _failed)
 
 
@@ -74,6 +79,12 @@ async def _invalid(_request: Request, error: Exception) -> Response:
         f"{'.'.join(str(step) for step in each['loc'])}: {each['msg']}" for each in error.errors()
     ]
     return problem(422, "invalid", "; ".join(said)[:1000])
+
+
+async def _down(request: Request, error: Exception) -> Response:
+    # Nobody's rights are known now, so nothing is done for anyone.
+    _LOG.error("%s %s is refused: %s", request.method, request.url.path, error)
+    return problem(503, "store", STORE_DOWN, 2)
 
 
 async def _failed(request: Request, error: Exception) -> Response:

@@ -1,25 +1,42 @@
 """Every JSON body of the HTTP API; the browser's types are made from these.
 
-Times ending in ``_us`` are microseconds since the epoch (UTC).
+Times ending in ``_us`` are microseconds since the epoch (UTC). Long, because the bodies of sites,
+gateways and the audit log are read together; those of people and roles are in `people_shapes`.
 """
 
 from __future__ import annotations
+
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 __all__ = [
     "ArgumentShape",
+    "AuditAsk",
+    "AuditChain",
+    "AuditList",
+    "AuditPage",
+    "AuditRow",
+    "CodeAsk",
+    "CodeShape",
     "CommandShape",
     "DeviceShape",
     "DriveShape",
+    "EnrolAnswer",
+    "EnrolAsk",
     "EventList",
     "EventShape",
     "GapShape",
+    "GatewayList",
+    "GatewayShape",
     "Health",
     "HistoryAnswer",
     "LoginAsk",
     "Me",
+    "OpenCodeShape",
+    "PermissionShape",
     "ProblemShape",
+    "ReconnectAsk",
     "SeriesShape",
     "SetupAsk",
     "SignalShape",
@@ -28,34 +45,38 @@ __all__ = [
     "StreamShape",
 ]
 
+# The short name of a site or a device, or all of them.
+_PLACE = Field(default="*", pattern=r"^(\*|[a-z][a-z0-9_]{0,62})$")
 
-class _Shape(BaseModel):
+
+class Shape(BaseModel):
     """A key that is not described is an error, not a silence."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class ProblemShape(_Shape):
+class ProblemShape(Shape):
     """What went wrong: a word for programs, a sentence for people."""
 
     code: str
     message: str
 
 
-class Health(_Shape):
+class Health(Shape):
     """The hub answers."""
 
     ok: bool
 
 
-class LoginAsk(_Shape):
-    """Sign in."""
+class LoginAsk(Shape):
+    """Sign in; ``code`` is of the authenticator, or a recovery code, where there is a factor."""
 
     name: str = Field(min_length=1, max_length=200)
     password: str = Field(max_length=4096)
+    code: str = Field(default="", max_length=64)
 
 
-class SetupAsk(_Shape):
+class SetupAsk(Shape):
     """Make the first admin, with the token of the set-up link."""
 
     token: str = Field(min_length=1, max_length=200)
@@ -63,15 +84,30 @@ class SetupAsk(_Shape):
     password: str = Field(max_length=4096)
 
 
-class Me(_Shape):
-    """Who is signed in. ``admin`` holds for the whole hub."""
+class PermissionShape(Shape):
+    """A right (view, use or admin) on a site and a device; ``*`` stands for each of them."""
+
+    right: Literal["view", "use", "admin"]
+    site: str = _PLACE
+    device: str = _PLACE
+
+
+class Me(Shape):
+    """Who is signed in, until when unless used, and until when at most.
+
+    ``admin`` holds for the whole hub; ``factor``: you sign in with a second factor.
+    """
 
     name: str
     role: str
     admin: bool
+    factor: bool
+    idle_ends_us: int
+    ends_us: int
+    permissions: list[PermissionShape]
 
 
-class SiteSummary(_Shape):
+class SiteSummary(Shape):
     """A site in the list.
 
     ``devices`` and ``signals`` count what you may see, ``stale`` those of the signals that are
@@ -92,7 +128,7 @@ class SiteSummary(_Shape):
     stale: int
 
 
-class SignalShape(_Shape):
+class SignalShape(Shape):
     """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds."""
 
     id: str
@@ -110,7 +146,7 @@ class SignalShape(_Shape):
     channels: list[str]
 
 
-class StreamShape(_Shape):
+class StreamShape(Shape):
     """A camera. ``max_rate`` is in Hz."""
 
     id: str
@@ -119,7 +155,7 @@ class StreamShape(_Shape):
     max_rate: float
 
 
-class ArgumentShape(_Shape):
+class ArgumentShape(Shape):
     """One argument of a command."""
 
     id: str
@@ -132,7 +168,7 @@ class ArgumentShape(_Shape):
     default: bool | int | float | str | None
 
 
-class CommandShape(_Shape):
+class CommandShape(Shape):
     """A one-shot command. ``timeout`` is in seconds."""
 
     id: str
@@ -143,7 +179,7 @@ class CommandShape(_Shape):
     arguments: list[ArgumentShape]
 
 
-class DriveShape(_Shape):
+class DriveShape(Shape):
     """How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software)."""
 
     max_speed: float
@@ -157,7 +193,7 @@ class DriveShape(_Shape):
     stop: bool
 
 
-class DeviceShape(_Shape):
+class DeviceShape(Shape):
     """A device as far as you may see it; ``rights`` are yours: view, use, admin."""
 
     id: str
@@ -170,7 +206,7 @@ class DeviceShape(_Shape):
     rights: list[str]
 
 
-class SiteShape(_Shape):
+class SiteShape(Shape):
     """A site as far as you may see it."""
 
     site: str
@@ -183,7 +219,7 @@ class SiteShape(_Shape):
     devices: list[DeviceShape]
 
 
-class GapShape(_Shape):
+class GapShape(Shape):
     """Samples that are lost, and why."""
 
     from_us: int
@@ -191,7 +227,7 @@ class GapShape(_Shape):
     reason: str
 
 
-class SeriesShape(_Shape):
+class SeriesShape(Shape):
     """One channel's samples.
 
     Every one (``exact``) or the least and greatest of each bucket (``minmax``). ``v`` is null
@@ -206,13 +242,13 @@ class SeriesShape(_Shape):
     gaps: list[GapShape]
 
 
-class HistoryAnswer(_Shape):
+class HistoryAnswer(Shape):
     """A window of the history."""
 
     series: list[SeriesShape]
 
 
-class EventShape(_Shape):
+class EventShape(Shape):
     """Something that happened."""
 
     time_us: int
@@ -223,7 +259,144 @@ class EventShape(_Shape):
     good: bool
 
 
-class EventList(_Shape):
+class EventList(Shape):
     """The newest events first."""
 
     events: list[EventShape]
+
+
+class GatewayShape(Shape):
+    """A gateway that has, or had, a key.
+
+    ``revoked_us`` is 0 while the key is good, ``seen_us`` 0 before its first link; address and
+    version are those of its last link.
+    """
+
+    id: str
+    site: str
+    name: str
+    created_us: int
+    revoked_us: int
+    seen_us: int
+    address: str
+    version: str
+    online: bool
+
+
+class OpenCodeShape(Shape):
+    """A one-time code that can still be used. What it says was shown once and is not kept."""
+
+    id: str
+    site: str
+    created_us: int
+    expires_us: int
+
+
+class GatewayList(Shape):
+    """All gateways, and the codes by which others may enrol."""
+
+    gateways: list[GatewayShape]
+    codes: list[OpenCodeShape]
+
+
+class CodeAsk(Shape):
+    """Make a one-time code for the gateway of a site; ``name`` is what people call it."""
+
+    site: str = Field(pattern=r"^[a-z][a-z0-9_]{0,62}$")
+    name: str = Field(default="", max_length=100)
+
+
+class CodeShape(Shape):
+    """A one-time code, shown once.
+
+    ``command`` is what to run beside the robot, ``qr`` the same as an SVG picture, and
+    ``fingerprint`` that of the hub's certificate (empty where a proxy holds it).
+    """
+
+    id: str
+    code: str
+    expires_us: int
+    command: str
+    fingerprint: str
+    qr: str
+
+
+class EnrolAsk(Shape):
+    """Use a one-time code; ``name`` is what the gateway calls itself."""
+
+    code: str = Field(min_length=1, max_length=200)
+    name: str = Field(default="", max_length=100)
+
+
+class EnrolAnswer(Shape):
+    """The gateway's own key, told once; ``fingerprint`` is that of the hub's certificate."""
+
+    site: str
+    gateway: str
+    key: str
+    fingerprint: str
+
+
+class ReconnectAsk(Shape):
+    """Dial again (no device), or let the gateway connect anew to one device."""
+
+    device: str = Field(default="", max_length=200)
+
+
+class AuditRow(Shape):
+    """One row of the audit log."""
+
+    id: str
+    time_us: int
+    kind: str
+    who: str
+    address: str
+    site: str
+    device: str
+    message: str
+    good: bool
+
+
+# A text to look for; no database holds a NUL.
+_TEXT = Field(default=None, max_length=200, pattern=r"^[^\x00]*$")
+
+
+class AuditAsk(Shape):
+    """Which rows of the audit log are meant; what is left out does not matter.
+
+    ``kind`` is its beginning: ``command`` finds all about commands. ``from_us`` is included,
+    ``to_us`` is not; ``before`` is the id of a row, for the ones after it in the list.
+    """
+
+    who: str | None = _TEXT
+    site: str | None = _TEXT
+    device: str | None = _TEXT
+    kind: str | None = _TEXT
+    good: bool | None = None
+    from_us: int | None = Field(default=None, ge=0, le=2**53)
+    to_us: int | None = Field(default=None, ge=0, le=2**53)
+    before: int | None = Field(default=None, ge=0, le=2**53)
+
+
+class AuditPage(AuditAsk):
+    """The same, and how many rows at most."""
+
+    limit: int = Field(default=100, ge=1, le=1000)
+
+
+class AuditList(Shape):
+    """Rows, newest first; with ``more``, ask again with the last one's id as ``before``."""
+
+    rows: list[AuditRow]
+    more: bool
+
+
+class AuditChain(Shape):
+    """Whether every row follows from the one before.
+
+    ``rows`` counts those that do; ``broken`` is the id of the first that does not, or 0.
+    """
+
+    ok: bool
+    rows: int
+    broken: int

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import ipaddress
+from typing import TYPE_CHECKING, NamedTuple
 
 from starlette.datastructures import Headers, MutableHeaders
 
+from talaia.hub.api.guarding import guarding_headers
 from talaia.hub.api.problems import problem
+from talaia.hub.api.proxies import Proxies
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -17,6 +20,18 @@ __all__ = ["Shield", "host_name", "same_origin"]
 
 _SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 _GATEWAY = "/gateway/"
+_ENROL = "/api/enrol"
+_API = "/api/"
+_STRANGE = frozenset("\"' ;,\\/@?#<>")
+_SECURE = frozenset({"https", "wss"})
+
+
+class _No(NamedTuple):
+    """A refusal."""
+
+    status: int
+    code: str
+    said: str
 
 
 def host_name(host: str) -> str:
@@ -35,9 +50,9 @@ class Shield:
     """ASGI around the application."""
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
-        """Guard ``app``; hosts, TLS and the body's limit come from ``settings``."""
+        """Guard ``app``; hosts, proxies and the body's limit come from ``settings``."""
         self._app = app
-        self._tls = settings.tls
+        self._proxies = Proxies(settings.proxies)
         self._hosts = settings.host_names
         self._max_body = settings.max_body
 
@@ -46,81 +61,114 @@ class Shield:
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
+        scope = self._proxies.look_through(scope)
+        tls = scope["scheme"] in _SECURE
         headers = Headers(scope=scope)
-        host = headers.get("host", "")
-        if host_name(host) not in self._hosts or any(c in host for c in "\"' ;,\\/@"):
-            status, code = 421, "host"
-            said = "this hub is not known by that name; add it with --name"
+        hosts = headers.getlist("host")
+        host = hosts[0] if len(hosts) == 1 and self._is_ours(hosts[0], scope) else ""
+        dressed = _dressed(scope, host, send, tls=tls)
+        if len(hosts) > 1:
+            no: _No | None = _No(400, "host", "say once which host is meant")
+        elif not host:
+            no = _No(421, "host", "this hub is not known by that name; add it with --allow-host")
         elif scope["type"] == "websocket":
-            status, code, said = self._socket(scope["path"], headers, host)
+            no = _of_socket(scope["path"], headers, host, tls=tls)
         else:
-            status, code, said = self._request(scope["method"], headers, host)
-        if not status:
-            await self._app(scope, receive, self._with_headers(scope, host, send))
-        elif scope["type"] == "websocket":
-            await receive()
-            await send({"type": "websocket.close", "code": 1008, "reason": said})
+            no = self._of_request(scope, headers, host, tls=tls)
+        if no is None:
+            await self._app(scope, receive, dressed)
         else:
-            answer = problem(status, code, said)
-            await answer(scope, receive, self._with_headers(scope, host, send))
+            await _refuse(no, scope, receive, dressed)
 
-    def _socket(self, path: str, headers: Headers, host: str) -> tuple[int, str, str]:
-        origin = headers.get("origin")
-        if path.startswith(_GATEWAY):
-            # A gateway is no page; a page must not speak to this door whatever key it has.
-            return (403, "origin", "this is no door for pages") if origin else (0, "", "")
-        if not same_origin(origin, host, tls=self._tls):
-            return 403, "origin", "a page of another origin may not connect"
-        return 0, "", ""
+    def _is_ours(self, host: str, scope: Scope) -> bool:
+        if not _STRANGE.isdisjoint(host):
+            return False
+        name = host_name(host)
+        if name in self._hosts:
+            return True
+        # The very address that was dialled. A page of somebody else's name cannot bring it about
+        # that a browser says this: that is what the list is against.
+        server = scope.get("server")
+        return server is not None and _same_address(name, server[0])
 
-    def _request(self, method: str, headers: Headers, host: str) -> tuple[int, str, str]:
+    def _of_request(self, scope: Scope, headers: Headers, host: str, *, tls: bool) -> _No | None:
         length = headers.get("content-length")
         if "transfer-encoding" in headers:
-            return 411, "length", "say how long the body is"
+            return _No(411, "length", "say how long the body is")
         if length is not None and (not length.isdecimal() or int(length) > self._max_body):
-            return 413, "too_large", f"a body holds at most {self._max_body} bytes"
-        if method in _SAFE:
-            return 0, "", ""
+            return _No(413, "too_large", f"a body holds at most {self._max_body} bytes")
+        path, site = scope["path"], headers.get("sec-fetch-site")
+        if scope["method"] in _SAFE:
+            if path.startswith(_API) and site in {"cross-site", "same-site"}:
+                return _No(403, "origin", "a page of another origin may not ask this")
+            return None
         kind = headers.get("content-type", "").split(";", 1)[0].strip().lower()
         if kind != "application/json" and (kind or length not in {None, "0"}):
-            return 415, "type", "send JSON (Content-Type: application/json)"
-        origin = headers.get("origin")
-        if not same_origin(origin, host, tls=self._tls) and not (
-            origin is None and headers.get("sec-fetch-site") == "same-origin"
-        ):
-            return 403, "origin", "a page of another origin may not ask this"
-        return 0, "", ""
+            return _No(415, "type", "send JSON (Content-Type: application/json)")
+        if not _may_change(path, headers, host, tls=tls):
+            return _No(403, "origin", "a page of another origin may not ask this")
+        return None
 
-    def _with_headers(self, scope: Scope, host: str, send: Send) -> Send:
-        async def dressed(message: Message) -> None:
-            if message["type"] in {"http.response.start", "websocket.http.response.start"}:
-                headers = MutableHeaders(scope=message)
-                for name, value in self._headers(host):
-                    headers[name] = value
-                if scope["path"].startswith("/api"):
-                    headers["Cache-Control"] = "no-store"
-            await send(message)
 
-        return dressed
+def _may_change(path: str, headers: Headers, host: str, *, tls: bool) -> bool:
+    """Tell whether what may change something comes from a page of ours, or from no page at all.
 
-    def _headers(self, host: str) -> list[tuple[str, str]]:
-        # Older browsers do not count a WebSocket to the same host as 'self'.
-        socket = (
-            f"{'wss' if self._tls else 'ws'}://{host}" if host_name(host) in self._hosts else ""
-        )
-        policy = (
-            f"default-src 'self'; img-src 'self' blob: data:; connect-src 'self' {socket};"
-            " worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'self';"
-            " frame-ancestors 'none'"
-        )
-        headers = [
-            ("Content-Security-Policy", policy),
-            ("X-Content-Type-Options", "nosniff"),
-            ("Referrer-Policy", "no-referrer"),
-            ("Cross-Origin-Opener-Policy", "same-origin"),
-            ("Cross-Origin-Resource-Policy", "same-origin"),
-            ("X-Frame-Options", "DENY"),
-        ]
-        if self._tls:
-            headers.append(("Strict-Transport-Security", "max-age=31536000"))
-        return headers
+    A browser names the origin of the page that asks. Programs have none; they are let in where no
+    cookie could speak for somebody who does not know: with a token of their own, and to enrol.
+    """
+    origin = headers.get("origin")
+    if origin is not None:
+        return same_origin(origin, host, tls=tls)
+    site = headers.get("sec-fetch-site")
+    if site is not None:
+        return site == "same-origin"
+    return path == _ENROL or _bearer(headers)
+
+
+def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | None:
+    origin = headers.get("origin")
+    if path.startswith(_GATEWAY):
+        # A gateway is no page; a page must not speak to this door whatever key it has.
+        return _No(403, "origin", "this is no door for pages") if origin is not None else None
+    if origin is None and "cookie" not in headers and _bearer(headers):
+        # A script with a token of its own; a page cannot send one when it opens a socket.
+        return None
+    if not same_origin(origin, host, tls=tls):
+        return _No(403, "origin", "a page of another origin may not connect")
+    return None
+
+
+def _bearer(headers: Headers) -> bool:
+    return headers.get("authorization", "").lower().startswith("bearer ")
+
+
+def _same_address(name: str, own: str) -> bool:
+    try:
+        return ipaddress.ip_address(name) == ipaddress.ip_address(own)
+    except ValueError:
+        return False
+
+
+async def _refuse(no: _No, scope: Scope, receive: Receive, send: Send) -> None:
+    answer = problem(*no)
+    if scope["type"] == "http":
+        await answer(scope, receive, send)
+        return
+    # Before the upgrade, as an ordinary answer: a browser's console shows the status.
+    await receive()
+    start = {"status": no.status, "headers": answer.raw_headers}
+    await send({"type": "websocket.http.response.start", **start})
+    await send({"type": "websocket.http.response.body", "body": bytes(answer.body)})
+
+
+def _dressed(scope: Scope, host: str, send: Send, *, tls: bool) -> Send:
+    async def dressed(message: Message) -> None:
+        if message["type"] in {"http.response.start", "websocket.http.response.start"}:
+            headers = MutableHeaders(scope=message)
+            for name, value in guarding_headers(host, tls=tls):
+                headers[name] = value
+            if scope["path"].startswith("/api"):
+                headers["Cache-Control"] = "no-store"
+        await send(message)
+
+    return dressed

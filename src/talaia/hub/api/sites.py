@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import APIRouter, Query, Request
 
 from talaia.hub.api.access import live_of, who_of
-from talaia.hub.api.described import describe, summarise
+from talaia.hub.api.described import describe, list_devices, summarise
+from talaia.hub.api.people_shapes import DeviceList
 from talaia.hub.api.shapes import (
     EventList,
     EventShape,
@@ -40,6 +41,7 @@ class SitePages:
         router = APIRouter()
         router.get("/api/health")(self.health)
         router.get("/api/sites")(self.overview)
+        router.get("/api/devices")(self.devices)
         router.get("/api/sites/{site}")(self.one)
         router.get("/api/sites/{site}/events")(self.events)
         return router
@@ -57,6 +59,13 @@ class SitePages:
             for live in self._sites
             if sees_site(grants, live.description)
         ]
+
+    async def devices(self, request: Request) -> DeviceList:
+        """List all devices that are open to you, with how each is."""
+        grants, now = who_of(request).grants, self._clock.monotonic_ns()
+        return DeviceList(
+            devices=[each for live in self._sites for each in list_devices(live, grants, now)]
+        )
 
     async def one(self, request: Request, site: str) -> SiteShape:
         """Describe a site as far as it is open to you."""

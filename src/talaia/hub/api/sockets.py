@@ -8,6 +8,7 @@ from fastapi import APIRouter, WebSocket
 
 from talaia import __version__
 from talaia.hub.api.access import deny
+from talaia.hub.api.limits import MOST_SOCKETS
 from talaia.hub.auth.permissions import sees_stream
 from talaia.hub.live.browsers import Browser
 from talaia.hub.live.media import Viewer
@@ -16,6 +17,8 @@ from talaia.wire import browser as page
 if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.api.access import Access
+    from talaia.hub.api.limits import Limits
+    from talaia.hub.auth.permissions import Who
     from talaia.hub.live.browsers import Browsers
     from talaia.hub.live.commanding import Commanding
     from talaia.hub.live.fanout import Fanout
@@ -40,6 +43,7 @@ class Sockets:
     def __init__(
         self,
         access: Access,
+        limits: Limits,
         sites: Sites,
         gate: Gate,
         seats: Seats,
@@ -53,6 +57,7 @@ class Sockets:
     ) -> None:
         """Take the parts that a socket's words go to."""
         self._access = access
+        self._limits = limits
         self._sites = sites
         self._gate = gate
         self._seats = seats
@@ -76,8 +81,11 @@ class Sockets:
     async def room(self, socket: WebSocket) -> None:
         """Serve a page: values, commands, driving."""
         who = await self._access.admit(socket)
-        if who is None:
-            return
+        if who is not None:
+            with self._limits.socket(who) as allowed:
+                await (self._room(socket, who) if allowed else _too_many(socket))
+
+    async def _room(self, socket: WebSocket, who: Who) -> None:
         await socket.accept()
         browser = Browser(socket, who, self._gate, text=_speaks_json(socket))
         self._browsers.add(browser)
@@ -92,7 +100,7 @@ class Sockets:
         )
         self._reporting.greet(browser)
         try:
-            await browser.serve(self._handle)
+            await browser.serve(self._handle, lambda: self._commanding.leave(browser))
         finally:
             self._seats.remove(browser)
             self._browsers.remove(browser)
@@ -102,8 +110,11 @@ class Sockets:
     async def pictures(self, socket: WebSocket) -> None:
         """Serve the pictures of one stream to one page."""
         who = await self._access.admit(socket)
-        if who is None:
-            return
+        if who is not None:
+            with self._limits.socket(who) as allowed:
+                await (self._pictures(socket, who) if allowed else _too_many(socket))
+
+    async def _pictures(self, socket: WebSocket, who: Who) -> None:
         site, stream = (socket.query_params.get(key, "") for key in ("site", "stream"))
         live = self._sites.get(site)
         if live is None or not sees_stream(
@@ -123,17 +134,17 @@ class Sockets:
 
     async def link(self, socket: WebSocket) -> None:
         """Serve a gateway."""
-        site = await self._access.admit_gateway(socket)
-        if site is not None:
+        key = await self._access.admit_gateway(socket)
+        if key is not None:
             await socket.accept()
-            await self._gateways.serve(socket, site)
+            await self._gateways.serve(socket, key)
 
     async def camera(self, socket: WebSocket) -> None:
         """Take a gateway's pictures."""
-        site = await self._access.admit_gateway(socket)
-        if site is not None:
+        key = await self._access.admit_gateway(socket)
+        if key is not None:
             await socket.accept()
-            await self._gateways.serve_media(socket, site)
+            await self._gateways.serve_media(socket, key)
 
     def _handle(self, browser: Browser, message: FromBrowser) -> None:
         """Lead a message, which the gate has let pass, to its part."""
@@ -166,6 +177,10 @@ class Sockets:
             )
             return
         self._fanout.subscribe(browser, asked)
+
+
+async def _too_many(socket: WebSocket) -> None:
+    await deny(socket, 429, "busy", f"at most {MOST_SOCKETS} connections at once; close some pages")
 
 
 def _speaks_json(socket: WebSocket) -> bool:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import functools
 import hmac
 import unicodedata
+from pathlib import Path
 
 import bcrypt
 
@@ -20,13 +22,17 @@ _LONGEST_NAME = 64
 # since bcrypt reads no more than 72 bytes and none after a NUL.
 _DOMAIN = b"talaia password v1"
 _AT_ONCE = 2
+_LONGEST_KEY = 200
+_COMMON = Path(__file__).with_name("common_passwords.txt")
+_OURS = "talaia"
 
 
-def check_password(password: str) -> None:
-    """Hold a new password against the rules.
+def check_password(password: str, name: str = "") -> None:
+    """Hold a new password against the rules; ``name`` is the person's.
 
     Raises:
-        WeakPassword: it is shorter or longer than allowed.
+        WeakPassword: it is shorter or longer than allowed, among the commonest ones, or the
+            person's or the product's name with little more.
 
     """
     if len(password) < SHORTEST:
@@ -36,6 +42,13 @@ def check_password(password: str) -> None:
         )
     if len(password) > LONGEST:
         raise WeakPassword("the password is too long", f"take at most {LONGEST} characters")
+    if name_key(password) in _common():
+        raise WeakPassword(
+            "the password is one of the commonest", "take another; three unrelated words are good"
+        )
+    core = "".join(character for character in name_key(password) if character.isalpha())
+    if core and core in {name_key(name), _OURS, name_key(name) + _OURS}:
+        raise WeakPassword("the password is a name that anyone would try", "take another")
 
 
 def check_name(name: str) -> None:
@@ -52,11 +65,19 @@ def check_name(name: str) -> None:
         )
     if any(unicodedata.category(character)[0] == "C" for character in name):
         raise WeakPassword("the name holds characters that cannot be seen", "leave them out")
+    if len(name_key(name)) > _LONGEST_KEY:
+        raise WeakPassword("the name cannot be used", "take fewer compound characters")
 
 
 def name_key(name: str) -> str:
     """Give a name as it is compared: normalised and without case."""
     return unicodedata.normalize("NFKC", name).casefold()
+
+
+@functools.cache
+def _common() -> frozenset[str]:
+    lines = _COMMON.read_text(encoding="utf-8").splitlines()
+    return frozenset(line for line in lines if not line.startswith("#"))
 
 
 class Passwords:

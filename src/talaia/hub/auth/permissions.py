@@ -38,10 +38,17 @@ class Right(StrEnum):
     ADMIN = "admin"
 
 
+# Having which rights a right is given.
 _INCLUDED = {
     Right.VIEW: frozenset({Right.VIEW, Right.USE, Right.ADMIN}),
     Right.USE: frozenset({Right.USE, Right.ADMIN}),
     Right.ADMIN: frozenset({Right.ADMIN}),
+}
+# What having a right includes.
+_INCLUDES = {
+    Right.VIEW: frozenset({Right.VIEW}),
+    Right.USE: frozenset({Right.VIEW, Right.USE}),
+    Right.ADMIN: frozenset(Right),
 }
 
 
@@ -72,6 +79,26 @@ class Grants:
         """Tell whether a person has ``right`` on one device, or (``*``) on the whole site."""
         return any(each.covers(right, site, device) for each in self.permissions)
 
+    def covers(self, asked: Permission) -> bool:
+        """Tell whether a person could give ``asked`` away, since they have all of it."""
+        return self.may(asked.right, asked.site, asked.device)
+
+    def limited(self, to: frozenset[Permission]) -> Grants:
+        """Give what of these ``to`` leaves: never more than either."""
+        met = (_meet(ours, theirs) for ours in self.permissions for theirs in to)
+        found = {each for each in met if each is not None}
+        # What another one includes is left out, so that people read as few as there are.
+        return Grants(
+            frozenset(
+                each
+                for each in found
+                if not any(
+                    other != each and other.covers(each.right, each.site, each.device)
+                    for other in found
+                )
+            )
+        )
+
     def rights(self, site: str, device: str) -> list[Right]:
         """List the rights on a device."""
         return [right for right in Right if self.may(right, site, device)]
@@ -79,10 +106,12 @@ class Grants:
 
 @dataclass(frozen=True, slots=True)
 class Who:
-    """A person who is signed in.
+    """A person who is signed in, or a script with a token of theirs.
 
     Attributes:
-        session: names the session without being of use to open one (the token's hash).
+        session: names the session (or the token) without being of use to open one.
+        factor: whether the person signs in with a second factor.
+        script: whether it is a token that asks; it may manage nothing.
 
     """
 
@@ -91,6 +120,23 @@ class Who:
     name: str
     role: str
     grants: Grants
+    factor: bool = False
+    script: bool = False
+
+
+def _meet(ours: Permission, theirs: Permission) -> Permission | None:
+    """Give what both allow; None when they have nothing in common."""
+    site, device = _narrower(ours.site, theirs.site), _narrower(ours.device, theirs.device)
+    if site is None or device is None:
+        return None
+    right = ours.right if ours.right in _INCLUDES[theirs.right] else theirs.right
+    return Permission(right, site, device)
+
+
+def _narrower(one: str, other: str) -> str | None:
+    if ANY in {one, other}:
+        return other if one == ANY else one
+    return one if one == other else None
 
 
 def sees_signal(grants: Grants, site: Site, device: str, signal: str) -> bool:

@@ -1,16 +1,41 @@
-"""How long a sign-in must wait after wrong ones: by person, and by address. Pure.
+"""How long a sign-in must wait after wrong ones: by person, by address and by browser. Pure.
 
 No account is ever locked for good: the wait for a person grows to a minute and is forgotten
-after a quarter of an hour without a wrong try.
+after a quarter of an hour without a wrong try. A browser from which the person has signed in
+before has a count of its own, so that whoever floods the sign-in with wrong tries does not hold
+the person back.
 """
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
 
-__all__ = ["Throttle"]
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["FORGET_NS", "Counted", "Kind", "Throttle"]
+
+
+class Kind(StrEnum):
+    """What wrong tries are counted by."""
+
+    USER = "user"
+    ADDRESS = "address"
+    BROWSER = "browser"
+
+
+class Counted(NamedTuple):
+    """A count as it is kept; 0 wrong tries: forget it."""
+
+    kind: Kind
+    key: str
+    wrong: int
+    last_ns: int
 
 
 @dataclass(slots=True)
@@ -27,51 +52,98 @@ class _Rule:
     longest_s: int
 
 
-_BY_USER = _Rule(free=5, longest_s=60)
-_BY_ADDRESS = _Rule(free=20, longest_s=60)
-_FORGET_NS = 900 * SECOND
+_RULES = {
+    Kind.USER: _Rule(free=5, longest_s=60),
+    Kind.ADDRESS: _Rule(free=20, longest_s=60),
+    Kind.BROWSER: _Rule(free=5, longest_s=60),
+}
+FORGET_NS = 900 * SECOND
 _MOST_KEPT = 10_000
 
 
 class Throttle:
-    """Counts wrong tries. Times are the hub's monotonic nanoseconds."""
+    """Counts wrong tries. Times are nanoseconds of one clock, the wall's where they are kept.
+
+    ``browser`` names one from which this very person has signed in before, else it is empty;
+    where it is given it is the only thing that counts.
+    """
 
     def __init__(self) -> None:
         """Start with a clean slate."""
-        self._users: dict[str, _Tries] = {}
-        self._addresses: dict[str, _Tries] = {}
+        self._tries: dict[Kind, dict[str, _Tries]] = {kind: {} for kind in Kind}
+        self._changed: set[tuple[Kind, str]] = set()
 
-    def wait_ns(self, user: str, address: str, now_ns: int) -> int:
+    def wait_ns(self, user: str, address: str, now_ns: int, browser: str = "") -> int:
         """Tell how long this person at this address must wait; 0 when they may try now."""
         return max(
-            _wait(self._users.get(user), _BY_USER, now_ns),
-            _wait(self._addresses.get(address), _BY_ADDRESS, now_ns),
+            _wait(self._tries[kind].get(key), _RULES[kind], now_ns)
+            for kind, key in _keys(user, address, browser)
         )
 
-    def tried(self, user: str, address: str, now_ns: int) -> None:
+    def tried(self, user: str, address: str, now_ns: int, browser: str = "") -> None:
         """Count a try as wrong, before it is looked at: many at once must not slip through."""
-        for table, key in ((self._users, user), (self._addresses, address)):
+        for kind, key in _keys(user, address, browser):
+            table = self._tries[kind]
             tries = table.pop(key, None)
-            if tries is None or now_ns - tries.last_ns > _FORGET_NS:
+            if tries is None or abs(now_ns - tries.last_ns) > FORGET_NS:
                 tries = _Tries()
             tries.wrong += 1
             tries.last_ns = now_ns
             # Put at the end again: the table is in the order of the last try.
             table[key] = tries
+            self._changed.add((kind, key))
             if len(table) > _MOST_KEPT:
                 del table[next(iter(table))]
 
-    def succeeded(self, user: str, address: str) -> None:
+    def succeeded(self, user: str, address: str, browser: str = "") -> None:
         """Forget the person's wrong tries, and take this one off the address's count."""
-        self._users.pop(user, None)
-        tries = self._addresses.get(address)
+        for kind, key in _keys(user, address, browser):
+            if kind is Kind.ADDRESS:
+                self._less(kind, key)
+            elif self._tries[kind].pop(key, None) is not None:
+                self._changed.add((kind, key))
+
+    def unfinished(self, user: str, address: str, browser: str = "") -> None:
+        """Take this one try off every count: it was not wrong, and not all that is needed."""
+        for kind, key in _keys(user, address, browser):
+            self._less(kind, key)
+
+    def bring_back(self, counts: Iterable[Counted]) -> None:
+        """Remember what was counted before, the oldest first."""
+        for kind, key, wrong, last_ns in counts:
+            self._tries[kind][key] = _Tries(wrong, last_ns)
+
+    def changes(self) -> list[Counted]:
+        """Give what changed since this was last asked, to be kept."""
+        changed, self._changed = self._changed, set()
+        return [
+            Counted(kind, key, tries.wrong if tries else 0, tries.last_ns if tries else 0)
+            for kind, key in changed
+            for tries in (self._tries[kind].get(key),)
+        ]
+
+    def _less(self, kind: Kind, key: str) -> None:
+        tries = self._tries[kind].get(key)
         if tries is not None:
             tries.wrong = max(0, tries.wrong - 1)
+            self._changed.add((kind, key))
+
+
+def _keys(user: str, address: str, browser: str) -> list[tuple[Kind, str]]:
+    if browser:
+        return [(Kind.BROWSER, _hash(browser))]
+    return [(Kind.USER, _hash(user)), (Kind.ADDRESS, _hash(address))]
+
+
+def _hash(text: str) -> str:
+    # People type passwords where the name belongs; these are not kept.
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def _wait(tries: _Tries | None, rule: _Rule, now_ns: int) -> int:
-    if tries is None or tries.wrong < rule.free or now_ns - tries.last_ns > _FORGET_NS:
+    if tries is None or tries.wrong < rule.free or abs(now_ns - tries.last_ns) > FORGET_NS:
         return 0
     doublings = min(tries.wrong - rule.free, 16)
     wait = min(1 << doublings, rule.longest_s) * SECOND
-    return max(0, tries.last_ns + wait - now_ns)
+    # A wall clock that was set back must not make anyone wait longer than the rule says.
+    return max(0, min(wait, tries.last_ns + wait - now_ns))

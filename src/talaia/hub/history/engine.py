@@ -5,16 +5,20 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
-from sqlalchemy import create_engine, event, make_url
-from sqlalchemy.exc import ArgumentError, SQLAlchemyError
+from sqlalchemy import create_engine, event
+from sqlalchemy.exc import SQLAlchemyError
 
+from talaia.hub.errors import StoreError
 from talaia.hub.history.errors import HistoryError
+from talaia.hub.store.reach import reach
 from talaia.hub.store.sqlite import open_sqlite
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from sqlalchemy import Connection, Engine
+
+    from talaia.hub.store.reach import Reach
 
 __all__ = ["READERS", "Checkpoints", "address_of", "open_engine"]
 
@@ -31,18 +35,18 @@ def open_engine(url: str, *, writes: bool) -> Engine:
         HistoryError: the URL cannot be read, or its driver is not installed.
 
     """
+    found = _reach(url)
     try:
         engine = create_engine(
-            url,
+            found.url,
+            connect_args=found.arguments,
             pool_size=1 if writes else READERS,
             max_overflow=0,
-            pool_pre_ping=not url.startswith("sqlite"),
+            pool_pre_ping=found.url.get_backend_name() != "sqlite",
         )
-    except (ArgumentError, ImportError) as error:
-        raise HistoryError(
-            f"the database URL cannot be used: {error}",
-            "write it like sqlite:////path/talaia.db",
-        ) from error
+    except ImportError as error:
+        missing = found.missing(error)
+        raise HistoryError(missing.problem, missing.remedy) from error
     if engine.dialect.name == "sqlite":
         opened = open_sqlite("wal_autocheckpoint=0", "cache_size=-16384")
         event.listen(engine, "connect", opened)
@@ -52,7 +56,7 @@ def open_engine(url: str, *, writes: bool) -> Engine:
 
 def address_of(url: str) -> str:
     """Give the URL without its password, for messages."""
-    return make_url(url).render_as_string(hide_password=True)
+    return _reach(url).url.render_as_string(hide_password=True)
 
 
 class Checkpoints:
@@ -87,6 +91,13 @@ class Checkpoints:
     def close(self) -> None:
         """End the thread."""
         self._thread.shutdown()
+
+
+def _reach(url: str) -> Reach:
+    try:
+        return reach(url, blocking=True)
+    except StoreError as error:
+        raise HistoryError(error.problem, error.remedy) from error
 
 
 def _checkpoint(engine: Engine) -> None:

@@ -13,17 +13,25 @@ from talaia.hub.live.race import until_first
 from talaia.wire.browser import (
     FROM_BROWSER,
     TO_BROWSER,
+    Command,
     CommandNews,
+    Drive,
     DriveNews,
     Ended,
+    Lease,
     LeaseNews,
+    Ping,
     Pong,
     Problem,
+    Reset,
+    SessionNews,
     SiteNews,
+    Stop,
     StopNews,
     TickNews,
 )
 from talaia.wire.errors import PeerError
+from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterator
@@ -64,6 +72,7 @@ class Browser:
         self._wake = asyncio.Event()
         self._over = asyncio.Event()
         self._reason = ""
+        self._used = False
 
     @property
     def waiting(self) -> int:
@@ -96,13 +105,25 @@ class Browser:
         self._outbox.forget(sub)
 
     def end(self, reason: str) -> None:
-        """Tell the person that the session is over and close; nothing else is sent."""
-        self._reason = reason
+        """Tell the person that the session is over and close; nothing else is sent or heard."""
+        self._reason = self._reason or reason
         self._over.set()
 
-    async def serve(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
-        """Read and write until either side ends it."""
+    def tell_end(self, ends_us: int, *, idle: bool) -> None:
+        """Tell the person when the session ends (UTC, µs); 0: it goes on after all."""
+        self.tell(SessionNews(ends_us=ends_us, idle=idle))
+
+    def take_use(self) -> bool:
+        """Tell whether the person has done something since this was last asked."""
+        used, self._used = self._used, False
+        return used
+
+    async def serve(
+        self, handle: Callable[[Browser, FromBrowser], None], left: Callable[[], None]
+    ) -> None:
+        """Read and write until either side ends it; ``left`` is called before any farewell."""
         results = await until_first(self._read(handle), self._write(), self._over.wait())
+        left()
         if self._over.is_set():
             await self._farewell(SESSION_OVER, Ended(reason=self._reason))
         for result in results:
@@ -121,6 +142,9 @@ class Browser:
                 return
             data = event.get("bytes")
             message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
+            if self._over.is_set():
+                return
+            self._used = self._used or _by_hand(message)
             problem = self._gate.refusal(self.who.grants, message)
             if problem is not None:
                 self.tell(problem)
@@ -184,6 +208,19 @@ class Browsers:
             browser.tell(message)
 
 
+def _by_hand(message: FromBrowser) -> bool:
+    """Tell whether a person did something, and not the page by itself."""
+    match message:
+        case Ping():
+            return message.active
+        case Lease():
+            return message.op is not LeaseOp.RENEW
+        case Drive() | Stop() | Reset() | Command():
+            return True
+        case _:
+            return False
+
+
 def _state_key(message: ToBrowser) -> Hashable | None:
     """Give the key of a message of which only the newest counts; None when each does."""
     match message:
@@ -196,7 +233,7 @@ def _state_key(message: ToBrowser) -> Hashable | None:
             return StopNews, message.site, message.device, message.id
         case CommandNews():
             return CommandNews, message.site, message.id
-        case Pong():
-            return Pong
+        case Pong() | SessionNews():
+            return type(message)
         case _:
             return None

@@ -23,22 +23,23 @@ _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
 
 class GatewayCamera:
-    """One open media connection.
-
-    Attributes:
-        over: set it to let the connection end.
-
-    """
+    """One open media connection."""
 
     def __init__(self, socket: WebSocket) -> None:
         """Speak over ``socket``, which is accepted already."""
-        self.over = asyncio.Event()
         self._socket = socket
+        self._over = asyncio.Event()
+        self._reason = ""
+
+    def dismiss(self, reason: str) -> None:
+        """Say good-bye and close."""
+        self._reason = self._reason or reason
+        self._over.set()
 
     async def serve(self, take: Callable[[Picture], None], now_us: Callable[[], int]) -> None:
         """Hand each picture to ``take`` until either side ends it; answer beats."""
-        results = await until_first(self._read(take, now_us), self.over.wait())
-        reason, code = "", 1000
+        results = await until_first(self._read(take, now_us), self._over.wait())
+        reason, code = self._reason, 1000
         for result in results:
             if isinstance(result, PeerError):
                 reason, code = result.problem, result.code

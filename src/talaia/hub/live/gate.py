@@ -11,9 +11,12 @@ from talaia.hub.policy import (
     allows,
     need_of_message,
 )
-from talaia.wire.browser import Problem
+from talaia.wire.browser import Lease, Problem, Stop
+from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.sites import Sites
     from talaia.wire.shape import Message
@@ -24,9 +27,10 @@ __all__ = ["Gate"]
 class Gate:
     """Holds messages against the policy table and the person's rights."""
 
-    def __init__(self, sites: Sites) -> None:
-        """Look objects up in ``sites``."""
+    def __init__(self, sites: Sites, sure: Callable[[], bool]) -> None:
+        """Look objects up in ``sites``; ``sure`` tells whether rights are known just now."""
         self._sites = sites
+        self._sure = sure
 
     def refusal(self, grants: Grants, message: Message) -> Problem | None:
         """Say why a message from a browser is refused; None when it may pass.
@@ -37,9 +41,15 @@ class Gate:
         site, device = _object(message)
         live = self._sites.get(site) if site else None
         described = live.description if live else None
-        if allows(need, grants, described, device):
-            return None
         tag = str(type(message).__struct_config__.tag)
+        if allows(need, grants, described, device):
+            if need is Need.SESSION or self._sure() or _makes_safe(message):
+                return None
+            return Problem(
+                code="store",
+                message="the hub's database does not answer; only STOP is passed on",
+                about=tag,
+            )
         if need is not Need.NEVER and not allows(Need.SEE, grants, described, device):
             what = f"device {device!r} at site {site!r}" if device else f"site {site!r}"
             return Problem(code="unknown", message=f"there is no {what}", about=tag)
@@ -53,6 +63,11 @@ class Gate:
         site, device = _object(message)
         live = self._sites.get(site)
         return allows(need, grants, live.description if live else None, device)
+
+
+def _makes_safe(message: Message) -> bool:
+    """Tell whether a message may pass even when it is not known who may do what."""
+    return isinstance(message, Stop) or (isinstance(message, Lease) and message.op is LeaseOp.FREE)
 
 
 def _object(message: Message) -> tuple[str, str]:

@@ -33,12 +33,13 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.live.browsers import Browsers
     from talaia.hub.live.fanout import Fanout
+    from talaia.hub.live.links import Links
     from talaia.hub.live.media import Media
     from talaia.hub.live.reporting import Reporting
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
-    from talaia.hub.store.sites import SiteRegistry
+    from talaia.hub.store.sites import GatewayKey, SiteRegistry
     from talaia.model.site import Site
 
 __all__ = ["Gateways"]
@@ -65,6 +66,7 @@ class Gateways:
         media: Media,
         history: History,
         registry: SiteRegistry,
+        links: Links,
         settings: Settings,
         clock: Clock,
     ) -> None:
@@ -76,13 +78,19 @@ class Gateways:
         self._media = media
         self._history = history
         self._registry = registry
+        self._links = links
         self._settings = settings
         self._clock = clock
         self._cameras: dict[str, GatewayCamera] = {}
 
-    async def serve(self, socket: WebSocket, site: str) -> None:
-        """Serve the link of the gateway of ``site`` until it ends."""
+    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+        """Serve the link of a gateway until it ends."""
         link = GatewayLink(socket)
+        with self._links.opened(key.id, link):
+            await self._serve(link, key, socket.client.host if socket.client else "")
+
+    async def _serve(self, link: GatewayLink, key: GatewayKey, address: str) -> None:
+        site = key.site
         try:
             hello, description = await self._hello(link, site)
         except (PeerError, DescriptionError, TimeoutError) as error:
@@ -98,6 +106,7 @@ class Gateways:
         try:
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
             await self._history.describe(description)
+            await self._registry.linked(key.id, hello.version, address)
             acked = await ingest.start(hello.boot)
         except _STORE_FAILS as error:
             _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
@@ -118,16 +127,18 @@ class Gateways:
             await asyncio.gather(storing, return_exceptions=True)
             with contextlib.suppress(*_STORE_FAILS):
                 await self._registry.seen(site)
+                await self._registry.heard(key.id)
 
-    async def serve_media(self, socket: WebSocket, site: str) -> None:
-        """Take pictures of ``site`` until the gateway hangs up or a newer one comes."""
-        camera = GatewayCamera(socket)
+    async def serve_media(self, socket: WebSocket, key: GatewayKey) -> None:
+        """Take pictures of a site until its gateway hangs up or a newer one comes."""
+        camera, site = GatewayCamera(socket), key.site
         before = self._cameras.get(site)
         if before is not None:
-            before.over.set()
+            before.dismiss("a newer connection was opened")
         self._cameras[site] = camera
         try:
-            await camera.serve(self._picture(site), self._now_us)
+            with self._links.opened(key.id, camera):
+                await camera.serve(self._picture(site), self._now_us)
         finally:
             if self._cameras.get(site) is camera:
                 del self._cameras[site]
@@ -179,6 +190,10 @@ class Gateways:
             self._fanout.redescribed(live)
         self._browsers.tell(site_news(live))
         self._reporting.event(live, "gateway connected", message=f"version {hello.version}")
+        if changed and before is not None:
+            self._reporting.event(
+                live, "description changed", message=f"catalogue {hello.catalogue}"
+            )
         self._media.watch(site)
         _LOG.info("the gateway of %s is connected", site)
         return live

@@ -60,6 +60,13 @@ class Viewer:
         self._reason = reason
         self._over.set()
 
+    def tell_end(self, ends_us: int, *, idle: bool) -> None:
+        """Say nothing: the page's other socket tells the person."""
+
+    def take_use(self) -> bool:
+        """Looking at pictures is not doing anything."""
+        return False
+
     async def serve(self) -> None:
         """Send pictures until either side ends it."""
         results = await until_first(self._read(), self._write(), self._over.wait())

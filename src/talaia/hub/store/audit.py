@@ -2,6 +2,9 @@
 
 What happens is handed over with `Audit.note`, which never waits: STOP must not stand behind a
 disk. One task writes what has gathered, many rows in one transaction.
+
+The hash of the newest row stands in a table of its own besides. Whoever appends locks that row, so
+that two hubs on one database make one chain; and rows that were cut off at the end show.
 """
 
 from __future__ import annotations
@@ -11,24 +14,31 @@ import hashlib
 import json
 import logging
 from collections import deque
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from sqlalchemy import insert, select
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy import func, insert, select, update
 
-from talaia.hub.store.tables import audit
+from talaia.hub.errors import StoreDown
+from talaia.hub.store.tables import audit, audit_head
+from talaia.hub.store.visible import visible
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from sqlalchemy import ColumnElement
     from sqlalchemy.ext.asyncio import AsyncConnection
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
-__all__ = ["Audit", "Entry", "chain_hash"]
+__all__ = ["Audit", "Chain", "Entry", "Filter", "Row", "chain_hash"]
 
 _LOG = logging.getLogger(__name__)
 _MOST_WAITING = 20_000
 _RETRY_S = 1.0
+_PAGE = 1000
+_HEAD = 1
 
 
 class Entry(NamedTuple):
@@ -42,6 +52,59 @@ class Entry(NamedTuple):
     device: str = ""
     message: str = ""
     good: bool = True
+
+
+class Row(NamedTuple):
+    """An entry with its number; numbers rise, and may leave some out."""
+
+    id: int
+    entry: Entry
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Filter:
+    """Which rows are meant; what is None does not matter.
+
+    Attributes:
+        kind: the beginning of the kind: ``command`` finds all about commands.
+        from_us: not before. to_us: before.
+        before: only rows with a smaller number.
+
+    """
+
+    who: str | None = None
+    site: str | None = None
+    device: str | None = None
+    kind: str | None = None
+    good: bool | None = None
+    from_us: int | None = None
+    to_us: int | None = None
+    before: int | None = None
+
+    def conditions(self) -> list[ColumnElement[bool]]:
+        """Say it in SQL."""
+        said = [
+            audit.c[each.name] == getattr(self, each.name)
+            for each in fields(self)
+            if each.name in {"who", "site", "device", "good"}
+            and getattr(self, each.name) is not None
+        ]
+        if self.kind is not None:
+            said.append(audit.c.kind.startswith(self.kind, autoescape=True))
+        if self.from_us is not None:
+            said.append(audit.c.time_us >= self.from_us)
+        if self.to_us is not None:
+            said.append(audit.c.time_us < self.to_us)
+        if self.before is not None:
+            said.append(audit.c.id < self.before)
+        return said
+
+
+class Chain(NamedTuple):
+    """What a walk along the chain has found: rows that fit, and the first that does not (or 0)."""
+
+    rows: int
+    broken: int
 
 
 def chain_hash(before: str, entry: Entry) -> str:
@@ -75,15 +138,19 @@ class Audit:
         message: str = "",
         good: bool = True,
     ) -> Entry:
-        """Take a note; never waits. Texts are cut to what a column holds."""
+        """Take a note; never waits.
+
+        Texts are cut to what a column holds. Characters that are not seen, a new line too, are
+        written as escapes, so that nobody can make one row look like two.
+        """
         entry = Entry(
             self._clock.wall_ns() // 1000,
-            kind[:200],
-            who[:200],
-            address[:200],
-            site[:200],
-            device[:200],
-            message[:2000],
+            visible(kind, 200),
+            visible(who, 200),
+            visible(address, 200),
+            visible(site, 200),
+            visible(device, 200),
+            visible(message, 2000),
             good,
         )
         if len(self._waiting) < _MOST_WAITING:
@@ -99,7 +166,7 @@ class Audit:
             self._news.clear()
             try:
                 await self._flush()
-            except (SQLAlchemyError, OSError):
+            except StoreDown:
                 if not self._failing:
                     _LOG.exception("the audit log cannot be written; notes are kept in memory")
                 self._failing = True
@@ -142,28 +209,69 @@ class Audit:
             )
             return [Entry(*row) for row in rows]
 
-    async def broken_at(self) -> int | None:
-        """Walk the chain; give the number of the first row that does not fit, or None."""
-        before = ""
+    async def find(self, wanted: Filter, limit: int) -> tuple[list[Row], bool]:
+        """List the newest rows that are meant, newest first; tell whether there are more."""
         async with self._database.read() as connection:
-            rows = await connection.stream(
-                select(audit.c.id, audit.c.hash, *_COLUMNS).order_by(audit.c.id)
+            rows = await connection.execute(
+                select(audit.c.id, *_COLUMNS)
+                .where(*wanted.conditions())
+                .order_by(audit.c.id.desc())
+                .limit(limit + 1)
             )
-            async for row in rows:
+            found = [Row(row[0], Entry(*row[1:])) for row in rows]
+        return found[:limit], len(found) > limit
+
+    async def every(self, wanted: Filter) -> AsyncIterator[Row]:
+        """Go through all rows that are meant, newest first, with few of them in memory."""
+        more = True
+        while more:
+            rows, more = await self.find(wanted, _PAGE)
+            for row in rows:
+                yield row
+            if rows:
+                wanted = replace(wanted, before=rows[-1].id)
+
+    async def verify(self) -> Chain:
+        """Walk the chain from its beginning to its end, with few rows in memory."""
+        before, last, count = "", 0, 0
+        async with self._database.read() as connection:
+            # Asked first: what is appended during the walk lies behind it.
+            head = (
+                await connection.execute(select(audit_head.c.row_id, audit_head.c.hash))
+            ).first()
+        end, end_hash = (head.row_id, head.hash) if head else (0, "")
+        while True:
+            async with self._database.read() as connection:
+                found = await connection.execute(
+                    select(audit.c.id, audit.c.hash, *_COLUMNS)
+                    .where(audit.c.id > last, audit.c.id <= end)
+                    .order_by(audit.c.id)
+                    .limit(_PAGE)
+                )
+                rows = found.all()
+            for row in rows:
                 if chain_hash(before, Entry(*row[2:])) != row.hash:
-                    return int(row.id)
-                before = row.hash
-        return None
+                    return Chain(count, int(row.id))
+                before, last, count = row.hash, row.id, count + 1
+            if not rows:
+                break
+            # A long log must not keep the others waiting.
+            await asyncio.sleep(0)
+        return Chain(count, 0 if before == end_hash else end or 1)
 
 
 _COLUMNS = tuple(audit.c[name] for name in Entry._fields)
 
 
 async def _append(connection: AsyncConnection, batch: list[Entry]) -> None:
-    last = select(audit.c.hash).order_by(audit.c.id.desc()).limit(1)
-    before = (await connection.execute(last)).scalar() or ""
+    head = select(audit_head.c.hash).where(audit_head.c.id == _HEAD).with_for_update()
+    before = (await connection.execute(head)).scalar_one()
     rows = []
     for entry in batch:
         before = chain_hash(before, entry)
         rows.append({**entry._asdict(), "hash": before})
     await connection.execute(insert(audit), rows)
+    last = select(func.max(audit.c.id)).scalar_subquery()
+    await connection.execute(
+        update(audit_head).where(audit_head.c.id == _HEAD).values(row_id=last, hash=before)
+    )

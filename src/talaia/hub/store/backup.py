@@ -42,7 +42,7 @@ def backup(url: str, data: Path, target: Path, clock: Clock) -> Path:
     """Write a backup into the folder ``target``, which must not be there yet.
 
     Args:
-        url: the database's URL with a driver that waits.
+        url: the database's URL, as a person writes it.
         data: the hub's data folder.
         target: appears as a whole once the backup is complete.
         clock: stamps it.
@@ -135,7 +135,7 @@ def restore_server(source: Path, url: str) -> int:
     """
     _check(source)
     origin = open_plain(f"sqlite:///{source / DATABASE}")
-    target = create_engine(url)
+    target = open_plain(url)
     try:
         with origin.connect() as reading, target.begin() as writing:
             theirs, ours = _version(reading), _version(writing)

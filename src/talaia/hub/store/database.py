@@ -8,22 +8,32 @@ from typing import TYPE_CHECKING
 
 from alembic import command
 from alembic.config import Config
-from sqlalchemy import Connection, event, make_url
-from sqlalchemy.exc import ArgumentError, SQLAlchemyError
+from sqlalchemy import Connection, event, func, select, text
+from sqlalchemy.exc import DBAPIError, IntegrityError, SQLAlchemyError
 from sqlalchemy.ext.asyncio import create_async_engine
 
-from talaia.hub.errors import StoreError
+from talaia.hub.errors import StoreDown, StoreError
+from talaia.hub.store.reach import reach
 from talaia.hub.store.sqlite import open_sqlite
+from talaia.hub.store.tables import write_turn
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
+    from talaia.hub.store.reach import Reach
+
 __all__ = ["Database"]
 
 _MIGRATIONS = Path(__file__).parent / "migrations"
 _WRITES = "talaia_writes"
+# Whoever waits longer than this for one of the connections is told that the database is busy (s).
+_POOL_S = 5
+# PostgreSQL's locks have numbers: "talaia" and what it is for.
+_LOCK = 0x74616C61
+_LOCK_NAME = "talaia migrations in "
+_MIGRATE_S = 120
 
 
 class Database:
@@ -36,47 +46,54 @@ class Database:
             StoreError: the URL cannot be read, or its driver is not installed.
 
         """
-        self._url = url
-        try:
-            self._engine = _engine(url)
-        except (ArgumentError, ImportError) as error:
-            raise StoreError(
-                f"the database URL cannot be used: {error}",
-                "write it like sqlite+aiosqlite:////path/talaia.db",
-            ) from error
+        self._reach = reach(url)
+        self._engine = _engine(self._reach)
         self._writer = self._engine.execution_options(**{_WRITES: True})
+        self._failures = _failures(self._engine)
 
     @asynccontextmanager
     async def read(self) -> AsyncIterator[AsyncConnection]:
-        """Open a transaction that only reads."""
-        async with self._engine.begin() as connection:
+        """Open a transaction that only reads.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        async with self._translated(), self._engine.begin() as connection:
             yield connection
 
     @asynccontextmanager
     async def write(self) -> AsyncIterator[AsyncConnection]:
         """Open a transaction that writes; it is committed unless an exception leaves it.
 
-        In SQLite it holds the write lock from its first line, so that what it reads is still
-        true when it writes.
+        It holds the one turn to write from its first line, so that what it reads is still true
+        when it writes.
+
+        Raises:
+            StoreDown: the database does not answer, or has no room.
+
         """
-        async with self._writer.begin() as connection:
+        async with self._translated(), self._writer.begin() as connection:
+            await connection.run_sync(_take_turn)
             yield connection
 
     async def migrate(self) -> None:
-        """Bring the tables up to date, all steps in one transaction where the engine can.
+        """Bring the tables up to date; of programs that start at once, one does and others wait.
+
+        Where the engine can, all steps are one transaction; MariaDB cannot, and there each step
+        is one that a later start takes up again.
 
         Raises:
             StoreError: the database cannot be opened or a step failed.
 
         """
         try:
-            async with self.write() as connection:
+            async with self._writer.begin() as connection:
                 await connection.run_sync(_upgrade)
-        except (SQLAlchemyError, OSError) as error:
+        except self._failures as error:
             reason = getattr(error, "orig", None) or error
             raise StoreError(
-                f"the database {self.address} cannot be opened: {reason}",
-                "check that its folder exists and is writable",
+                f"the database {self.address} cannot be opened: {reason}", _remedy(self._engine)
             ) from error
 
     async def close(self) -> None:
@@ -86,15 +103,44 @@ class Database:
     @property
     def address(self) -> str:
         """Give the URL without its password, for messages."""
-        return make_url(self._url).render_as_string(hide_password=True)
+        return self._reach.url.render_as_string(hide_password=True)
+
+    @asynccontextmanager
+    async def _translated(self) -> AsyncIterator[None]:
+        try:
+            yield
+        except IntegrityError:
+            raise
+        except self._failures as error:
+            reason = getattr(error, "orig", None) or error
+            raise StoreDown(f"the database does not answer: {reason}", "try again soon") from error
 
 
-def _engine(url: str) -> AsyncEngine:
-    engine = create_async_engine(url, pool_pre_ping=not url.startswith("sqlite"))
-    if engine.dialect.name == "sqlite":
+def _engine(found: Reach) -> AsyncEngine:
+    server = found.url.get_backend_name() != "sqlite"
+    more = {"pool_pre_ping": True, "pool_timeout": _POOL_S} if server else {}
+    try:
+        engine = create_async_engine(found.url, connect_args=found.arguments, **more)
+    except ImportError as error:
+        raise found.missing(error) from error
+    if not server:
         event.listen(engine.sync_engine, "connect", open_sqlite("foreign_keys=ON"))
         event.listen(engine.sync_engine, "begin", _begin_sqlite)
     return engine
+
+
+def _failures(engine: AsyncEngine) -> tuple[type[Exception], ...]:
+    """Give what the engine raises when it does not do what it is asked."""
+    # asyncpg's own errors come through unchanged while a connection is made.
+    driver = getattr(engine.dialect.dbapi, "asyncpg", None)
+    own = (driver.PostgresError, driver.InterfaceError) if driver is not None else ()
+    return (DBAPIError, SQLAlchemyError, OSError, *own)
+
+
+def _remedy(engine: AsyncEngine) -> str:
+    if engine.dialect.name == "sqlite":
+        return "check that its folder exists and is writable"
+    return "check that the server runs, and that the database and its user are there"
 
 
 def _begin_sqlite(connection: Connection) -> None:
@@ -102,8 +148,31 @@ def _begin_sqlite(connection: Connection) -> None:
     connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
 
+def _take_turn(connection: Connection) -> None:
+    match connection.dialect.name:
+        case "postgresql":
+            connection.execute(select(func.pg_advisory_xact_lock(_LOCK)))
+        case "mysql":
+            connection.execute(select(write_turn.c.id).with_for_update())
+        case _:
+            # SQLite's turn began with the transaction.
+            return
+
+
 def _upgrade(connection: Connection) -> None:
     config = Config()
     config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
     config.attributes["connection"] = connection
-    command.upgrade(config, "head")
+    if connection.dialect.name != "mysql":
+        _take_turn(connection)
+        command.upgrade(config, "head")
+        return
+    # Its row locks end with the first change of a table; this one lasts.
+    name = {"name": _LOCK_NAME + (connection.engine.url.database or "")}
+    got = connection.execute(text("SELECT GET_LOCK(:name, :wait)"), {**name, "wait": _MIGRATE_S})
+    if got.scalar() != 1:
+        raise StoreDown("another program is changing the tables", "try again soon")
+    try:
+        command.upgrade(config, "head")
+    finally:
+        connection.execute(text("SELECT RELEASE_LOCK(:name)"), name)

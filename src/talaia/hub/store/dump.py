@@ -8,6 +8,7 @@ from sqlalchemy import Column, MetaData, String, Table, create_engine, func, ins
 
 # Every table of ours must be known before `metadata` is gone through.
 from talaia.hub.store import history_tables as _history_tables
+from talaia.hub.store.reach import reach
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ VERSION_TABLE = Table(
 
 def open_plain(url: str) -> Engine:
     """Open a database for one long transaction that sees one state of it."""
-    engine = create_engine(url)
+    found = reach(url, blocking=True)
+    engine = create_engine(found.url, connect_args=found.arguments)
     # SQLite's transactions see one state anyway, and know no other level by that name.
     if engine.dialect.name == "sqlite":
         return engine

@@ -10,10 +10,14 @@ from talaia.hub.auth.tokens import hash_token, new_token
 from talaia.hub.store.tables import gateways, sites
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from sqlalchemy.ext.asyncio import AsyncConnection
+
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
-__all__ = ["KnownSite", "SiteRegistry"]
+__all__ = ["GatewayKey", "KnownGateway", "KnownSite", "SiteRegistry", "add_key"]
 
 
 class KnownSite(NamedTuple):
@@ -25,6 +29,33 @@ class KnownSite(NamedTuple):
     last_seen_us: int
 
 
+class GatewayKey(NamedTuple):
+    """Whose key it is, and for which site it speaks."""
+
+    id: int
+    site: str
+
+
+class KnownGateway(NamedTuple):
+    """What is known of a gateway.
+
+    Attributes:
+        revoked_us: 0 while its key is good.
+        seen_us: end of its last link as far as it was kept; 0 before its first.
+        address: of its last link.
+
+    """
+
+    id: int
+    site: str
+    name: str
+    created_us: int
+    revoked_us: int
+    seen_us: int
+    address: str
+    version: str
+
+
 class SiteRegistry:
     """Which gateway may speak for which site, and what each site said it is."""
 
@@ -33,32 +64,73 @@ class SiteRegistry:
         self._database = database
         self._clock = clock
 
-    async def new_key(self, site: str) -> str:
+    async def new_key(self, site: str, name: str = "") -> str:
         """Make a key for a site's gateway; the keys it had before are revoked."""
-        key = new_token()
-        now = self._now_us()
         async with self._database.write() as connection:
-            await connection.execute(
-                update(gateways)
-                .where(gateways.c.site == site, gateways.c.revoked_us == 0)
-                .values(revoked_us=now)
-            )
-            await connection.execute(
-                insert(gateways).values(
-                    site=site, key_hash=hash_token(key), created_us=now, revoked_us=0
-                )
-            )
+            _, key, _ = await add_key(connection, site, name, self._now_us())
         return key
 
-    async def site_of(self, key: str) -> str | None:
-        """Tell which site a gateway's key speaks for; None when it is unknown or revoked."""
+    async def gateway_of(self, key: str) -> GatewayKey | None:
+        """Tell whose key this is; None when it is unknown or revoked."""
         async with self._database.read() as connection:
             rows = await connection.execute(
-                select(gateways.c.site).where(
+                select(gateways.c.id, gateways.c.site).where(
                     gateways.c.key_hash == hash_token(key), gateways.c.revoked_us == 0
                 )
             )
-            return rows.scalar()
+            row = rows.first()
+        return None if row is None else GatewayKey(*row)
+
+    async def gateways(self) -> list[KnownGateway]:
+        """List every gateway that has ever had a key, the newest of each site first."""
+        columns = (gateways.c[name] for name in KnownGateway._fields)
+        async with self._database.read() as connection:
+            rows = await connection.execute(
+                select(*columns).order_by(gateways.c.site, gateways.c.id.desc())
+            )
+            return [KnownGateway(*row) for row in rows]
+
+    async def gateway(self, number: int) -> KnownGateway | None:
+        """Find one gateway."""
+        columns = (gateways.c[name] for name in KnownGateway._fields)
+        async with self._database.read() as connection:
+            rows = await connection.execute(select(*columns).where(gateways.c.id == number))
+            row = rows.first()
+        return None if row is None else KnownGateway(*row)
+
+    async def revoke(self, number: int) -> bool:
+        """Make a gateway's key void; False when it was void already, or there is none."""
+        async with self._database.write() as connection:
+            done = await connection.execute(
+                update(gateways)
+                .where(gateways.c.id == number, gateways.c.revoked_us == 0)
+                .values(revoked_us=self._now_us())
+            )
+        return done.rowcount == 1
+
+    async def good(self, numbers: Collection[int]) -> set[int]:
+        """Give those of the gateways whose key is still good."""
+        async with self._database.read() as connection:
+            rows = await connection.execute(
+                select(gateways.c.id).where(gateways.c.id.in_(numbers), gateways.c.revoked_us == 0)
+            )
+            return set(rows.scalars())
+
+    async def linked(self, number: int, version: str, address: str) -> None:
+        """Keep that a gateway has linked."""
+        await self._keep(number, version=version[:200], address=address[:200])
+
+    async def heard(self, number: int) -> None:
+        """Keep that a gateway was there until now."""
+        await self._keep(number)
+
+    async def _keep(self, number: int, **said: str) -> None:
+        async with self._database.write() as connection:
+            await connection.execute(
+                update(gateways)
+                .where(gateways.c.id == number)
+                .values(seen_us=self._now_us(), **said)
+            )
 
     async def all(self) -> list[KnownSite]:
         """List every site that has ever said hello."""
@@ -95,3 +167,32 @@ class SiteRegistry:
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000
+
+
+async def add_key(
+    connection: AsyncConnection, site: str, name: str, now_us: int
+) -> tuple[int, str, list[int]]:
+    """Make a key for a site's gateway, as a part of a transaction that writes.
+
+    Returns:
+        The gateway's number, the key, and the numbers of those whose keys are void from now on.
+
+    """
+    good = (gateways.c.site == site, gateways.c.revoked_us == 0)
+    before = list((await connection.execute(select(gateways.c.id).where(*good))).scalars())
+    await connection.execute(update(gateways).where(*good).values(revoked_us=now_us))
+    key = new_token()
+    made = await connection.execute(
+        insert(gateways).values(
+            site=site,
+            name=name[:200],
+            key_hash=hash_token(key),
+            created_us=now_us,
+            revoked_us=0,
+            version="",
+            address="",
+            seen_us=0,
+        )
+    )
+    number = made.inserted_primary_key
+    return int(number[0]) if number else 0, key, before

@@ -19,16 +19,24 @@ from sqlalchemy import (
 )
 
 __all__ = [
+    "api_tokens",
     "audit",
+    "audit_head",
+    "enrolment_codes",
     "gateways",
+    "known_browsers",
     "metadata",
     "permissions",
+    "recovery_codes",
     "role_permissions",
     "roles",
     "sessions",
     "setup_tokens",
     "sites",
+    "token_permissions",
     "users",
+    "write_turn",
+    "wrong_tries",
 ]
 
 metadata = MetaData(
@@ -86,6 +94,13 @@ users = Table(
     Column("role_id", _Id, ForeignKey("roles.id"), nullable=False),
     Column("disabled", Boolean, nullable=False),
     Column("created_us", BigInteger, nullable=False),
+    # The second factor's secret, sealed by a key that is not in the database; empty: none.
+    Column("factor_secret", String(_NAME), nullable=False),
+    # One that was shown to the person and is not confirmed yet.
+    Column("factor_pending", String(_NAME), nullable=False),
+    # The last step of time whose code was used; none at or before it is taken again.
+    Column("factor_step", BigInteger, nullable=False),
+    Column("used_us", BigInteger, nullable=False),
 )
 
 sessions = Table(
@@ -96,7 +111,61 @@ sessions = Table(
     Column("created_us", BigInteger, nullable=False),
     Column("used_us", BigInteger, nullable=False),
     Column("address", String(_NAME), nullable=False),
+    Column("agent", String(_NAME), nullable=False),
 )
+
+recovery_codes = Table(
+    "recovery_codes",
+    metadata,
+    Column("code_hash", String(_HASH), primary_key=True),
+    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+)
+
+# Browsers from which a person has signed in before: a flood of wrong tries of others does not
+# hold these back.
+known_browsers = Table(
+    "known_browsers",
+    metadata,
+    Column("token_hash", String(_HASH), primary_key=True),
+    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("created_us", BigInteger, nullable=False),
+    Column("used_us", BigInteger, nullable=False),
+)
+
+api_tokens = Table(
+    "api_tokens",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("name", String(_NAME), nullable=False),
+    Column("token_hash", String(_HASH), nullable=False, unique=True),
+    Column("created_us", BigInteger, nullable=False),
+    Column("ends_us", BigInteger, nullable=False),
+    # 0 until its first use.
+    Column("used_us", BigInteger, nullable=False),
+)
+
+token_permissions = Table(
+    "token_permissions",
+    metadata,
+    Column("token_id", _Id, ForeignKey("api_tokens.id", ondelete="CASCADE"), primary_key=True),
+    Column(
+        "permission_id", _Id, ForeignKey("permissions.id", ondelete="CASCADE"), primary_key=True
+    ),
+)
+
+# Wrong sign-ins by person, address and browser, each as its hash, so that a restart forgets none.
+wrong_tries = Table(
+    "wrong_tries",
+    metadata,
+    Column("kind", String(16), primary_key=True),
+    Column("key_hash", String(_HASH), primary_key=True),
+    Column("wrong", BigInteger, nullable=False),
+    Column("last_us", BigInteger, nullable=False, index=True),
+)
+
+# One row: whoever changes something holds it, where the engine has no lock of another kind.
+write_turn = Table("write_turn", metadata, Column("id", _Id, primary_key=True))
 
 setup_tokens = Table(
     "setup_tokens",
@@ -114,6 +183,25 @@ gateways = Table(
     Column("created_us", BigInteger, nullable=False),
     # 0 while the key is good.
     Column("revoked_us", BigInteger, nullable=False),
+    Column("name", String(_NAME), nullable=False),
+    # Of its last link: version and address; 0 until there was one.
+    Column("version", String(_NAME), nullable=False),
+    Column("address", String(_NAME), nullable=False),
+    Column("seen_us", BigInteger, nullable=False),
+)
+
+# A used code stays for a while, so that whoever tries it again is told why it is refused.
+enrolment_codes = Table(
+    "enrolment_codes",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("site", String(_NAME), nullable=False),
+    Column("name", String(_NAME), nullable=False),
+    Column("code_hash", String(_HASH), nullable=False, unique=True),
+    Column("created_us", BigInteger, nullable=False),
+    Column("expires_us", BigInteger, nullable=False),
+    # 0 while it can be used.
+    Column("used_us", BigInteger, nullable=False),
 )
 
 sites = Table(
@@ -132,13 +220,23 @@ audit = Table(
     metadata,
     Column("id", _Id, primary_key=True),
     Column("time_us", BigInteger, nullable=False, index=True),
-    Column("kind", String(_NAME), nullable=False),
-    Column("who", String(_NAME), nullable=False),
+    Column("kind", String(_NAME), nullable=False, index=True),
+    Column("who", String(_NAME), nullable=False, index=True),
     Column("address", String(_NAME), nullable=False),
     Column("site", String(_NAME), nullable=False, index=True),
     Column("device", String(_NAME), nullable=False),
     Column("message", String(2000), nullable=False),
     Column("good", Boolean, nullable=False),
     # Over this row and the hash of the one before; a changed or missing row breaks the chain.
+    Column("hash", String(_HASH), nullable=False),
+)
+
+# The end of the audit log, one row: rows that are cut off at the end show, too, and whoever
+# appends waits here for the one before.
+audit_head = Table(
+    "audit_head",
+    metadata,
+    Column("id", _Id, primary_key=True, autoincrement=False),
+    Column("row_id", _Id, nullable=False),
     Column("hash", String(_HASH), nullable=False),
 )

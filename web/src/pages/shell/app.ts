@@ -19,6 +19,7 @@ import { Router } from "../../state/router.js";
 import { Session } from "../../state/session.js";
 import { Sites } from "../../state/sites.js";
 import { ThemeChoice } from "../../state/theme.js";
+import { Touched } from "../../state/touched.js";
 import { Connection } from "../../wire/connection.js";
 import { HubApi, Unreachable } from "../../wire/http.js";
 import { socketUrl } from "../../wire/media.js";
@@ -30,7 +31,11 @@ export class App extends LitElement {
   @state() private unreachable = false;
 
   private readonly api = new HubApi();
-  private readonly connection = new Connection({ url: socketUrl("/ws", location) });
+  private readonly touched = new Touched(window);
+  private readonly connection = new Connection({
+    url: socketUrl("/ws", location),
+    touched: () => this.touched.take(),
+  });
   private readonly live = new LiveValues(this.connection);
   private readonly robotNews = new RobotNews(this.connection);
   private readonly router = new Router(window);
@@ -54,6 +59,7 @@ export class App extends LitElement {
 
   override connectedCallback(): void {
     super.connectedCallback();
+    this.touched.start();
     window.addEventListener("online", this.wake);
     document.addEventListener("visibilitychange", this.wake);
     this.stops = [
@@ -74,6 +80,7 @@ export class App extends LitElement {
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
+    this.touched.stop();
     window.removeEventListener("online", this.wake);
     document.removeEventListener("visibilitychange", this.wake);
     clearTimeout(this.retryTimer);

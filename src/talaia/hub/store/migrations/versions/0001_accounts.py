@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import sqlalchemy as sa
-from alembic import op
+
+from talaia.hub.store.migrations import steps
+from talaia.hub.store.migrations.steps import HASH as _HASH, ID as _ID, LONG as _LONG, NAME as _NAME
 
 revision = "0001"
 down_revision = None
 branch_labels = None
 depends_on = None
-
-_ID = sa.BigInteger().with_variant(sa.Integer, "sqlite")
-_LONG = sa.Text(4 * 1024 * 1024).with_variant(sa.Text(), "postgresql")
-_NAME = sa.String(200)
-_HASH = sa.String(64)
 
 
 def upgrade() -> None:
@@ -24,7 +21,7 @@ def upgrade() -> None:
 
 
 def _rights() -> tuple[sa.Table, sa.Table, sa.Table]:
-    roles = op.create_table(
+    roles = steps.create_table(
         "roles",
         sa.Column("id", _ID, nullable=False),
         sa.Column("name", _NAME, nullable=False),
@@ -32,7 +29,7 @@ def _rights() -> tuple[sa.Table, sa.Table, sa.Table]:
         sa.PrimaryKeyConstraint("id", name="pk_roles"),
         sa.UniqueConstraint("name", name="uq_roles_name"),
     )
-    permissions = op.create_table(
+    permissions = steps.create_table(
         "permissions",
         sa.Column("id", _ID, nullable=False),
         sa.Column("right_name", sa.String(16), nullable=False),
@@ -41,7 +38,7 @@ def _rights() -> tuple[sa.Table, sa.Table, sa.Table]:
         sa.PrimaryKeyConstraint("id", name="pk_permissions"),
         sa.UniqueConstraint("right_name", "site", "device", name="uq_permissions_right_name"),
     )
-    role_permissions = op.create_table(
+    role_permissions = steps.create_table(
         "role_permissions",
         sa.Column("role_id", _ID, nullable=False),
         sa.Column("permission_id", _ID, nullable=False),
@@ -60,7 +57,7 @@ def _rights() -> tuple[sa.Table, sa.Table, sa.Table]:
 
 
 def _people() -> None:
-    op.create_table(
+    steps.create_table(
         "users",
         sa.Column("id", _ID, nullable=False),
         sa.Column("name", _NAME, nullable=False),
@@ -73,7 +70,7 @@ def _people() -> None:
         sa.UniqueConstraint("name_key", name="uq_users_name_key"),
         sa.ForeignKeyConstraint(["role_id"], ["roles.id"], name="fk_users_role_id"),
     )
-    op.create_table(
+    steps.create_table(
         "sessions",
         sa.Column("token_hash", _HASH, nullable=False),
         sa.Column("user_id", _ID, nullable=False),
@@ -85,8 +82,8 @@ def _people() -> None:
             ["user_id"], ["users.id"], name="fk_sessions_user_id", ondelete="CASCADE"
         ),
     )
-    op.create_index("ix_sessions_user_id", "sessions", ["user_id"])
-    op.create_table(
+    steps.create_index("ix_sessions_user_id", "sessions", ["user_id"])
+    steps.create_table(
         "setup_tokens",
         sa.Column("token_hash", _HASH, nullable=False),
         sa.Column("expires_us", sa.BigInteger, nullable=False),
@@ -95,7 +92,7 @@ def _people() -> None:
 
 
 def _sites() -> None:
-    op.create_table(
+    steps.create_table(
         "gateways",
         sa.Column("id", _ID, nullable=False),
         sa.Column("site", _NAME, nullable=False),
@@ -105,8 +102,8 @@ def _sites() -> None:
         sa.PrimaryKeyConstraint("id", name="pk_gateways"),
         sa.UniqueConstraint("key_hash", name="uq_gateways_key_hash"),
     )
-    op.create_index("ix_gateways_site", "gateways", ["site"])
-    op.create_table(
+    steps.create_index("ix_gateways_site", "gateways", ["site"])
+    steps.create_table(
         "sites",
         sa.Column("site", _NAME, nullable=False),
         sa.Column("description", _LONG, nullable=False),
@@ -116,7 +113,7 @@ def _sites() -> None:
         sa.Column("last_seen_us", sa.BigInteger, nullable=False),
         sa.PrimaryKeyConstraint("site", name="pk_sites"),
     )
-    op.create_table(
+    steps.create_table(
         "audit",
         sa.Column("id", _ID, nullable=False),
         sa.Column("time_us", sa.BigInteger, nullable=False),
@@ -130,13 +127,13 @@ def _sites() -> None:
         sa.Column("hash", _HASH, nullable=False),
         sa.PrimaryKeyConstraint("id", name="pk_audit"),
     )
-    op.create_index("ix_audit_time_us", "audit", ["time_us"])
-    op.create_index("ix_audit_site", "audit", ["site"])
+    steps.create_index("ix_audit_time_us", "audit", ["time_us"])
+    steps.create_index("ix_audit_site", "audit", ["site"])
 
 
 def _seed(roles: sa.Table, permissions: sa.Table, role_permissions: sa.Table) -> None:
     """A guest holds no right: it sees what the description marks as public."""
-    op.bulk_insert(
+    steps.seed(
         roles,
         [
             {"id": 1, "name": "guest", "seeded": True},
@@ -144,7 +141,7 @@ def _seed(roles: sa.Table, permissions: sa.Table, role_permissions: sa.Table) ->
             {"id": 3, "name": "admin", "seeded": True},
         ],
     )
-    op.bulk_insert(
+    steps.seed(
         permissions,
         [
             {"id": 1, "right_name": "view", "site": "*", "device": "*"},
@@ -152,7 +149,7 @@ def _seed(roles: sa.Table, permissions: sa.Table, role_permissions: sa.Table) ->
             {"id": 3, "right_name": "admin", "site": "*", "device": "*"},
         ],
     )
-    op.bulk_insert(
+    steps.seed(
         role_permissions,
         [
             {"role_id": 2, "permission_id": 1},

@@ -8,6 +8,8 @@ import sqlalchemy as sa
 from alembic import op
 from sqlalchemy.dialects import mysql
 
+from talaia.hub.store.migrations import steps
+
 revision = "0002"
 down_revision = "0001"
 branch_labels = None
@@ -52,7 +54,7 @@ def _column(
 
 
 def _names() -> None:
-    op.create_table(
+    steps.create_table(
         "history_channel",
         _column("id", _ID),
         _column("site", _NAME),
@@ -63,7 +65,7 @@ def _names() -> None:
         sa.PrimaryKeyConstraint("id", name="pk_history_channel"),
         sa.UniqueConstraint("site", "address", name="uq_history_channel_site"),
     )
-    op.create_table(
+    steps.create_table(
         "history_boot",
         _column("id", _ID),
         _column("site", _NAME),
@@ -71,7 +73,7 @@ def _names() -> None:
         sa.PrimaryKeyConstraint("id", name="pk_history_boot"),
         sa.UniqueConstraint("site", "boot", name="uq_history_boot_site"),
     )
-    op.create_table(
+    steps.create_table(
         "history_catalogue",
         _column("id", _ID),
         _column("channels", _BYTES),
@@ -80,14 +82,14 @@ def _names() -> None:
 
 
 def _journal() -> None:
-    op.create_table(
+    steps.create_table(
         "history_range",
         _column("boot_id", _ID),
         _column("first_seq"),
         _column("past_seq"),
         sa.PrimaryKeyConstraint("boot_id", "first_seq", name="pk_history_range"),
     )
-    op.create_table(
+    steps.create_table(
         "history_gap",
         _column("boot_id", _ID),
         _column("first_seq"),
@@ -99,7 +101,7 @@ def _journal() -> None:
             "boot_id", "first_seq", "last_seq", "from_us", name="pk_history_gap"
         ),
     )
-    op.create_table(
+    steps.create_table(
         "history_hot",
         _column("id", _ID),
         _column("boot_id", _ID),
@@ -113,7 +115,7 @@ def _journal() -> None:
             "autovacuum_vacuum_threshold": "2000",
         },
     )
-    op.create_table(
+    steps.create_table(
         "history_tail",
         _column("channel_id", _ID),
         _column("body", _BYTES),
@@ -122,7 +124,7 @@ def _journal() -> None:
 
 
 def _blocks() -> None:
-    op.create_table(
+    steps.create_table(
         "history_block",
         _column("channel_id", _ID),
         _column("first_us"),
@@ -132,14 +134,14 @@ def _blocks() -> None:
         sa.PrimaryKeyConstraint("channel_id", "first_us", "id", name="pk_history_block"),
         sqlite_with_rowid=False,
     )
-    op.create_index("ix_history_block_last_us", "history_block", ["channel_id", "last_us"])
-    op.create_table(
+    steps.create_index("ix_history_block_last_us", "history_block", ["channel_id", "last_us"])
+    steps.create_table(
         "history_body",
         _column("block_id", _ID),
         _column("body", _BYTES),
         sa.PrimaryKeyConstraint("block_id", name="pk_history_body"),
     )
-    op.create_table(
+    steps.create_table(
         "history_rollup",
         _column("channel_id", _ID),
         _column("width_us"),

@@ -6,8 +6,10 @@ import sqlalchemy as sa
 from alembic import op
 from sqlalchemy.dialects import mysql
 
+from talaia.hub.store.migrations import steps
+
 revision = "0010"
-down_revision = "0002"
+down_revision = "0004"
 branch_labels = None
 depends_on = None
 
@@ -20,9 +22,9 @@ _TEXT = sa.Text().with_variant(mysql.TEXT(charset="utf8mb4"), "mysql", "mariadb"
 
 def upgrade() -> None:
     for table in ("history_block", "history_rollup"):
-        op.add_column(table, sa.Column("squares", sa.Double, nullable=True))
-    op.add_column("history_block", sa.Column("bytes", sa.Integer, nullable=True))
-    op.create_table(
+        steps.add_column(table, sa.Column("squares", sa.Double, nullable=True))
+    steps.add_column("history_block", sa.Column("bytes", sa.Integer, nullable=True))
+    steps.create_table(
         "history_recent",
         sa.Column("time_us", sa.BigInteger, nullable=False, autoincrement=False),
         sa.Column("channel_id", _ID, nullable=False, autoincrement=False),
@@ -31,7 +33,7 @@ def upgrade() -> None:
         sa.PrimaryKeyConstraint("time_us", "channel_id", name="pk_history_recent"),
         sqlite_with_rowid=False,
     )
-    op.create_table(
+    steps.create_table(
         "history_sensor",
         sa.Column("site", _NAME, nullable=False),
         sa.Column("address", _NAME, nullable=False),

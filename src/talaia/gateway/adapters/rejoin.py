@@ -1,0 +1,67 @@
+"""Devices that are being connected anew: is all of it there again? Pure but for the clock."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import SECOND
+from talaia.gateway.ports import Outcome
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.clock import Clock
+
+__all__ = ["Rejoining"]
+
+# A robot's parts are found within a second or two; who is not there by then is named.
+_WAIT_NS = 5 * SECOND
+
+
+class _Begun(NamedTuple):
+    due_ns: int
+    parts: int
+    absent: Callable[[], list[str]]
+    done: Callable[[Outcome], None]
+
+
+class Rejoining:
+    """Asks at each look what is still absent, and tells the outcome once. One thread."""
+
+    def __init__(self, clock: Clock) -> None:
+        """Begin with nothing under way."""
+        self._clock = clock
+        self._begun: list[_Begun] = []
+
+    def begin(
+        self, parts: int, absent: Callable[[], list[str]], done: Callable[[Outcome], None]
+    ) -> None:
+        """Watch over ``parts`` topics and services until none is ``absent`` or time is up."""
+        due = self._clock.monotonic_ns() + _WAIT_NS
+        self._begun.append(_Begun(due, parts, absent, done))
+
+    def look(self) -> None:
+        """Tell the outcome of what is finished."""
+        now = self._clock.monotonic_ns()
+        for begun in list(self._begun):
+            absent = begun.absent()
+            if absent and now < begun.due_ns:
+                continue
+            self._begun.remove(begun)
+            begun.done(_outcome(begun.parts, absent))
+
+    def end(self) -> None:
+        """Tell all that wait that the robot went away meanwhile."""
+        for begun in self._begun:
+            begun.done(Outcome(CommandPhase.FAILED, "the robot's side was lost meanwhile"))
+        self._begun.clear()
+
+
+def _outcome(parts: int, absent: list[str]) -> Outcome:
+    if not parts:
+        return Outcome(CommandPhase.SUCCEEDED, "it has nothing on the robot to connect to")
+    there = f"{parts - len(absent)} of {parts} topics and services are there"
+    if absent:
+        return Outcome(CommandPhase.FAILED, f"{there}; not {', '.join(absent)}"[:2000])
+    return Outcome(CommandPhase.SUCCEEDED, there)

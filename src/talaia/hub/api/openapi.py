@@ -1,0 +1,161 @@
+"""The description of the HTTP API: every route with the right it needs and all it may answer."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from fastapi import APIRouter, FastAPI
+
+from talaia import __version__
+from talaia.hub.api.shapes import ProblemShape
+from talaia.hub.policy import BY_SCRIPT, Need, need_of_route
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+__all__ = ["ApiDescription", "describe_api"]
+
+_PROBLEM = "ProblemShape"
+_SESSION, _TOKEN = "session", "token"
+_SCHEMES = {
+    _SESSION: {
+        "type": "apiKey",
+        "in": "cookie",
+        "name": "__Host-talaia",
+        "description": "Set by POST /api/login (without its prefix on a hub that speaks plain).",
+    },
+    _TOKEN: {
+        "type": "http",
+        "scheme": "bearer",
+        "description": "A token of POST /api/me/tokens, with some of its person's rights.",
+    },
+}
+_NEEDS: Mapping[Need, str] = {
+    Need.OPEN: "Nothing: nobody has to be signed in.",
+    Need.SESSION: "To be signed in, by a session or a token.",
+    Need.OWN: "To be signed in oneself; a token does not do.",
+    Need.SEE: "That the site, or something of it, is public or open to you.",
+    Need.VIEW: "The right to view the site.",
+    Need.USE: "The right to use the site.",
+    Need.ADMIN: "The right to manage the whole hub.",
+}
+_SAID: Mapping[int, str] = {
+    400: "The body is no JSON.",
+    401: "Nobody is signed in, or name, password or code is wrong.",
+    403: "You may not do this, or a page of another origin asked.",
+    404: "There is no such thing, or it is not yours to know of.",
+    409: "It cannot be done as things are; the code says why.",
+    410: "It was good once, and is not any more.",
+    411: "The body does not say how long it is.",
+    413: "The body is too large.",
+    415: "The body is not sent as JSON.",
+    421: "The hub is not known by that name.",
+    422: "The request is not as described here, or what it says breaks a rule.",
+    429: "Too much at once, or too many wrong tries; Retry-After says how long to wait.",
+    503: "The hub's database does not answer, so nothing is done.",
+}
+_ANYONE = frozenset({400, 411, 413, 421, 422})
+# What these may answer besides what follows from their method and need.
+_BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
+    ("POST", "/api/login"): frozenset({401, 429, 503}),
+    ("POST", "/api/setup"): frozenset({429, 503}),
+    ("POST", "/api/enrol"): frozenset({404, 410, 429, 503}),
+    ("POST", "/api/me/factor"): frozenset({409}),
+    ("POST", "/api/me/factor/remove"): frozenset({409}),
+    ("POST", "/api/me/tokens"): frozenset({409}),
+    ("POST", "/api/people"): frozenset({409}),
+    ("PATCH", "/api/people/{person}"): frozenset({409}),
+    ("DELETE", "/api/people/{person}"): frozenset({409}),
+    ("DELETE", "/api/people/{person}/factor"): frozenset({409}),
+    ("POST", "/api/roles"): frozenset({409}),
+    ("PUT", "/api/roles/{role}"): frozenset({409}),
+    ("DELETE", "/api/roles/{role}"): frozenset({409}),
+    ("POST", "/api/gateways/{gateway}/revoke"): frozenset({409}),
+    ("POST", "/api/gateways/{gateway}/reconnect"): frozenset({409}),
+}
+
+
+class ApiDescription:
+    """The route that gives the description, to those who manage the hub."""
+
+    def __init__(self, app: Callable[[], FastAPI]) -> None:
+        """Describe what ``app`` gives, which has all its routes by then."""
+        self._app = app
+        self._said: dict[str, Any] | None = None
+
+    def router(self) -> APIRouter:
+        """Give the route."""
+        router = APIRouter()
+        router.get("/api/openapi.json")(self.description)
+        return router
+
+    def description(self) -> dict[str, Any]:
+        """Describe the API."""
+        if self._said is None:
+            self._said = describe_api(self._app())
+        return self._said
+
+
+def describe_api(app: FastAPI) -> dict[str, Any]:
+    """Describe every route of ``app`` but the pages (OpenAPI 3.1)."""
+    said = app.openapi()
+    said["info"] = {
+        "title": "Talaia hub",
+        "version": __version__,
+        "description": "Times ending in `_us` are microseconds since the epoch (UTC). What changes"
+        " something is sent as JSON from a page of the hub's own origin.",
+        "license": {"name": "Apache-2.0", "identifier": "Apache-2.0"},
+    }
+    schemas = said.setdefault("components", {}).setdefault("schemas", {})
+    schemas[_PROBLEM] = ProblemShape.model_json_schema()
+    for unused in ("HTTPValidationError", "ValidationError"):
+        schemas.pop(unused, None)
+    said["components"]["securitySchemes"] = _SCHEMES
+    for path, methods in said["paths"].items():
+        for method, operation in methods.items():
+            _complete(operation, method.upper(), path)
+    return said
+
+
+def _complete(operation: dict[str, Any], method: str, path: str) -> None:
+    need = need_of_route(method, path)
+    operation["x-talaia-need"] = need.name.lower()
+    operation["description"] = (
+        f"{operation.get('description', '').strip()}\n\nNeeds: {_NEEDS[need]}".strip()
+    )
+    if need is Need.OPEN:
+        operation["security"] = []
+    else:
+        schemes = [_SESSION, _TOKEN] if need in BY_SCRIPT else [_SESSION]
+        operation["security"] = [{scheme: []} for scheme in schemes]
+    for status in sorted(_answers(need, method, path, body="requestBody" in operation)):
+        operation["responses"][str(status)] = _answer(status)
+    operation["responses"] = dict(sorted(operation["responses"].items()))
+
+
+def _answers(need: Need, method: str, path: str, *, body: bool) -> frozenset[int]:
+    """Give the statuses by which a route may say no."""
+    statuses = set(_ANYONE)
+    if need is not Need.OPEN:
+        statuses |= {401, 403, 429, 503}
+    if method != "GET":
+        statuses |= {403, 415}
+    if "{" in path or path.endswith("/history"):
+        statuses.add(404)
+    if not body:
+        statuses.discard(400)
+    return frozenset(statuses) | _BESIDES.get((method, path), frozenset())
+
+
+def _answer(status: int) -> dict[str, Any]:
+    answer: dict[str, Any] = {
+        "description": _SAID[status],
+        "content": {
+            "application/problem+json": {"schema": {"$ref": f"#/components/schemas/{_PROBLEM}"}}
+        },
+    }
+    if status in {429, 503}:
+        answer["headers"] = {
+            "Retry-After": {"description": "Seconds.", "schema": {"type": "integer"}}
+        }
+    return answer

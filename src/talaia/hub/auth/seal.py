@@ -1,0 +1,87 @@
+"""Secrets that the hub must be able to read again, sealed by a key that is not in the database."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import os
+from typing import TYPE_CHECKING
+
+from cryptography.exceptions import InvalidTag
+from cryptography.hazmat.primitives.ciphers.aead import AESGCM
+
+from talaia.hub.errors import CannotStart
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["SEAL_FILE", "Seal", "seal_of"]
+
+# In the data folder.
+SEAL_FILE = "seal.key"
+_KEY_BYTES = 32
+_NONCE_BYTES = 12
+
+
+class Seal:
+    """Seals texts (AES-256-GCM); each is bound to what it is about, so none can be moved."""
+
+    def __init__(self, key: bytes) -> None:
+        """Take a key of 32 bytes."""
+        self._cipher = AESGCM(key)
+
+    def close(self, text: str, about: str) -> str:
+        """Seal ``text``."""
+        nonce = os.urandom(_NONCE_BYTES)
+        sealed = nonce + self._cipher.encrypt(nonce, text.encode(), about.encode())
+        return base64.urlsafe_b64encode(sealed).decode()
+
+    def open(self, sealed: str, about: str) -> str | None:
+        """Give the text; None when it was sealed by another key, or about something else."""
+        try:
+            raw = base64.urlsafe_b64decode(sealed.encode())
+            text = self._cipher.decrypt(raw[:_NONCE_BYTES], raw[_NONCE_BYTES:], about.encode())
+        except (InvalidTag, binascii.Error, ValueError):
+            return None
+        return text.decode()
+
+
+def seal_of(path: Path) -> Seal:
+    """Read the key in a file, or make it there, readable by its owner only.
+
+    Raises:
+        CannotStart: the file cannot be read or made, or holds no key.
+
+    """
+    try:
+        key = _read_or_make(path)
+    except OSError as error:
+        raise CannotStart(
+            f"the key {path} cannot be read: {error.strerror}", "check who owns the data folder"
+        ) from error
+    if len(key) != _KEY_BYTES:
+        raise CannotStart(
+            f"{path} holds no key of {_KEY_BYTES} bytes",
+            "bring back the one of your backup, or remove it; second factors must then be set anew",
+        )
+    return Seal(key)
+
+
+def _read_or_make(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        key = os.urandom(_KEY_BYTES)
+    # Written aside and linked: of two that start at once one wins, and no half key is ever seen.
+    fresh = path.with_name(f"{path.name}.{os.getpid()}")
+    with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as file:
+        file.write(key)
+        file.flush()
+        os.fsync(file.fileno())
+    try:
+        os.link(fresh, path)
+    except FileExistsError:
+        return path.read_bytes()
+    finally:
+        fresh.unlink()
+    return key

@@ -1,0 +1,70 @@
+"""Wrong sign-ins that outlast a restart of the hub."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sqlalchemy import delete, insert, select
+
+from talaia.hub.auth.throttle import FORGET_NS, Counted, Kind
+from talaia.hub.store.tables import wrong_tries
+
+if TYPE_CHECKING:
+    from talaia.clock import Clock
+    from talaia.hub.auth.throttle import Throttle
+    from talaia.hub.store.database import Database
+
+__all__ = ["Tries"]
+
+
+class Tries:
+    """Keeps what a throttle counts."""
+
+    def __init__(self, database: Database, clock: Clock, throttle: Throttle) -> None:
+        """Keep the counts of ``throttle``."""
+        self._database = database
+        self._clock = clock
+        self._throttle = throttle
+
+    async def bring_back(self) -> None:
+        """Let the throttle remember what was counted before the hub was started."""
+        async with self._database.read() as connection:
+            rows = await connection.execute(
+                select(wrong_tries)
+                .where(wrong_tries.c.last_us > self._oldest_us())
+                .order_by(wrong_tries.c.last_us)
+            )
+            self._throttle.bring_back(
+                Counted(Kind(row.kind), row.key_hash, row.wrong, row.last_us * 1000) for row in rows
+            )
+
+    async def keep(self) -> None:
+        """Write down what was counted since."""
+        changes = self._throttle.changes()
+        if not changes:
+            return
+        counted = [
+            {
+                "kind": each.kind.value,
+                "key_hash": each.key,
+                "wrong": each.wrong,
+                "last_us": each.last_ns // 1000,
+            }
+            for each in changes
+            if each.wrong
+        ]
+        async with self._database.write() as connection:
+            await connection.execute(
+                delete(wrong_tries).where(wrong_tries.c.last_us <= self._oldest_us())
+            )
+            for each in changes:
+                await connection.execute(
+                    delete(wrong_tries).where(
+                        wrong_tries.c.kind == each.kind.value, wrong_tries.c.key_hash == each.key
+                    )
+                )
+            if counted:
+                await connection.execute(insert(wrong_tries), counted)
+
+    def _oldest_us(self) -> int:
+        return (self._clock.wall_ns() - FORGET_NS) // 1000
