@@ -109,9 +109,9 @@ def test_field_that_does_not_fit_is_refused(fields: dict) -> None:
 
 
 def test_robots_own_no_is_a_failure_with_its_words() -> None:
-    assert outcome_of(Message(success=False, message="stuck")) == (CommandPhase.FAILED, "stuck")
-    assert outcome_of(Message(success=True, message="ok")) == (CommandPhase.SUCCEEDED, "ok")
-    assert outcome_of(Message(result=3)) == (CommandPhase.SUCCEEDED, "")
+    assert outcome_of(Message(success=False, message="stuck")) == Outcome(CommandPhase.FAILED, "stuck")
+    assert outcome_of(Message(success=True, message="ok")) == Outcome(CommandPhase.SUCCEEDED, "ok")
+    assert outcome_of(Message(result=3)) == Outcome(CommandPhase.SUCCEEDED, "")
 
 
 KEYS = Drive(topic="/control", message=DriveMessage.KEYS, max_speed=0.2, max_turn=2.0)

@@ -314,9 +314,10 @@ async def test_device_that_is_connected_anew_says_what_is_not_there_and_works_on
     assert (told.kind, told.device, told.who, told.good) == (
         "device not reconnected", "base", "Ada", False
     )  # fmt: skip
-    assert "7 of 9" in told.message
+    assert "8 of 11" in told.message
     assert "/odd (its type is not known here)" in told.message
     assert "/absent (no such service now)" in told.message
+    assert "/nowhere (no such action now)" in told.message
     await peer.until_heard_by(1)
     await peer.do("count", **{"from": 0, "to": 50, "hz": 500})
     await hub.until(lambda: len(hub.values("base/number")) >= 50, "samples")

@@ -11,12 +11,11 @@ from talaia.hub.errors import StoreError
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.store.backup import backup, restore_server, take_restored
 from talaia.hub.store.database import Database
-from talaia.hub.store.dump import VERSION_TABLE
 from talaia.hub.store.quarantine import set_aside_if_damaged
 from talaia.hub.store.tables import metadata
 from talaia.wire.frames import Ack
 
-from .history.conftest import SERVERS, server_of
+from .databases import SERVERS, server_of
 from .history.samples import ALL, batch
 
 NOW = 1_700_000_000_000_000
@@ -75,13 +74,10 @@ async def test_a_damaged_backup_is_not_restored(tmp_path, capsys) -> None:
     assert not (tmp_path / "other" / "restore").exists()
 
 
-def make_tables(url):
-    engine = sa.create_engine(url)
-    with engine.begin() as connection:
-        metadata.create_all(connection)
-        VERSION_TABLE.create(connection)
-        connection.execute(VERSION_TABLE.insert(), {"version_num": "0010"})
-    return engine
+async def migrate(url):
+    database = Database(url)
+    await database.migrate()
+    await database.close()
 
 
 @pytest.mark.parametrize("kind", sorted(SERVERS))
@@ -101,7 +97,7 @@ async def test_a_server_s_database_is_backed_up_and_restored_into_another(kind, 
             connection.exec_driver_sql(f"CREATE DATABASE {name}")
     try:
         for url in urls:
-            make_tables(url).dispose()
+            await migrate(url)
         store = HistoryStore(urls[0], SystemClock())
         await store.open()
         rows = [(0, NOW + at, at / 7) for at in range(9_000)] + [(1, NOW, "word ´'\\%")]
@@ -123,9 +119,8 @@ async def test_a_server_s_database_is_backed_up_and_restored_into_another(kind, 
         # What has people in it is not written over.
         engine = sa.create_engine(urls[1])
         users = metadata.tables["users"]
-        roles = metadata.tables["roles"]
         with engine.begin() as connection:
-            fill(connection, roles, users)
+            fill(connection, users)
         engine.dispose()
         with pytest.raises(StoreError, match="people"):
             restore_server(target, urls[1])

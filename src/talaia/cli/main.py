@@ -50,7 +50,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     word = WORDS.get(first)
     if word is None:
-        print(f"talaia: unknown word {first!r}\n\n{_help()}", file=sys.stderr)
+        # Last, where a terminal or a log still shows it.
+        print(f"{_help()}\n\ntalaia: unknown word {first!r}", file=sys.stderr)
         return 2
     try:
         return _load(first, word)(arguments[1:])

@@ -63,7 +63,7 @@ class World(Stack):
         self.hub_data = folder
         self._marks = 0
         self._cookie = ""
-        super().__init__(folder, self.proxy.port)
+        super().__init__(folder, link_port=self.proxy.port)
 
     def _free_port(self) -> int:
         return self.port
