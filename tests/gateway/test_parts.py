@@ -17,6 +17,7 @@ from talaia.gateway.adapters.ros2_requests import fill, key_of, outcome_of
 from talaia.gateway.batching import Batcher, records_of
 from talaia.gateway.errors import FieldError, SpoolError
 from talaia.gateway.keep import Epochs, KeptStops
+from talaia.gateway.ports import Outcome
 from talaia.gateway.run import main
 from talaia.gateway.stop import Latched
 from talaia.model.site import Drive, DriveMessage, Source, Stream
@@ -109,7 +110,9 @@ def test_field_that_does_not_fit_is_refused(fields: dict) -> None:
 
 
 def test_robots_own_no_is_a_failure_with_its_words() -> None:
-    assert outcome_of(Message(success=False, message="stuck")) == Outcome(CommandPhase.FAILED, "stuck")
+    assert outcome_of(Message(success=False, message="stuck")) == Outcome(
+        CommandPhase.FAILED, "stuck"
+    )
     assert outcome_of(Message(success=True, message="ok")) == Outcome(CommandPhase.SUCCEEDED, "ok")
     assert outcome_of(Message(result=3)) == Outcome(CommandPhase.SUCCEEDED, "")
 
