@@ -60,6 +60,32 @@ TRIALS: Mapping[type[Message], Trial] = {
         DEVICES,
         frames.CommandAsk,
     ),
+    browser.LeaseForce: Trial(
+        lambda site, device, _mark: browser.LeaseForce(site=site, device=device),
+        DEVICES,
+        frames.LeaseForce,
+    ),
+    browser.Cancel: Trial(
+        lambda site, device, mark: browser.Cancel(site=site, device=device, id=mark),
+        DEVICES,
+        frames.CommandCancel,
+    ),
+    browser.Override: Trial(
+        lambda site, _device, mark: browser.Override(
+            site=site, interlock="lock", reason=mark, seconds=1.0
+        ),
+        SITES,
+        frames.OverrideAsk,
+    ),
 }
 # What a gateway is asked to do for people; the rest it is told anyway.
-ASKS = (frames.LeaseAsk, frames.Drive, frames.StopAsk, frames.ResetAsk, frames.CommandAsk)
+ASKS = (
+    frames.LeaseAsk,
+    frames.LeaseForce,
+    frames.Drive,
+    frames.StopAsk,
+    frames.ResetAsk,
+    frames.CommandAsk,
+    frames.CommandCancel,
+    frames.OverrideAsk,
+)

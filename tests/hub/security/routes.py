@@ -61,10 +61,23 @@ async def _history(_world: World, _client: httpx.AsyncClient, about: str) -> Ask
     return Ask({"site": about}, {"channel": channel, "from_us": NOW, "to_us": NOW + 1})
 
 
+async def _last(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    ask = await _history(world, client, about)
+    return Ask(ask.params, {"channel": ask.query["channel"], "before_us": NOW})
+
+
+async def _export(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    ask = await _history(world, client, about)
+    return Ask(ask.params, {**ask.query, "format": "csv"})
+
+
 _NUMBERS = itertools.count()
 OTHER_PASSWORD = "another password of these tests"  # noqa: S105
 NEW_PERSON = {"name": "eve", "password": OTHER_PASSWORD, "role": "guest"}
-NEW_ROLE = {"name": "watchers", "permissions": [{"right": "view", "site": "agv"}]}
+NEW_ROLE = {
+    "name": "watchers",
+    "permissions": [{"right": "view", "site": "agv", "device": "*"}],
+}
 # What of one's own account is tried with: one's own, and another's.
 OWN_AND_FOREIGN = ("own", "foreign")
 
@@ -162,7 +175,12 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites"): Recipe(plain()),
     ("GET", "/api/sites/{site}"): of_site(),
     ("GET", "/api/sites/{site}/history"): Recipe(_history, ("agv", "moon")),
+    ("GET", "/api/sites/{site}/last"): Recipe(_last, ("agv", "moon")),
+    ("GET", "/api/sites/{site}/statistics"): Recipe(_history, ("agv", "moon")),
+    ("GET", "/api/sites/{site}/stored"): of_site(),
+    ("GET", "/api/sites/{site}/export"): Recipe(_export, ("agv", "moon")),
     ("GET", "/api/sites/{site}/events"): of_site(),
+    ("GET", "/api/storage"): Recipe(plain()),
     ("POST", "/api/me/password"): Recipe(
         plain(json={"old": PASSWORD, "new": OTHER_PASSWORD}, done=(204,))
     ),

@@ -124,6 +124,7 @@ async def everything(world: World, listeners: list[Listener]) -> None:
         await _stop(world, acting, about)
         await _command(world, acting, about)
         await _event(world, about)
+        await _interlock(world, acting, about)
         await settle(listeners)
     await acting.say(browser.Ping(n=1, at_ms=0.0))
     await acting.hear(browser.Pong)
@@ -220,6 +221,15 @@ async def _command(world: World, acting, about: str) -> None:
         browser.CommandNews,
         lambda news: news.device == device and news.phase is CommandPhase.SUCCEEDED,
     )
+
+
+async def _interlock(world: World, acting, about: str) -> None:
+    """Lock the site's interlock and override it; what it says is about this device."""
+    site, _, _device = about.partition("/")
+    said = {"why": hidden(about), "overridden_by": hidden(about), "reason": hidden(about)}
+    state = frames.InterlockState(interlock="lock", locked=True, override_ms=5000, **said)
+    await world.gateways[site].say(state)
+    await acting.hear(browser.InterlockNews, lambda news: news.why == hidden(about))
 
 
 async def _event(world: World, about: str) -> None:

@@ -34,13 +34,18 @@ BROADCAST = {
     browser.StopNews,
     browser.CommandNews,
     browser.EventNews,
+    browser.InterlockNews,
 }
+# About a site, not about a device.
+OF_SITES = {browser.SiteNews, browser.InterlockNews}
 # For the page alone that asked, or that holds the lease: here the operator's.
 ACTING = {browser.TickNews, browser.ResetKey}
 # What a guest may hear of at all, written by hand.
 FOR_GUESTS = {
     browser.Greeting,
     browser.SiteNews,
+    # That something is locked, not why, nor who overrides it.
+    browser.InterlockNews,
     browser.Subscribed,
     browser.Values,
     browser.Pong,
@@ -107,7 +112,7 @@ async def test_everyone_hears_what_is_theirs_and_nothing_else(world, heard) -> N
         assert wrong_in(each) == []
     # Nothing is held back either: each piece of news came to everyone who may know.
     for kind in BROADCAST:
-        for about in DESCRIPTIONS if kind is browser.SiteNews else DEVICES:
+        for about in DESCRIPTIONS if kind in OF_SITES else DEVICES:
             got = {
                 each.actor
                 for each in heard

@@ -47,7 +47,12 @@ def _site(site: str, **devices: str) -> str:
         _DEVICE.format(device=device, name=device.title(), visibility=visibility)
         for device, visibility in devices.items()
     )
-    return f"talaia: 1\nsite: {site}\nname: {site.title()}\nros2: {{}}\ndevices:{written}"
+    first = next(iter(devices))
+    lock = f"{{name: Lock, when: [{{signal: {first}/shut, above: 5}}], refuse: [{first}/turn]"
+    return (
+        f"talaia: 1\nsite: {site}\nname: {site.title()}\nros2: {{}}\ndevices:{written}"
+        f"interlocks:\n  lock: {lock}, longest_override: 60}}\n"
+    )
 
 
 DESCRIPTIONS = {

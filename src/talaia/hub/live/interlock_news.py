@@ -33,6 +33,8 @@ def interlock_news(
     if rule is None:
         return None
     state, heard_ns = live.interlocks[name]
+    # Reasons name values and people: only for those who may view the whole site.
+    views = grants.may(Right.VIEW, live.name)
     passed_ms = (mono_ns - heard_ns) // MS
     since_us = (wall_ns // MS - state.for_ms - passed_ms) * 1000
     return InterlockNews(
@@ -41,7 +43,7 @@ def interlock_news(
         name=rule.name,
         locked=state.locked,
         unsafe=state.unsafe,
-        why=state.why,
+        why=state.why if views else "",
         since_us=since_us if state.locked else 0,
         clears_ms=max(0, state.clears_ms - passed_ms),
         refuses=[
@@ -49,8 +51,8 @@ def interlock_news(
             for each in rule.refuse
             if sees_device(grants, live.description, each.split("/", 1)[0])
         ],
-        overridden_by=state.overridden_by,
-        reason=state.reason,
+        overridden_by=state.overridden_by if views or not state.overridden_by else "an admin",
+        reason=state.reason if views else "",
         override_ms=max(0, state.override_ms - passed_ms),
         longest_s=rule.longest_override if grants.may(Right.ADMIN, live.name) else 0.0,
     )
