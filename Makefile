@@ -16,8 +16,7 @@ demo:  ## the product with a simulated vehicle, in your browser
 	@exec $(VENV)/talaia demo $(ARGS)
 
 test: setup  ## all tests: Python with real ROS 2 and Chromium, and the pages'
-	$(VENV)/python -m pytest $(ARGS)
-	$(VENV)/python tools/node.py run test
+	$(VENV)/python tools/run_tests.py $(ARGS)
 
 check: setup  ## style, types, import direction, generated files
 	$(VENV)/ruff check .

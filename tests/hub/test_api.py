@@ -302,7 +302,7 @@ async def test_cookie_opens_no_gateway_door(hub) -> None:
     assert refused.value.response.status_code == 401
 
 
-@pytest.mark.parametrize("frame", [b"", b"\xc1", b"\x81\xa1t\xa5hello", "{}", "[", b"\x00" * 2000])
+@pytest.mark.parametrize("frame", [b"", b"\xc1", "{}", "[", b"\x00" * 2000])
 async def test_garbage_from_a_page_closes_its_socket_with_a_code(hub, frame) -> None:
     page = await hub.page("operator")
     await page.connection.send(frame)

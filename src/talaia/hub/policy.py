@@ -182,6 +182,7 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
     (
         frames.Welcome,
         frames.Ack,
+        frames.Again,
         frames.LeaseAsk,
         frames.LeaseForce,
         frames.Drive,

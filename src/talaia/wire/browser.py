@@ -340,7 +340,7 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
     why: Sentence = ""
     since_us: Micros = 0
     clears_ms: Millis = 0
-    refuses: list[str] = []
+    refuses: Annotated[list[Sentence], Meta(max_length=1000)] = []
     overridden_by: Word = ""
     reason: Sentence = ""
     override_ms: Millis = 0

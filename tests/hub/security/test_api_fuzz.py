@@ -63,10 +63,11 @@ class Fuzz:
         self.wrong: set[str] = set()
         self.seen: defaultdict[tuple[str, str], set[int]] = defaultdict(set)
         self._world = world
-        # Of the route that is tried: objects that there are.
+        # Of the route that is tried: objects that there are, and questions that have an answer.
         self._known: Mapping[str, object] = {}
+        self._query: Mapping[str, object] = {}
         self._cookies: dict[str, dict[str, str]] = {}
-        self._turn = itertools.cycle((True, False))
+        self._turn = itertools.cycle(("known", "made up", "answerable"))
         self._session = requests.Session()
         self._session.trust_env = False
 
@@ -84,7 +85,7 @@ class Fuzz:
             operation = found.ok()
             recipe = RECIPES[operation.method.upper(), operation.path]
             ask = await recipe.make(self._world, await self._world.admin(), recipe.objects[0])
-            self._known = {**ask.params, **ask.query}
+            self._known, self._query = {**ask.params, **ask.query}, ask.query
             await asyncio.to_thread(self._try, operation)
 
     def _try(self, operation: schemathesis.APIOperation) -> None:
@@ -95,10 +96,14 @@ class Fuzz:
                 SETTINGS(ask)()
 
     def _ask(self, case: schemathesis.Case) -> None:
-        if next(self._turn):
-            # Half of the requests are about something that exists.
+        turn = next(self._turn)
+        if turn != "made up":
+            # Two of three requests are about something that exists.
             for where in (case.path_parameters, case.query):
                 where.update({name: self._known[name] for name in where if name in self._known})
+        if turn == "answerable" and self._query:
+            case.query.clear()
+            case.query.update(self._query)
         for actor in ACTORS:
             answer = case.call(
                 self._world.hub.origin,

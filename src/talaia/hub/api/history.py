@@ -37,6 +37,9 @@ __all__ = ["HistoryPages"]
 _MOST_SERIES = 100
 _BUSY_S = 5
 _ARROW = "application/vnd.apache.arrow.stream"
+# As in `history.files`, which is read in only when somebody exports: it takes a while.
+_FILES = ("text/csv", "application/vnd.apache.parquet", _ARROW)
+_BYTES: dict[str, object] = {"schema": {"type": "string", "format": "binary"}}
 _Time = Annotated[int, Query(ge=0, le=2**53)]
 _Addresses = Annotated[list[str], Query(max_length=_MOST_SERIES)]
 
@@ -55,11 +58,19 @@ class HistoryPages:
     def router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter()
-        router.get("/api/sites/{site}/history", response_model=HistoryAnswer)(self.window)
+        router.get(
+            "/api/sites/{site}/history",
+            response_model=HistoryAnswer,
+            responses={200: {"content": {_ARROW: _BYTES}}},
+        )(self.window)
         router.get("/api/sites/{site}/last")(self.last)
         router.get("/api/sites/{site}/statistics")(self.statistics)
         router.get("/api/sites/{site}/stored")(self.stored)
-        router.get("/api/sites/{site}/export", response_class=StreamingResponse)(self.export)
+        router.get(
+            "/api/sites/{site}/export",
+            response_class=StreamingResponse,
+            responses={200: {"content": dict.fromkeys(_FILES, _BYTES)}},
+        )(self.export)
         return router
 
     async def window(
