@@ -256,7 +256,9 @@ class RunningHub:
 
     async def client(self, name: str = "") -> httpx.AsyncClient:
         """Open an HTTP client, signed in as ``name`` unless it is empty."""
-        client = httpx.AsyncClient(base_url=self.origin, headers={"Origin": self.origin})
+        client = httpx.AsyncClient(
+            base_url=self.origin, headers={"Origin": self.origin}, timeout=60
+        )
         await self._stack.enter_async_context(client)
         if name:
             answer = await client.post("/api/login", json={"name": name, "password": PASSWORD})

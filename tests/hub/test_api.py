@@ -230,7 +230,7 @@ async def test_no_path_leaves_the_folder_of_the_pages(hub, path) -> None:
 )
 async def test_another_origin_changes_nothing(hub, headers) -> None:
     cookie = await hub.cookie("operator")
-    async with httpx.AsyncClient(base_url=hub.origin) as client:
+    async with httpx.AsyncClient(base_url=hub.origin, timeout=60) as client:
         answer = await client.post(
             "/api/logout", content="{}", headers={**headers, "Cookie": cookie}
         )

@@ -54,7 +54,7 @@ class Process:
         assert self._process.returncode == 0
 
     def client(self) -> httpx.AsyncClient:
-        return httpx.AsyncClient(base_url=self.origin, headers={"Origin": self.origin})
+        return httpx.AsyncClient(base_url=self.origin, headers={"Origin": self.origin}, timeout=60)
 
 
 @pytest.mark.timeout(180)
