@@ -3,10 +3,10 @@
 PYTHON ?= python3
 VENV := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check bench faults docs lock pages clean
+.PHONY: help setup demo demo-indi test check bench faults docs lock pages clean
 
 help:  ## list the words
-	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 10
+	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 10
 
 setup:  ## everything a developer needs, in .venv and web/node_modules
 	@$(PYTHON) tools/setup.py dev
@@ -14,6 +14,10 @@ setup:  ## everything a developer needs, in .venv and web/node_modules
 demo:  ## the product with a simulated vehicle, in your browser
 	@$(PYTHON) tools/setup.py demo
 	@exec $(VENV)/talaia demo $(ARGS)
+
+demo-indi:  ## the product with an observatory on INDI's own simulators
+	@$(PYTHON) tools/setup.py demo
+	@exec $(VENV)/talaia demo-indi $(ARGS)
 
 test: setup  ## all tests: Python with real ROS 2 and Chromium, and the pages'
 	$(VENV)/python tools/run_tests.py $(ARGS)

@@ -1,9 +1,12 @@
 """History: blocks and rollups against one row a sample, in one run, each figure beside its limit.
 
-Run ``python bench/history.py``: a day of one signal at 100 Hz on SQLite, and a smaller set on each
-database server that answers on this machine; or, for example, ``python bench/history.py --samples
-3000000 --signals 10 --servers 0``. ``--samples 100000000 --rows 0`` measures a hundred million
-samples and takes some minutes. It ends with the number of limits that are missed.
+Run ``python bench/history.py``: a day of one signal at 100 Hz on SQLite, and three million samples
+on each database server that answers on this machine; or, for example, ``python bench/history.py
+--samples 3000000 --signals 10 --servers 0``. ``--large 12 --samples 0 --servers 0`` measures reads
+only, in a store of a thousand million samples (twelve days of ten signals); that takes 3 GB of disk
+and some minutes. It ends with the number of limits that are missed.
+
+Batches come one after the other: each is durable before the next is sent, so none shares a commit.
 
 The file is longer than 300 lines because what is measured and its limits are read together.
 """
@@ -20,6 +23,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
+import large
 import numpy as np
 import sqlalchemy as sa
 from rows import RowTables, database_bytes
@@ -257,6 +261,36 @@ def on_servers(samples: int) -> int:
     return missed
 
 
+def on_large(folder: str, days: int) -> int:
+    """Measure reads in a small store and in a large one; give how many limits are missed."""
+    few, many = f"sqlite:///{folder}/day.db", f"sqlite:///{folder}/large.db"
+    large.build(few, 1, 1)
+    small = asyncio.run(large.measure_reads(few, 1, 1, windows=1))
+    began = time.perf_counter()
+    large.build(many, large.SIGNALS, days)
+    took, size = time.perf_counter() - began, size_of(many)
+    found = asyncio.run(large.measure_reads(many, large.SIGNALS, days))
+    samples = large.SIGNALS * days * large.SAMPLES_A_DAY
+    per_signal = days * large.SAMPLES_A_DAY / 1e6
+    print(
+        f"\nSQLite, {samples / 1e6:.0f} M samples of {large.SIGNALS} signals at 100 Hz, warm, "
+        f"{PIXELS} pixels ({size / samples:.2f} bytes a sample, built in {took:.0f} s)"
+    )
+    missed = 0
+    for what, measured, limit, unit in (
+        (f"chart of all {per_signal:.0f} M samples of a signal", found.widest_ms, 40, "ms"),
+        (f"slowest window of 60 (of {found.slowest_s:.0f} s)", found.slowest_ms, 40, "ms"),
+        ("ten signals over a week", found.week_of_all_ms, 100, "ms"),
+        ("chart of a day", found.day_ms, 40, "ms"),
+        (f"beside {small.day_ms:.1f} ms with 8.64 M in the store", found.day_ms / small.day_ms, 2,
+         "times"),
+    ):  # fmt: skip
+        bad = measured > limit
+        missed += bad
+        print(f"{what:48}{measured:9.2f} {unit:6}≤ {limit}{'  missed' if bad else ''}")
+    return missed
+
+
 async def measure_idle_hub(path: Path, seconds: float) -> tuple[float, float]:
     """Store 20 channels at 100 Hz in 20 ms batches; give CPU in % of a core, and p99 wait in ms."""
     store = HistoryStore(f"sqlite:///{path}", SystemClock())
@@ -281,31 +315,41 @@ async def measure_idle_hub(path: Path, seconds: float) -> tuple[float, float]:
     return percent, float(np.percentile(waits, 99)) * 1e3
 
 
+def on_sqlite(folder: str, chosen: argparse.Namespace) -> int:
+    """Measure SQLite; give how many limits are missed."""
+    size = (chosen.samples, chosen.signals)
+    each = chosen.samples // chosen.signals
+    ours = asyncio.run(measure_blocks(f"sqlite:///{folder}/blocks.db", *size))
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    peer = measure_rows(f"sqlite:///{folder}/rows.db", *size) if chosen.rows else None
+    day = each == 8_640_000
+    chart = "chart of a day at 100 Hz" if day else f"chart of {each}"
+    title = f"SQLite, {size[0]} samples of {size[1]} signal(s), {BATCH} a durable commit"
+    missed = report(title, lines(600, 4, chart, day=day), ours, peer)
+    if chosen.seconds:
+        percent, wait = asyncio.run(measure_idle_hub(Path(folder) / "l.db", chosen.seconds))
+        load = "20 × 100 Hz in 20 ms batches"
+        print(f"{load}: {percent:.1f} % of a core, acknowledged in {wait:.0f} ms (p99)")
+    print(f"memory of the process that stored the blocks: {memory:.0f} MiB (limit 300)")
+    return missed + (memory > 300)
+
+
 def main() -> int:
     """Measure and print; give how many limits are missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--samples", type=int, default=8_640_000, help="samples in all, on SQLite")
     parser.add_argument("--signals", type=int, default=1, help="signals they are of")
     parser.add_argument("--rows", type=int, default=1, help="0 leaves the tables of rows out")
-    parser.add_argument("--servers", type=int, default=200_000, help="samples on each server")
+    parser.add_argument("--servers", type=int, default=3_000_000, help="samples on each server")
+    parser.add_argument("--large", type=int, default=0, help="days of a large store; 0 for none")
     parser.add_argument("--seconds", type=float, default=8.0, help="length of the hub's load")
     chosen = parser.parse_args()
-    size = (chosen.samples, chosen.signals)
-    each = chosen.samples // chosen.signals
+    missed = 0
     with tempfile.TemporaryDirectory() as folder:
-        ours = asyncio.run(measure_blocks(f"sqlite:///{folder}/blocks.db", *size))
-        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        peer = measure_rows(f"sqlite:///{folder}/rows.db", *size) if chosen.rows else None
-        day = each == 8_640_000
-        chart = "chart of a day at 100 Hz" if day else f"chart of {each}"
-        title = f"SQLite, {size[0]} samples of {size[1]} signal(s), {BATCH} a durable commit"
-        missed = report(title, lines(600, 4, chart, day=day), ours, peer)
-        if chosen.seconds:
-            percent, wait = asyncio.run(measure_idle_hub(Path(folder) / "l.db", chosen.seconds))
-            load = "20 × 100 Hz in 20 ms batches"
-            print(f"{load}: {percent:.1f} % of a core, acknowledged in {wait:.0f} ms (p99)")
-    print(f"memory of the process that stored the blocks: {memory:.0f} MiB (limit 300)")
-    missed += memory > 300
+        if chosen.samples:
+            missed += on_sqlite(folder, chosen)
+        if chosen.large:
+            missed += on_large(folder, chosen.large)
     if chosen.servers:
         missed += on_servers(chosen.servers)
     print(f"\n{missed} limits missed" if missed else "\nall limits kept")

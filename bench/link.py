@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import random
+import sys
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -13,11 +14,9 @@ import numpy as np
 import psutil
 import websockets
 from clients import cookie
-from stack import Stack, context
+from stack import HERE, Stack, context
 
 from talaia.clock import SystemClock
-from talaia.gateway.uplink.backoff import Backoff
-from talaia.gateway.uplink.beats import reply_to
 from talaia.hub.settings import Settings
 from talaia.hub.store.database import Database
 from talaia.hub.store.sites import SiteRegistry
@@ -104,93 +103,64 @@ async def driven(here: Stack, session: str, target: Path, presses: int) -> np.nd
 
 
 class Crowd:
-    """Many gateways that say hello, answer beats, and dial again as the real one does."""
+    """Many gateways, in a process of their own (see ``crowd.py``)."""
 
-    def __init__(self, here: Stack, keys: list[str]) -> None:
-        """Take a key for each; site ``crowdN`` for number N."""
-        self._here, self._keys = here, keys
-        self._sockets: dict[int, websockets.ClientConnection] = {}
-        self._trust = context(here)
-        self._tasks = [asyncio.create_task(self._live(each)) for each in range(len(keys))]
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
+        """Take the process that has its keys."""
+        self._process = process
 
-    @property
-    def linked(self) -> int:
-        """How many have had their welcome."""
-        return len(self._sockets)
-
-    def cut(self) -> None:
+    async def cut(self) -> None:
         """End all links at one blow."""
-        for socket in [*self._sockets.values()]:
-            socket.transport.abort()
-        self._sockets.clear()
+        await self._say("cut\n")
+
+    async def _say(self, words: str) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(words.encode())
+        await self._process.stdin.drain()
 
     async def all_back(self, within: float) -> float:
         """Wait until all are linked; give how long it took (s)."""
+        assert self._process.stdout is not None
         began = time.monotonic()
-        while self.linked < len(self._keys):
-            if time.monotonic() - began > within:
-                raise SystemExit(f"{self.linked} of {len(self._keys)} gateways after {within} s")
-            await asyncio.sleep(0.05)
+        async with asyncio.timeout(within):
+            if await self._process.stdout.readline() != b"linked\n":
+                raise SystemExit("the crowd of gateways has ended")
         return time.monotonic() - began
 
-    async def _live(self, number: int) -> None:
-        backoff = Backoff(random.Random(number).random)  # noqa: S311
-        while True:
-            began = time.monotonic()
-            with contextlib.suppress(OSError, TimeoutError, websockets.WebSocketException):
-                await self._link(number)
-            self._sockets.pop(number, None)
-            await asyncio.sleep(backoff.after(time.monotonic() - began))
 
-    async def _link(self, number: int) -> None:
-        site = f"crowd{number}"
-        async with websockets.connect(
-            f"wss://localhost:{self._here.port}/gateway/link", ssl=self._trust, compression=None,
-            ping_interval=None, proxy=None,
-            additional_headers={"Authorization": f"Bearer {self._keys[number]}"},
-        ) as socket:  # fmt: skip
-            text = f"talaia: 1\nsite: {site}\nname: {site}\ndevices: {{hut: {{name: Hut}}}}\n"
-            hello = frames.Hello(site=site, boot="b", catalogue="c", description=text)
-            await socket.send(frames.LINK_FROM_GATEWAY.encode(hello))
-            async for data in socket:
-                message = frames.LINK_FROM_HUB.decode(data)
-                if isinstance(message, frames.Welcome):
-                    self._sockets[number] = socket
-                elif isinstance(message, frames.Beat):
-                    reply = reply_to(message, time.monotonic_ns())
-                    await socket.send(frames.LINK_FROM_GATEWAY.encode(reply))
-
-    async def close(self) -> None:
-        """Send all home."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
-
-
-async def crowd(here: Stack, count: int) -> Crowd:
+@contextlib.asynccontextmanager
+async def crowd(here: Stack, count: int) -> AsyncIterator[Crowd]:
     """Enrol so many gateways and let them dial."""
     database = Database(Settings(data=here.folder).url)
     registry = SiteRegistry(database, SystemClock())
     keys = [await registry.new_key(f"crowd{each}") for each in range(count)]
     await database.close()
-    return Crowd(here, keys)
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, str(HERE / "crowd.py"), str(here.port),
+        str(here.folder / "tls" / "cert.pem"),
+        stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+    )  # fmt: skip
+    try:
+        assert process.stdin is not None
+        process.stdin.write("\n".join([*keys, "", ""]).encode())
+        yield Crowd(process)
+    finally:
+        process.kill()
+        await process.wait()
 
 
 async def storm(here: Stack, target: Path, count: int) -> tuple[float, float, np.ndarray]:
     """Let many gateways lose the link at once; give s until all are back, MiB more, drive ages."""
     session = await cookie(here)
-    many = await crowd(here, count)
-    try:
+    async with crowd(here, count) as many:
         await many.all_back(120)
         await asyncio.sleep(2)
         hub = psutil.Process(here.hub.process.pid)
         before = hub.memory_info().rss
         driving = asyncio.create_task(driven(here, session, target, 200))
         await asyncio.sleep(2)
-        many.cut()
+        await many.cut()
         took = await many.all_back(60)
         ages = await driving
         grown = (hub.memory_info().rss - before) / 2**20
-    finally:
-        await many.close()
     return took, grown, ages

@@ -202,6 +202,15 @@ async def history() -> list[Figure]:
     return [Figure("limits of the history that are missed", done.returncode, 0, "limits")]
 
 
+async def history_large() -> list[Figure]:
+    """Reads in a store of a thousand million samples; takes some minutes and 3 GB of disk."""
+    words = [str(ROOT / "bench" / "history.py"), "--large", "12", "--samples", "0"]
+    done = await asyncio.to_thread(
+        subprocess.run, [sys.executable, *words, "--servers", "0"], check=False
+    )
+    return [Figure("limits of large stores that are missed", done.returncode, 0, "limits")]
+
+
 async def history_page() -> list[Figure]:
     """Ten charts of a day (10 Hz each, 8.64 M samples) in Chromium, from the click on."""
     charts, rate = 10, 10
@@ -254,8 +263,8 @@ async def signin_() -> list[Figure]:
 PARTS = {
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
-    "history-page": history_page, "signin": signin_, "press": press, "many": many,
-    "spool": spool, "storm": storm,
+    "history-large": history_large, "history-page": history_page, "signin": signin_,
+    "press": press, "many": many, "spool": spool, "storm": storm,
 }  # fmt: skip
 
 

@@ -35,7 +35,8 @@ def main() -> int:
     wrong = 0
     for name in filter(None, listed):
         path = ROOT / name
-        if path.suffix in SKIP or not path.is_file():
+        # What a real peer said is kept as it said it.
+        if path.suffix in SKIP or "/recorded/" in name or not path.is_file():
             continue
         text = path.read_text(errors="replace")
         for number, line in enumerate(text.splitlines(), 1):

@@ -23,6 +23,7 @@ ROOMS = {"frames": frames, "browser": browser}
 ABOUT = {
     "/gateway/link": "All but pictures between a gateway and its hub; the gateway dials.",
     "/gateway/media": "Pictures from a gateway.",
+    "/gateway/files": "Recordings from a gateway; open only while it has any to hand over.",
     "/ws": "A page's socket: values, commands, driving. `?form=json` for the JSON form.",
     "/ws/media": "Pictures of one camera: `?site=…&stream=…`.",
 }

@@ -23,7 +23,7 @@ from talaia.clock import SystemClock
 from talaia.hub.api.openapi import describe_api, needs_in_words
 from talaia.hub.app import build
 from talaia.hub.settings import Settings
-from talaia.model import site
+from talaia.model import connection, site
 from talaia.model.schema import site_schema
 from talaia.model.unit import UNITS
 from talaia.wire import browser, frames
@@ -33,6 +33,8 @@ CODECS = {
     "FromHub": frames.LINK_FROM_HUB,
     "MediaFromGateway": frames.MEDIA_FROM_GATEWAY,
     "MediaFromHub": frames.MEDIA_FROM_HUB,
+    "FilesFromGateway": frames.FILES_FROM_GATEWAY,
+    "FilesFromHub": frames.FILES_FROM_HUB,
     "FromBrowser": browser.FROM_BROWSER,
     "ToBrowser": browser.TO_BROWSER,
     "MediaToBrowser": browser.MEDIA_TO_BROWSER,
@@ -77,8 +79,9 @@ def main(*, check_only: bool) -> int:
 def site_page() -> str:
     """Describe every key of the site description."""
     shapes = [
-        site.Site, site.Ros2Settings, site.Device, site.Signal, site.Source, site.Stream,
-        site.Command, site.Argument, site.Drive, site.Stop,
+        site.Site, site.Ros2Settings, *get_args(connection.Connection),
+        site.Device, site.Signal, site.Source, site.Stream, site.Command,
+        site.Argument, site.Drive, site.Stop,
     ]  # fmt: skip
     parts = [
         NOTE + "# Site description\n",

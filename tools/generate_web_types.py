@@ -17,7 +17,13 @@ import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
-from talaia.hub.api import history_shapes, people_shapes, shapes
+from talaia.hub.api import (
+    archive_shapes,
+    history_shapes,
+    people_shapes,
+    recording_shapes,
+    shapes,
+)
 from talaia.hub.auth.permissions import Right
 from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
 from talaia.model.unit import UNITS
@@ -34,7 +40,7 @@ UNIONS = (
     ("MediaToBrowser", browser.MediaToBrowser),
     ("MediaFromBrowser", browser.MediaFromBrowser),
 )
-SHAPES = (shapes, people_shapes, history_shapes)
+SHAPES = (shapes, people_shapes, history_shapes, recording_shapes, archive_shapes)
 # Texts of the API that come from a closed list.
 CLOSED = {
     ("SignalShape", "type"): [kind.value for kind in SignalType],

@@ -9,7 +9,21 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-LOCKS = {"dev.txt": ["--extra", "dev"], "demo.txt": ["--extra", "hub", "--extra", "sim"]}
+LOCKS = {
+    "dev.txt": ["--extra", "dev"],
+    "demo.txt": [
+        "--extra",
+        "hub",
+        "--extra",
+        "sim",
+        "--extra",
+        "observatory",
+        "--extra",
+        "recording",
+        "--extra",
+        "configurator",
+    ],
+}
 ALWAYS = "hatchling>=1.27\neditables>=0.5\n"  # both for the editable install
 
 

@@ -3,8 +3,9 @@
     .venv/bin/python tools/run_tests.py              all
     .venv/bin/python tools/run_tests.py ARGUMENTS    pytest alone, with these arguments
 
-The first group holds a real robot, gateway and browser and mostly waits for them; the second the
-hub, mostly on one core. Each group's words are printed when it has ended, the longer one's last.
+The first group holds a real robot, gateway and browser and mostly waits for them, and what is
+quick; the second the hub, mostly on one core. Each group's words are printed when it has ended,
+the longer one's last.
 """
 
 from __future__ import annotations
@@ -15,7 +16,15 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-ROBOT = ("tests/gateway", "tests/sim", "tests/system")
+ROBOT = (
+    "tests/gateway",
+    "tests/sim",
+    "tests/system",
+    "tests/cli",
+    "tests/docs",
+    "tests/model",
+    "tests/wire",
+)
 
 
 def main(arguments: list[str]) -> int:

@@ -23,6 +23,33 @@ VENV = ROOT / ".venv"
 STATIC = ROOT / "src" / "talaia" / "web" / "static"
 MODULES = ROOT / "web" / "node_modules"
 
+# Debian's ROS 1, INDI's server with its drivers, what checks a deployment's files, and what Qt
+# draws with: only the tests need them, each known by a file of its own.
+DIST = "/usr/lib/python3/dist-packages"
+TESTED_WITH = {
+    "python3-rospy": f"{DIST}/rospy",
+    "python3-roslaunch": f"{DIST}/roslaunch",
+    "python3-rosmaster": f"{DIST}/rosmaster",
+    "python3-rosmsg": f"{DIST}/rosmsg",
+    "python3-rosservice": f"{DIST}/rosservice",
+    "python3-rostopic": f"{DIST}/rostopic",
+    "python3-actionlib": f"{DIST}/actionlib",
+    "python3-std-msgs": f"{DIST}/std_msgs",
+    "python3-std-srvs": f"{DIST}/std_srvs",
+    "python3-sensor-msgs": f"{DIST}/sensor_msgs",
+    "python3-geometry-msgs": f"{DIST}/geometry_msgs",
+    "python3-nav-msgs": f"{DIST}/nav_msgs",
+    "indi-bin": "/usr/bin/indiserver",
+    "docker-compose": "/usr/bin/docker-compose",
+    "systemd": "/usr/bin/systemd-analyze",
+    "fonts-dejavu-core": "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+    "libegl1": "/usr/share/doc/libegl1",
+    "libgl1": "/usr/share/doc/libgl1",
+    "libxkbcommon0": "/usr/share/doc/libxkbcommon0",
+    "libdbus-1-3": "/usr/share/doc/libdbus-1-3",
+    "libfontconfig1": "/usr/share/doc/libfontconfig1",
+}
+
 
 def main(wanted: str) -> int:
     """Bring the tree to the wanted state; 0 when it is there."""
@@ -50,6 +77,8 @@ def debian_packages(wanted: str) -> int:
         missing.append("libosmesa6")
     if wanted == "dev" and not browser():
         missing.append("chromium")
+    if wanted == "dev":
+        missing += [name for name, file in TESTED_WITH.items() if not Path(file).exists()]
     if not missing:
         return 0
     names = " ".join(missing)

@@ -277,6 +277,18 @@ def gateways(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(500)
 
 
+def storage(page: Page, address: str, _password: str) -> None:
+    """Show what each signal takes, once a signal has its first block."""
+    table = page.locator("t-storage-table")
+    for _ in range(100):
+        page.goto(f"{address}/admin/storage")
+        page.get_by_role("heading", name="How long it is kept").wait_for()
+        if table.count():
+            break
+        time.sleep(3)
+    page.wait_for_timeout(300)
+
+
 def audit(page: Page, address: str, _password: str) -> None:
     """Show the newest rows and the verified chain."""
     page.goto(f"{address}/admin/audit")
@@ -291,7 +303,7 @@ PAGES = {
 }  # fmt: skip
 ADMIN_PAGES = {
     "account": account, "people": people_page, "roles": roles, "gateways": gateways,
-    "audit": audit,
+    "storage": storage, "audit": audit,
 }  # fmt: skip
 GUEST_PAGES = {"public": public}
 

@@ -8,6 +8,7 @@ import importlib.util
 import os
 import sys
 import warnings
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,19 +36,37 @@ def ros_domain(monkeypatch: pytest.MonkeyPatch) -> int:
         for name in ("rclpy.node", "lark"):
             importlib.import_module(name)
     # Beyond 101 the ports of a domain may lie in the range that Linux gives to clients.
-    domain = 1 + os.getpid() % 100
+    domain = int(os.environ.get("TALAIA_TEST_DOMAIN") or 1 + os.getpid() % 100)
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     return domain
 
 
 @pytest.fixture
+async def other_peer(ros_domain: int) -> AsyncIterator[Peer]:
+    """Another robot, in another domain."""
+    async with peer_in(other_domain(ros_domain)) as one:
+        yield one
+
+
+def other_domain(domain: int) -> int:
+    return domain % 100 + 1
+
+
+@pytest.fixture
 async def peer(ros_domain: int) -> AsyncIterator[Peer]:
+    async with peer_in(ros_domain) as one:
+        yield one
+
+
+@asynccontextmanager
+async def peer_in(domain: int) -> AsyncIterator[Peer]:
     process = await asyncio.create_subprocess_exec(
         sys.executable,
         str(HERE / "robot_peer.py"),
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
+        env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
     )
     one = Peer(process)
     reading = asyncio.ensure_future(one.read())

@@ -17,6 +17,8 @@ from websockets.exceptions import ConnectionClosed
 
 from talaia.wire.columns import unpack
 from talaia.wire.frames import (
+    FILES_FROM_GATEWAY,
+    FILES_FROM_HUB,
     LINK_FROM_GATEWAY,
     LINK_FROM_HUB,
     MEDIA_FROM_GATEWAY,
@@ -24,6 +26,8 @@ from talaia.wire.frames import (
     Ack,
     Beat,
     BeatReply,
+    FileHave,
+    FileOffer,
     Gap,
     Hello,
     Picture,
@@ -62,6 +66,10 @@ class FakeHub:
         self.key = KEY
         self.requests = 0
         self.links: list[ServerConnection] = []
+        self.offers: list[FileOffer] = []
+        self.files: dict[str, bytes] = {}
+        # Cut the connection that brings files after so many pieces.
+        self.cut_after = 10**9
         self._changed = asyncio.Event()
         self._boot = ""
         self._addresses: list[str] = []
@@ -139,7 +147,9 @@ class FakeHub:
     async def _serve(self, socket: ServerConnection) -> None:
         assert socket.request is not None
         try:
-            if socket.request.path == "/gateway/media":
+            if socket.request.path == "/gateway/files":
+                await self._take_files(socket)
+            elif socket.request.path == "/gateway/media":
                 await self._media(socket)
             else:
                 await self._link(socket)
@@ -154,6 +164,26 @@ class FakeHub:
                 await socket.send(MEDIA_FROM_HUB.encode(reply))
             elif isinstance(message, Picture):
                 self.pictures.append(message)
+            self._changed.set()
+
+    async def _take_files(self, socket: ServerConnection) -> None:
+        pieces = 0
+        async for data in socket:
+            message = FILES_FROM_GATEWAY.decode(data)
+            if isinstance(message, FileOffer):
+                self.offers.append(message)
+                self.files.setdefault(message.id, b"")
+            else:
+                assert message.at == len(self.files[message.id])
+                self.files[message.id] += message.data
+                pieces += 1
+            if pieces >= self.cut_after:
+                self.cut_after = 10**9
+                socket.transport.abort()
+                return
+            have = len(self.files[message.id])
+            answer = FileHave(id=message.id, have=have, done=have == self.offers[-1].size)
+            await socket.send(FILES_FROM_HUB.encode(answer))
             self._changed.set()
 
     async def _link(self, socket: ServerConnection) -> None:

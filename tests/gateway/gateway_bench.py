@@ -43,6 +43,7 @@ devices:
         source: {topic: /odom, type: nav_msgs/msg/Odometry, field: pose.pose.position}
       speed1: {name: M, source: {topic: /metric, type: std_msgs/msg/String, name: speed1}}
       mode: {name: Mode, type: text, source: {topic: /mode, type: std_msgs/msg/String, field: data}}
+      gain: {name: Gain, source: {parameter: /robot_peer/gain}}
       odd: {name: Odd, source: {topic: /odd, type: nowhere_msgs/msg/Odd, field: data}}
     streams:
       front: {name: Front, source: {topic: /images, type: sensor_msgs/msg/Image}}
@@ -63,6 +64,11 @@ devices:
         progress_end: 100
         arguments: {order: {type: integer, field: order, unit: s, minimum: 0, maximum: 100}}
       missing: {name: Missing, kind: action, target: /nowhere, type: test_msgs/action/Fibonacci}
+      tune:
+        name: Tune
+        kind: parameter
+        target: /robot_peer
+        arguments: {gain: {type: number, field: gain}}
       horn:
         name: Horn
         kind: topic

@@ -35,6 +35,7 @@ class Peer:
 
     def __init__(self) -> None:  # noqa: D107
         self.node = Node("robot_peer", enable_rosout=False)
+        self.node.declare_parameter("gain", 1.5)
         best_effort = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         make = self.node.create_publisher

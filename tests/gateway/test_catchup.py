@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from talaia.gateway.batching import records_of
+from talaia.gateway.spool import journal, packing
 from talaia.gateway.spool.journal import Head, Spool
 from talaia.gateway.spool.keeper import Keeper
 from talaia.gateway.uplink import catchup
@@ -19,9 +20,9 @@ from talaia.wire.frames import LINK_FROM_GATEWAY, Samples, StopState
 BATCHES, SIZE = 40, 10
 
 
-def keeper_of(folder: Path) -> Keeper:
+def keeper_of(folder: Path, batches: int = BATCHES) -> Keeper:
     spool = Spool(folder, Head("b", "c", ["base/v"]), 1 << 30)
-    for number in range(BATCHES):
+    for number in range(batches):
         first = number * SIZE
         columns = Columns(
             np.zeros(SIZE, np.uint16), first + np.arange(SIZE), np.arange(SIZE) * 1.0, {}
@@ -57,6 +58,29 @@ async def test_what_the_hub_asks_for_again_is_sent_again_and_no_more(tmp_path: P
     lanes.owe("b", 105, 121)
     assert await sent(lanes, 3) == [100, 110, 120]
     assert lanes.next() is None
+    running.cancel()
+    await asyncio.gather(running, return_exceptions=True)
+    await keeper.close()
+
+
+async def test_what_was_packed_is_not_sent_at_one_blow(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(journal, "SEGMENT_BYTES", 300_000)
+    monkeypatch.setattr(packing, "FRAME_SAMPLES", 500)
+    batches, rate = 2500, 40_000
+    keeper, lanes = keeper_of(tmp_path, batches), Lanes(lambda: None)
+    lanes.link_up()
+    running = asyncio.ensure_future(CatchUp(keeper, lanes, "b", "c", rate).run(batches * SIZE))
+    loop = asyncio.get_running_loop()
+    began, got, largest = loop.time(), 0, 0
+    while loop.time() - began < 1.5:
+        data = lanes.next()
+        if data is None:
+            await asyncio.sleep(0.005)
+        else:
+            got, largest = got + len(data), max(largest, len(data))
+            # At no time more than its rate, and the piece that is due.
+            assert got <= rate * (loop.time() - began) + rate * catchup.STEP_S + 2 * largest
+    assert got > rate / 4
     running.cancel()
     await asyncio.gather(running, return_exceptions=True)
     await keeper.close()

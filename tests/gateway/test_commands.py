@@ -147,7 +147,7 @@ class Bench:
             Journal(folder / "c.jsonl"),
             self.on_disk,
             self.say,
-            lambda _device, _command: self.barred,
+            lambda _device, _command, _args: self.barred,
         )
         self.changed = asyncio.Event()
 

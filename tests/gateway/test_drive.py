@@ -4,9 +4,10 @@ import math
 
 import pytest
 from hypothesis import given, strategies as st
+from msgspec import structs
 
 from talaia.clock import MS, SECOND
-from talaia.gateway.drive import STILL, Driving, cap_of_loop, cap_of_picture
+from talaia.gateway.drive import STILL, STOP_BY_NS, Driving, cap_of_loop, cap_of_picture
 from talaia.model.site import Drive as Rule
 from talaia.wire.frames import Drive as Frame
 
@@ -107,6 +108,66 @@ def test_frame_cannot_lengthen_its_own_life() -> None:
     assert driving().offer(frame(ttl_ms=60_000), 1, 251 * MS, 0) != ""
 
 
+def test_driver_who_echoes_one_old_tick_is_stopped_450_ms_after_it() -> None:
+    one = driving()
+    for at in range(0, 251, 50):
+        assert one.offer(frame(at), 1, at * MS, at * MS) == ""
+        one.step(at * MS)
+    assert one.offer(frame(300), 1, 300 * MS, 300 * MS) == "the frame is too old (300 ms)"
+    assert one.step(449 * MS) != STILL
+    assert one.due_ns() == 450 * MS
+    assert one.step(450 * MS) == STILL
+
+
+def test_no_time_to_live_that_may_be_described_lets_a_frame_move_after_450_ms() -> None:
+    one = Driving(structs.replace(RULE, ttl=0.5))
+    assert one.offer(frame(0), 1, 449 * MS, 449 * MS) == ""
+    one.step(449 * MS)
+    assert one.step(450 * MS) == STILL
+    assert one.offer(frame(1), 1, 450 * MS, 450 * MS) == "the frame is too old (450 ms)"
+
+
+# How long each frame is under way and how long after the one before it was sent (ms); which of the
+# ticks, one each 50 ms, the page has seen by then: all, or none after a certain one.
+ways = st.tuples(st.integers(0, 400), st.integers(0, 120))
+
+
+@given(
+    st.lists(ways, min_size=1, max_size=40),
+    st.integers(0, 2000),
+    st.sampled_from([0.05, 0.25, 0.5]),
+)
+def test_velocity_is_zero_by_450_ms_after_the_tick_of_the_last_frame(
+    journeys: list[tuple[int, int]], dark_ms: int, ttl: float
+) -> None:
+    """Nothing sent after `dark_ms` from the gateway reaches the page, which presses on."""
+    one = Driving(structs.replace(RULE, ttl=ttl))
+    arrivals, sent_ms = [], 0
+    for seq, (under_way, wait) in enumerate(journeys):
+        sent_ms += wait
+        tick_ms = min(sent_ms, dark_ms) // 50 * 50
+        arrivals.append((sent_ms + under_way, seq, tick_ms))
+    last_tick_ms, moved = -1, False
+    for at, seq, tick_ms in [*sorted(arrivals), (10**6, -1, 0)]:
+        # Until it comes, the gateway's timer calls exactly when it was asked to.
+        while (due := one.due_ns()) is not None and due < at * MS:
+            said = one.step(due)
+            if said not in {None, STILL}:
+                assert due < last_tick_ms * MS + STOP_BY_NS
+        if seq < 0:
+            break
+        age_ms = at - tick_ms
+        if one.offer(frame(seq), 1, age_ms * MS, at * MS) == "":
+            assert age_ms <= ttl * 1000
+            assert age_ms < 450
+            last_tick_ms, moved = tick_ms, True
+        one.step(at * MS)
+        if one.output != STILL:
+            assert moved
+            assert at < last_tick_ms + 450
+    assert one.silent
+
+
 def test_cap_falls_with_the_loop() -> None:
     assert [cap_of_loop(ms) for ms in (0, 150, 151, 300, 400, 500, 501, math.nan)] == [
         1, 1, 0.5, 0.5, 0.25, 0, 0, 0,
@@ -170,6 +231,17 @@ def test_turn_fills_in_only_for_a_missing_frame() -> None:
     assert one.due_ns() == 75 * MS
 
 
+def test_a_wish_that_came_late_is_not_said_again_when_it_is_old() -> None:
+    one = driving()
+    one.offer(frame(1), 1, 200 * MS, 0)
+    assert one.step(0) != STILL
+    # It is 275 ms old then: nothing is said before the zeros.
+    assert one.due_ns() == 250 * MS
+    assert one.step(75 * MS) is None
+    assert one.due_ns() == 250 * MS
+    assert one.step(250 * MS) == STILL
+
+
 def test_after_a_reset_the_driver_must_let_go_first() -> None:
     one = driving()
     one.offer(frame(0), 1, 0, 0)
@@ -194,7 +266,7 @@ moves = st.one_of(
 @given(st.lists(moves, max_size=60))
 def test_no_history_ever_breaks_limit_ramp_or_watchdog(history: list[tuple]) -> None:
     one = driving()
-    now, last_good, halted, last_said = 0, -(10**12), 0, 0
+    now, last_good, halted, last_said, dead, pressed = 0, -(10**12), 0, 0, 0, 0
     for number, (what, wait, *more) in enumerate(history):
         now += wait * MS
         before = one.output
@@ -202,18 +274,22 @@ def test_no_history_ever_breaks_limit_ramp_or_watchdog(history: list[tuple]) -> 
             linear, angular, picture, age = more
             sent = frame(number, linear=linear, angular=angular, picture_ms=picture)
             if one.offer(sent, 1, age * MS, now) == "":
-                last_good = now
+                last_good, pressed = now, now - age * MS
+                dead = now + min(250 * MS, STOP_BY_NS - age * MS)
         elif what == "halt":
             one.halt(now)
-            halted, last_good = now, -(10**12)
+            halted, last_good, dead = now, -(10**12), now
         demand = one.step(now)
         if demand is None:
-            assert now - max(last_good + 250 * MS, halted) >= SECOND or last_good < 0
+            ended = now - max(last_good + 250 * MS, halted) >= SECOND or last_good < 0
+            # An old wish is not said again, and its zeros are still to come.
+            assert ended or (now - pressed > 250 * MS and now < dead)
             continue
+        assert demand == STILL or now - pressed <= 250 * MS
         assert all(map(math.isfinite, demand))
         assert abs(demand.linear) <= RULE.max_speed
         assert abs(demand.angular) <= RULE.max_turn
-        if now - last_good >= 250 * MS:
+        if now - last_good >= 250 * MS or now >= dead:
             assert demand == STILL
         # Faster only by the ramp; slower may be at once.
         gain = abs(demand.linear) - abs(before.linear)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, strategies as st
+from msgspec import structs
 from test_control import Bench as ControlBench, Robot
 
 from talaia.clock import MS, SECOND, HandClock
 from talaia.gateway.control import Control
-from talaia.gateway.interlocks import Interlocks, judged
+from talaia.gateway.interlocks import Interlocks, judged, together
 from talaia.gateway.keep import Epochs, KeptStops
 from talaia.gateway.latch import Change, Latch, Verdict
 from talaia.gateway.ports import Reading
@@ -329,6 +331,46 @@ def test_a_state_that_is_none_of_the_described_is_never_safe(
         word = RAIN.states[int(value)]
         assert word not in bad
         assert not good or word in good
+
+
+verdicts = st.builds(Verdict, st.sampled_from(["", "wet", "cold", "x" * 400]), st.booleans())
+
+
+@given(st.lists(verdicts, max_size=8))
+def test_conditions_together_are_unsafe_exactly_while_each_is_and_certain_only_if_all_are(
+    parts: list[Verdict],
+) -> None:
+    verdict = together(parts)
+    assert bool(verdict.why) == (bool(parts) and all(part.why for part in parts))
+    assert len(verdict.why) <= 500
+    if verdict.why:
+        assert verdict.certain == all(part.certain for part in parts)
+
+
+def test_what_is_harmless_alone_locks_together_and_a_silent_one_counts_as_unsafe(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rain, wind = SITE.interlocks["weather"].when[1], SITE.interlocks["weather"].when[0]
+    rule = structs.replace(SITE.interlocks["weather"], when=(Condition(all_of=(wind, rain)),))
+    both = structs.replace(SITE, interlocks={"weather": rule})
+    assert both.guarded() == {"weather/wind", "weather/rain"}
+    monkeypatch.setattr(sys.modules[__name__], "SITE", both)
+    bench = Bench(tmp_path)
+    bench.world.values = dict(GOOD)
+    bench.pass_time(31 * SECOND)
+    assert bench.refusal() == ""
+    bench.world.values["weather/wind"] = 20.0
+    bench.pass_time(SECOND)
+    assert bench.refusal() == ""
+    bench.world.values["weather/rain"] = 1.0
+    assert bench.refusal() == "Bad weather: Wind is above 12 m/s and Rain is raining"
+    bench.world.values = {"weather/rain": 1.0}
+    bench.pass_time(3 * SECOND)
+    assert "Wind: no value" in bench.refusal()
+    bench.world.values["weather/rain"] = 0.0
+    bench.pass_time(31 * SECOND)
+    # Dry is enough: a vane that is silent cannot make both true.
+    assert bench.refusal() == ""
 
 
 looks = st.tuples(

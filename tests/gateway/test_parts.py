@@ -11,7 +11,7 @@ import pytest
 import simplejpeg
 from hypothesis import given, strategies as st
 
-from talaia.gateway.adapters.ros2_pictures import PictureStream, jpeg_of
+from talaia.gateway.adapters.pictures import PictureStream, jpeg_of
 from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
 from talaia.gateway.adapters.ros2_requests import fill, key_of, outcome_of
 from talaia.gateway.batching import Batcher, records_of
@@ -219,3 +219,27 @@ def test_what_cannot_start_says_why_and_ends_with_2(
     error = capsys.readouterr().err
     assert error.startswith("talaia gateway: ")
     assert said in error
+
+
+@pytest.mark.robot
+def test_lists_in_a_request_grow_to_what_is_filled_in_and_its_answer_is_read() -> None:
+    srv = pytest.importorskip("rcl_interfaces.srv")
+    request = srv.SetParametersAtomically.Request()
+    fields = {
+        "parameters[0].name": "ra",
+        "parameters[0].value.type": 3,
+        "parameters[0].value.double_value": 5.5,
+        "parameters[2].name": "dec",
+    }
+    fill(request, fields)
+    assert [each.name for each in request.parameters] == ["ra", "", "dec"]
+    assert request.parameters[0].value.double_value == 5.5
+    with pytest.raises(FieldError):
+        fill(request, {"parameters[64].name": "too far"})
+    with pytest.raises(FieldError):
+        fill(request, {"nothing[0].name": "x"})
+    response = srv.SetParametersAtomically.Response()
+    response.result.successful, response.result.reason = False, "below the horizon"
+    assert outcome_of(response) == Outcome(CommandPhase.FAILED, "below the horizon")
+    response.result.successful = True
+    assert outcome_of(response).phase is CommandPhase.SUCCEEDED

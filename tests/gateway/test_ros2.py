@@ -111,6 +111,12 @@ async def test_every_kind_of_signal_arrives(hub: FakeHub, peer: Peer) -> None:
     assert hub.values("base/pose.yaw") == [0.0]
 
 
+async def test_a_parameter_is_read_and_set(hub: FakeHub, peer: Peer) -> None:
+    await hub.until(lambda: 1.5 in hub.values("base/gain"), "the parameter")
+    assert (await command(hub, "tune", "t1", gain=2.5)).phase is CommandPhase.SUCCEEDED
+    await hub.until(lambda: 2.5 in hub.values("base/gain"), "the new value")
+
+
 async def test_type_that_is_not_installed_is_named_once_and_the_rest_runs(
     hub: FakeHub, peer: Peer
 ) -> None:
@@ -314,7 +320,7 @@ async def test_device_that_is_connected_anew_says_what_is_not_there_and_works_on
     assert (told.kind, told.device, told.who, told.good) == (
         "device not reconnected", "base", "Ada", False
     )  # fmt: skip
-    assert "8 of 11" in told.message
+    assert "9 of 12" in told.message
     assert "/odd (its type is not known here)" in told.message
     assert "/absent (no such service now)" in told.message
     assert "/nowhere (no such action now)" in told.message

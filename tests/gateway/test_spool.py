@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import itertools
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,6 +15,7 @@ from hypothesis import given, settings, strategies as st
 from talaia.gateway import keep
 from talaia.gateway.batching import records_of
 from talaia.gateway.spool import journal
+from talaia.gateway.spool.gaps import Gone
 from talaia.gateway.spool.journal import Head, Place, Spool
 from talaia.gateway.spool.packing import FRAME_SAMPLES, packed, unpacked
 from talaia.gateway.spool.segment import Record, pack_record, records
@@ -74,6 +76,40 @@ def test_hub_that_keeps_up_leaves_one_small_file(
     spool.append(record(9000))
     assert kept(spool) == [("boot-a", 9000)]
     spool.close()
+
+
+@given(st.lists(st.booleans(), min_size=5, max_size=60), st.integers(0, 30))
+def test_what_the_hub_has_lost_is_given_again_or_is_a_gap(steps: list[bool], below: int) -> None:
+    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(journal, "TRIM_BYTES", 700)
+        spool = Spool(Path(folder), HEAD, 8000)
+        for number, acked in enumerate(steps):
+            spool.append(record(number * 10))
+            if acked:
+                spool.ack("boot-a", number * 10 + 10)
+        spool.sync()
+        stored = 10 * max((at + 1 for at, acked in enumerate(steps) if acked), default=0)
+        below = min(below * 10, stored)
+        # A link to a hub that has everything takes nothing back.
+        spool.unlearn(stored)
+        spool.unlearn(below)
+        spool.ack("boot-a", below)
+        given_again = {first for _, first in kept(spool)}
+        lost = {at for gap in spool.gaps() for at in range(gap.first, gap.last + 1)}
+        assert given_again | lost >= set(range(below, len(steps) * 10, 10))
+        assert min(given_again | lost, default=below) >= below
+        spool.close()
+
+
+def test_what_is_remembered_of_stored_samples_is_bounded_and_covers_them_all() -> None:
+    gone = Gone()
+    for number in range(20_000):
+        gone.add(number * 10, number * 10 + 10, number, number + 1)
+    spans = gone.since(0)
+    assert len(spans) <= Gone.MOST
+    assert (spans[0][0], spans[-1][1]) == (0, 200_000)
+    assert all(a[1] == b[0] for a, b in itertools.pairwise(spans))
+    assert gone.since(199_995) == [(199_995, 200_000, *spans[-1][2:])]
 
 
 def test_reader_survives_the_file_being_emptied_under_it(

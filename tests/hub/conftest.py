@@ -85,6 +85,8 @@ class MemoryHistory:
             for row in stored.values()
         )
 
+    def kind_of(self, site, address) -> None: ...
+
     async def read(self, site, addresses, from_us, to_us, width, steps=()) -> list[Series]:
         return [self._series(site, address, from_us, to_us) for address in addresses]
 

@@ -2,13 +2,19 @@
 
 SQLite always; a server's where one answers on this machine, or at the URL that
 TALAIA_TEST_POSTGRESQL or TALAIA_TEST_MARIADB holds.
+
+A run that is killed drops nothing. So each run holds a lock on the server for as long as it lives,
+and has the lock's number in the names of its databases; what belongs to a lock that nobody holds
+is dropped by the next run.
 """
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import os
-import uuid
+import re
+import secrets
 
 import pytest
 import sqlalchemy as sa
@@ -34,24 +40,105 @@ def server_of(kind: str) -> tuple[str, str]:
     return url, ""
 
 
+_LOCK = {
+    "postgresql": ("SELECT pg_try_advisory_lock(%s)", "SELECT pg_advisory_unlock(%s)"),
+    "mariadb": ("SELECT GET_LOCK(%s, 0)", "SELECT RELEASE_LOCK(%s)"),
+}
+_LIST = {"postgresql": "SELECT datname FROM pg_database", "mariadb": "SHOW DATABASES"}
+_NAME = re.compile(r"talaia_run_([0-9a-f]{8})_[0-9a-f]{8}")
+
+
+class Run:
+    """What one run of the tests has on a server.
+
+    Attributes:
+        number: the lock that it holds; eight hex digits in the names of its databases.
+
+    """
+
+    def __init__(self, kind: str, url: str) -> None:
+        """Take a lock on the server of this kind at ``url``, and tidy up."""
+        self._kind = kind
+        self._engine = sa.create_engine(url, isolation_level="AUTOCOMMIT", pool_size=1)
+        # The lock is the connection's: it goes with the process, however that ends.
+        self._connection = self._engine.connect()
+        self.number = secrets.token_hex(4)
+        assert self.hold(self.number)
+        self.tidy()
+
+    def hold(self, number: str) -> bool:
+        """Take a lock; False when a living run has it."""
+        return bool(self._say(_LOCK[self._kind][0], self._key(number)).scalar())
+
+    def tidy(self) -> None:
+        """Drop the databases of runs that have ended."""
+        for name in self.names():
+            match = _NAME.fullmatch(name)
+            if match and match[1] != self.number and self.hold(match[1]):
+                # Another run that tidies up may be quicker.
+                self._say(f"DROP DATABASE IF EXISTS {name}")
+                self._say(_LOCK[self._kind][1], self._key(match[1]))
+
+    def names(self) -> list[str]:
+        """List the server's databases."""
+        return [row[0] for row in self._say(_LIST[self._kind])]
+
+    def make(self) -> str:
+        """Make an empty database."""
+        name = f"talaia_run_{self.number}_{secrets.token_hex(4)}"
+        self._say(f"CREATE DATABASE {name}")
+        return name
+
+    def drop(self, name: str) -> None:
+        self._say(f"DROP DATABASE IF EXISTS {name}")
+
+    def end(self) -> None:
+        """End as a run ends that is killed: nothing is dropped."""
+        # A server takes a moment to see that a connection is gone; a test does not wait for it.
+        self._say(_LOCK[self._kind][1], self._key(self.number))
+        self._connection.close()
+        self._engine.dispose()
+
+    def _key(self, number: str) -> int | str:
+        return int(number, 16) if self._kind == "postgresql" else f"talaia_run_{number}"
+
+    def _say(self, statement: str, *parts: object) -> sa.CursorResult:
+        return self._connection.exec_driver_sql(statement, parts)
+
+
+@functools.cache
+def run_of(kind: str) -> Run:
+    return Run(kind, server_of(kind)[0])
+
+
+def servers_url(kind: str, name: str) -> str:
+    """Give a database's URL, as a user would write it."""
+    url = sa.make_url(server_of(kind)[0]).set(database=name, drivername=kind)
+    return url.render_as_string(hide_password=False)
+
+
+@contextlib.contextmanager
+def empty_database(kind: str):
+    """Make a database on a server, or skip; give its URL."""
+    _, why = server_of(kind)
+    if why:
+        (pytest.fail if os.environ.get("TALAIA_REQUIRE_ALL") else pytest.skip)(why)
+    run = run_of(kind)
+    name = run.make()
+    try:
+        yield servers_url(kind, name)
+    finally:
+        run.drop(name)
+
+
 @pytest.fixture(params=["sqlite", "postgresql", "mariadb"])
 def database_url(request, tmp_path):
     """Give the URL of an empty database, as a user would write it."""
     if request.param == "sqlite":
         yield f"sqlite:///{tmp_path}/talaia.db"
         return
-    server, why = server_of(request.param)
-    if why:
-        (pytest.fail if os.environ.get("TALAIA_REQUIRE_ALL") else pytest.skip)(why)
-    name = f"talaia_test_{uuid.uuid4().hex[:12]}"
-    engine = sa.create_engine(server, isolation_level="AUTOCOMMIT")
-    with engine.connect() as connection:
-        connection.exec_driver_sql(f"CREATE DATABASE {name}")
-    url = sa.make_url(server).set(database=name, drivername=request.param)
-    yield url.render_as_string(hide_password=False)
-    with engine.connect() as connection:
-        connection.exec_driver_sql(f"DROP DATABASE {name}")
-    engine.dispose()
+    with empty_database(request.param) as url:
+        yield url
 
 
 @pytest.fixture

@@ -190,6 +190,33 @@ async def test_events_of_a_window_are_those_and_no_others(hub, gateway) -> None:
     assert await ask(to_us=times[0] - 10**9) == ([], False)
 
 
+async def test_who_may_view_one_device_gets_its_events_however_many_others_there_are(
+    hub, gateway
+) -> None:
+    admin = await hub.client("admin")
+    permissions = [{"right": "view", "site": "agv", "device": each} for each in ("power", "old")]
+    await admin.post("/api/roles", json={"name": "crew", "permissions": permissions})
+    crew = {"name": "ada", "password": PASSWORD, "role": "crew"}
+    assert (await admin.post("/api/people", json=crew)).status_code == 200
+    audit = hub.hub._audit
+    # "old" is no device any more.
+    for at in range(4):
+        audit.note(f"low {at}", site="agv", device=("power", "old")[at % 2])
+    for _ in range(20):
+        audit.note("driving", site="agv", device="base")
+        audit.note("gateway connected", site="agv")
+    await audit.written()
+    client = await hub.client("ada")
+
+    async def ask(limit: int) -> tuple[list[str], bool]:
+        query = {"limit": limit}
+        said = (await client.get("/api/sites/agv/events", params=query)).json()
+        return [event["kind"] for event in said["events"]], said["more"]
+
+    assert await ask(4) == (["low 3", "low 2", "low 1", "low 0"], False)
+    assert await ask(2) == (["low 3", "low 2"], True)
+
+
 async def test_unknown_site_is_unknown(hub) -> None:
     client = await hub.client("operator")
     assert (await client.get("/api/sites/moon")).status_code == 404

@@ -129,6 +129,14 @@ def test_right_on_the_whole_site_is_a_right_on_each_device(held, right, site) ->
         assert grants.may(right, site, "b")
 
 
+@given(st.frozensets(permissions), st.sampled_from(Right), st.sampled_from(["a", "b"]))
+def test_the_devices_of_a_right_are_those_on_which_a_person_has_it(held, right, site) -> None:
+    grants = Grants(held)
+    named = grants.devices(right, site)
+    for device in ("a", "b", "c"):
+        assert grants.may(right, site, device) == (named is None or device in named)
+
+
 @pytest.fixture
 def clock() -> HandClock:
     return HandClock()

@@ -1,6 +1,8 @@
 """Backups are taken while the hub writes, and come back; what is damaged is set aside."""
 
+import asyncio
 import sqlite3
+from contextlib import closing
 
 import pytest
 import sqlalchemy as sa
@@ -12,10 +14,11 @@ from talaia.hub.history.store import HistoryStore
 from talaia.hub.store.backup import backup, restore_server, take_restored
 from talaia.hub.store.database import Database
 from talaia.hub.store.quarantine import set_aside_if_damaged
+from talaia.hub.store.reach import reach
 from talaia.hub.store.tables import metadata
 from talaia.wire.frames import Ack
 
-from .databases import SERVERS, server_of
+from .databases import SERVERS, empty_database
 from .history.samples import ALL, batch
 
 NOW = 1_700_000_000_000_000
@@ -27,11 +30,17 @@ async def test_a_backup_of_a_running_hub_comes_back_as_it_was(hub_that_stores, t
         await hub.populate()
         (tmp_path / "recordings").mkdir()
         (tmp_path / "recordings" / "one.mcap").write_bytes(b"mcap")
+        # On their way, and of the running program: no part of a backup.
+        (tmp_path / "import").mkdir(exist_ok=True)
+        (tmp_path / "import" / "one.part").write_bytes(b"half")
+        (tmp_path / "hub.lock").touch()
         gateway = await hub.gateway()
         await gateway.hello()
         await gateway.samples(*[("base/speed", NOW + at, at / 10) for at in range(50)])
         await gateway.hear(Ack, lambda ack: ack.below == 50)
         assert main(["backup", str(target), "--data", str(tmp_path)]) == 0
+        assert not (target / "import").exists()
+        assert not (target / "hub.lock").exists()
         await gateway.samples(("base/speed", NOW + 900, 9.0))
         await gateway.hear(Ack, lambda ack: ack.below == 51)
         # A restore beside a running hub waits for its next start.
@@ -82,20 +91,8 @@ async def migrate(url):
 
 @pytest.mark.parametrize("kind", sorted(SERVERS))
 async def test_a_server_s_database_is_backed_up_and_restored_into_another(kind, tmp_path) -> None:
-    server, why = server_of(kind)
-    if why:
-        pytest.skip(why)
-    admin = sa.create_engine(server, isolation_level="AUTOCOMMIT")
-    names = [f"talaia_backup_{tmp_path.name[-12:].strip('_')}_{n}".lower() for n in "ab"]
-    urls = [
-        sa.make_url(server).set(database=name).render_as_string(hide_password=False)
-        for name in names
-    ]
-    with admin.connect() as connection:
-        for name in names:
-            connection.exec_driver_sql(f"DROP DATABASE IF EXISTS {name}")
-            connection.exec_driver_sql(f"CREATE DATABASE {name}")
-    try:
+    with empty_database(kind) as first, empty_database(kind) as second:
+        urls = [first, second]
         for url in urls:
             await migrate(url)
         store = HistoryStore(urls[0], SystemClock())
@@ -117,18 +114,13 @@ async def test_a_server_s_database_is_backed_up_and_restored_into_another(kind, 
             assert await store.stored_below("agv", "b") == 9_002
             await store.close()
         # What has people in it is not written over.
-        engine = sa.create_engine(urls[1])
+        engine = sa.create_engine(reach(urls[1], blocking=True).url)
         users = metadata.tables["users"]
         with engine.begin() as connection:
             fill(connection, users)
         engine.dispose()
         with pytest.raises(StoreError, match="people"):
             restore_server(target, urls[1])
-    finally:
-        with admin.connect() as connection:
-            for name in names:
-                connection.exec_driver_sql(f"DROP DATABASE {name}")
-        admin.dispose()
 
 
 def fill(connection, *tables):
@@ -165,6 +157,68 @@ async def test_a_damaged_database_is_set_aside_and_nothing_beside_it_is_touched(
         assert not path.exists()
         aside.unlink()
     assert recording.read_bytes() == b"mcap"
+
+
+@pytest.mark.parametrize(("table", "aside"), [("users", True), ("history_body", False)])
+async def test_of_a_large_database_what_all_else_needs_is_looked_at(tmp_path, table, aside) -> None:
+    path = tmp_path / "talaia.db"
+    url = f"sqlite:///{path}"
+    await migrate(url)
+    store = HistoryStore(url, SystemClock())
+    await store.open()
+    await store.append(
+        "agv", "b", 0, ["a/x"], batch([(0, NOW + at, at / 7) for at in range(9_000)])
+    )
+    await store.close()
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        (size,) = database.execute("PRAGMA page_size").fetchone()
+        query = "SELECT rootpage FROM sqlite_master WHERE name = ?"
+        (page,) = database.execute(query, (table,)).fetchone()
+    assert set_aside_if_damaged(url, HandClock(), read_through=0) is None
+    body = bytearray(path.read_bytes())
+    body[(page - 1) * size : page * size] = b"\xff" * size
+    path.write_bytes(body)
+    assert (set_aside_if_damaged(url, HandClock(), read_through=0) is not None) == aside
+    # A small one is read through.
+    assert (set_aside_if_damaged(url, HandClock()) is not None) != aside
+
+
+async def test_a_backup_in_the_middle_of_a_load_holds_all_up_to_one_moment(
+    database_url, tmp_path
+) -> None:
+    await migrate(database_url)
+    store = HistoryStore(database_url, SystemClock())
+    await store.open()
+    stored, begun, ended = 0, asyncio.Event(), asyncio.Event()
+
+    async def load() -> None:
+        nonlocal stored
+        while not ended.is_set():
+            rows = [(0, NOW + stored + at, float(stored + at)) for at in range(500)]
+            await store.append("agv", "b", stored, ["a/x"], batch(rows))
+            stored += 500
+            if stored >= 5_000:
+                begun.set()
+
+    loading = asyncio.create_task(load())
+    await begun.wait()
+    before = stored
+    data = tmp_path / "data"
+    data.mkdir()
+    target = await asyncio.to_thread(backup, database_url, data, tmp_path / "b", SystemClock())
+    after = stored
+    ended.set()
+    await loading
+    await store.close()
+    copy = HistoryStore(f"sqlite:///{target}/talaia.db", SystemClock())
+    await copy.open()
+    below = await copy.stored_below("agv", "b")
+    (series,) = await copy.read("agv", ["a/x"], *ALL, 1_000_000)
+    await copy.close()
+    # What is on its way when the backup begins may be in it; what was stored before is.
+    assert before <= below <= after + 500
+    assert series.value.tolist() == [float(at) for at in range(below)]
 
 
 def test_a_database_that_is_busy_is_not_taken_for_a_damaged_one(tmp_path) -> None:

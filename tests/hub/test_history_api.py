@@ -7,8 +7,11 @@ import json
 import pyarrow as pa
 import pytest
 
+from talaia.hub.history.errors import HistoryError
+from talaia.model.load import load_site
 from talaia.wire.frames import Ack
 
+from .conftest import DESCRIPTION
 from .history.samples import batch
 
 NOW = 1_700_000_000_000_000
@@ -110,6 +113,7 @@ async def test_a_removed_signal_keeps_its_history_for_who_may_view_its_device(st
     gone = next(each for each in listed if each["address"] == "base/gone")
     assert gone == {
         "address": "base/gone", "described": False, "samples": 1, "first_us": NOW, "last_us": NOW,
+        "name": "", "unit": "", "type": "", "states": [], "decimals": -1,
     }  # fmt: skip
     speed = next(each for each in listed if each["address"] == "base/speed")
     assert (speed["described"], speed["samples"]) == (True, 100)
@@ -119,3 +123,91 @@ async def test_a_removed_signal_keeps_its_history_for_who_may_view_its_device(st
     assert (await guest.get("/api/sites/agv/history", params=query)).status_code == 404
     listed = (await guest.get("/api/sites/agv/stored")).json()["channels"]
     assert [each["address"] for each in listed] == ["base/speed"]
+
+
+async def test_a_sensor_that_a_new_description_renames_or_leaves_out_keeps_its_history(
+    stored,
+) -> None:
+    rows = [("base/wandering", NOW + at, float(at % 2)) for at in range(4)]
+    before = await stored.gateway()
+    await before.hello(boot="boot-2")
+    await before.samples(*rows)
+    await before.hear(Ack, lambda ack: ack.below == 4)
+    await before.close()
+    # The gateway comes back: speed has another name, and the wander mode is gone.
+    changed = DESCRIPTION.replace("      speed:\n", "      ground_speed:\n")
+    changed = changed.replace("base/speed", "base/ground_speed")
+    start, end = changed.index("      wandering:"), changed.index("    commands:")
+    changed = changed[:start] + changed[end:]
+    after = await stored.gateway()
+    await after.hello(changed, boot="boot-3")
+    addresses = [channel.address for channel in load_site(changed).channels()]
+    after.channels = {address: at for at, address in enumerate(addresses)}
+    await after.samples(("base/ground_speed", NOW + 200_000, 8.0))
+    await after.hear(Ack, lambda ack: ack.below == 1)
+
+    client = await stored.client("operator")
+    query = {"former": "true"}
+    former = (await client.get("/api/sites/agv/stored", params=query)).json()["channels"]
+    speed, mode = former
+    assert (speed["address"], speed["name"], speed["unit"]) == ("base/speed", "Speed", "m/s")
+    assert (mode["address"], mode["name"]) == ("base/wandering", "Wander mode")
+    assert (mode["type"], mode["states"]) == ("state", ["off", "on"])
+    assert not speed["described"]
+    assert (speed["samples"], mode["samples"]) == (100, 4)
+    query = {"channel": ["base/speed", "base/ground_speed"], **WINDOW}
+    old, new = (await client.get("/api/sites/agv/history", params=query)).json()["series"]
+    assert old["v"] == [at / 100 for at in range(100)]
+    assert new["v"] == [8.0]
+    # A file says of a sensor that is gone what it said before.
+    query = {"channel": ["base/speed", "base/wandering"], "format": "csv", **WINDOW}
+    answer = await client.get("/api/sites/agv/export", params=query)
+    table = list(csv.DictReader(io.StringIO(answer.text)))
+    assert [row["base/wandering"] for row in table[:4]] == ["off", "on", "off", "on"]
+    assert "base/speed (m/s)" in table[0]
+    guest = await stored.client("guest")
+    query = {"former": "true"}
+    assert (await guest.get("/api/sites/agv/stored", params=query)).json() == {"channels": []}
+
+
+async def test_storage_says_what_each_signal_takes_and_how_long_it_is_kept(stored) -> None:
+    changed = DESCRIPTION.replace("      speed:\n", "      speed:\n        keep: 30\n")
+    gateway = await stored.gateway()
+    await gateway.hello(changed, boot="boot-2")
+    store = stored.hub._history
+    # Few samples make a block.
+    store._ledger._limits = store._ledger._limits._replace(block=256, largest=256)
+    rows = [(at, NOW + i * 1000, i / 7) for i in range(500) for at in (0, 1)]
+    for first in range(0, 10_000, 1_000):
+        await store.append("agv", "b", first, ["base/speed", "base/gone"], batch(rows))
+    admin, operator = await stored.client("admin"), await stored.client("operator")
+    said = (await admin.get("/api/storage")).json()
+    gone, speed = said["channels"]
+    assert (speed["name"], speed["described"], speed["keep_days"]) == ("Speed", True, 30.0)
+    assert (gone["address"], gone["described"], gone["keep_days"]) == ("base/gone", False, 0.0)
+    assert said["blocks_bytes"] == speed["bytes"] + gone["bytes"] > 0
+    assert said["place"].endswith("talaia.db")
+    assert said["disk_bytes"] > said["free_bytes"] > 0
+    assert (said["limit_bytes"], said["trouble"]) == (0, "")
+    for path in ("/api/storage", "/api/storage/outlook"):
+        assert (await operator.get(path)).status_code == 403
+
+
+async def test_the_outlook_says_why_nothing_is_stored_and_when_it_is_again(stored) -> None:
+    admin, store = await stored.client("admin"), stored.hub._history
+    outlook = "/api/storage/outlook"
+    assert (await admin.get(outlook)).json()["trouble"] == ""
+
+    def allow(pages: int) -> None:
+        # No database may be larger than this: as if the disk had no more room.
+        with store._writing.connect() as connection:
+            connection.exec_driver_sql(f"PRAGMA max_page_count = {pages}")
+
+    rows = [(0, NOW + i, f"{i} " + "x" * 2_000) for i in range(400)]
+    allow(1)
+    with pytest.raises(HistoryError, match="full"):
+        await store.append("agv", "b", 0, ["base/said"], batch(rows))
+    assert "full" in (await admin.get(outlook)).json()["trouble"]
+    allow(2**30)
+    await store.append("agv", "b", 0, ["base/said"], batch(rows))
+    assert (await admin.get(outlook)).json()["trouble"] == ""

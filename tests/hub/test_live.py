@@ -1,5 +1,8 @@
 """From the gateway to pages: values, acknowledgements, coming and going."""
 
+import json
+from pathlib import Path
+
 import msgspec
 import numpy as np
 import pytest
@@ -18,7 +21,9 @@ from talaia.wire.browser import (
 )  # fmt: skip
 from talaia.wire.columns import unpack
 from talaia.wire.frames import Ack, Again, Beat, BeatReply, Bye, Gap, Hello, Welcome
+from talaia.wire.shape import PROTOCOL, speaks
 
+RECORDED = Path(__file__).parents[1] / "wire" / "recorded" / "first.json"
 NOW = 1_700_000_000_000_000
 
 
@@ -184,6 +189,22 @@ async def test_gateway_and_page_of_a_later_version_are_understood(hub) -> None:
     problem = await page.hear(Problem)
     assert (problem.code, problem.about) == ("unknown", "from_the_future")
     assert (await subscribed(page, "base/speed")).refused == []
+
+
+async def test_gateway_of_an_earlier_version_is_taken_in_by_the_hello_it_recorded(hub) -> None:
+    rows = json.loads(RECORDED.read_text())
+    hello = msgspec.msgpack.decode(bytes.fromhex(rows[0]["frame"]))
+    assert rows[0]["kind"] == "Hello"
+    gateway = await hub.gateway()
+    own = {"protocol": PROTOCOL - 1, "site": "agv", "description": gateway.description}
+    await gateway.connection.send(msgspec.msgpack.encode({**hello, **own}))
+    assert speaks((await gateway.hear(Welcome)).protocol)
+    await gateway.close()
+    gateway = await hub.gateway()
+    await gateway.connection.send(
+        msgspec.msgpack.encode({**hello, **own, "protocol": PROTOCOL + 2})
+    )
+    assert "update" in (await gateway.hear(Bye)).reason
 
 
 async def test_what_the_hub_has_no_room_for_is_asked_for_again_and_nothing_else_waits(

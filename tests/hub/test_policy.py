@@ -98,8 +98,8 @@ def test_every_socket_has_a_line_and_no_line_is_left_over(hub_parts) -> None:
     [
         (FROM_BROWSER, (browser.FromBrowser, browser.MediaFromBrowser)),
         (TO_BROWSER, (browser.ToBrowser, browser.MediaToBrowser)),
-        (FROM_GATEWAY, (frames.FromGateway, frames.MediaFromGateway)),
-        (TO_GATEWAY, (frames.FromHub, frames.MediaFromHub)),
+        (FROM_GATEWAY, (frames.FromGateway, frames.MediaFromGateway, frames.FilesFromGateway)),
+        (TO_GATEWAY, (frames.FromHub, frames.MediaFromHub, frames.FilesFromHub)),
     ],
 )
 def test_every_message_has_a_line_and_no_line_is_left_over(table, unions) -> None:

@@ -65,6 +65,27 @@ MISTAKES = [
     ("base:\n    name: A\n  base:", "base:", "line ", "written twice", ""),
     ("ros2: !!python/object:os.system {}", "ros2: {}", "line ", "could not determine", ""),
     ("ros2: {", "ros2: {}", "line ", "", ""),
+    ("scale: 0", "scale: 100", "power.signals.charge.scale", "other than 0", ""),
+    ("unit: V\n        decimals: 12", "unit: V", "voltage.decimals", "0 to 9", ""),
+    ("max_rate: -1", "max_rate: 50", "acceleration.max_rate", "0 or more", ""),
+    ("unit: V\n        deadband: -1", "unit: V", "voltage.deadband", "0 or more", ""),
+    ("unit: V\n        keep: -2", "unit: V", "voltage.keep", "0 or more", ""),
+    ("max_age: 0", "max_age: 10", "wandering.max_age", "above 0", ""),
+    ("visibility: pubic", "visibility: public", "$.devices.base.visibility", "pubic", "public"),
+    ("frame: wsg84", "frame: wgs84", "fix.frame", "wsg84", "wgs84"),
+    (
+        "message: geometry_msgs/msg/Twst",
+        "message: geometry_msgs/msg/Twist",
+        "drive.message",
+        "Twst",
+        "Twist",
+    ),
+    ("site: A B", "site: agv", "$.site", "cannot be a name", "small letter"),
+    ("max_acceleration: 0", "max_acceleration: 1.0", "drive.max_acceleration", "above 0", ""),
+    ("topic: stop it", "topic: /stop", "drive.stop.topic", "absolute", "/like/this"),
+    ("below: -1", "below: 0.02", "drive.stop.below", "above 0", ""),
+    ("maximum: .inf", "maximum: 13", "voltage.maximum", "finite", ""),
+    ('name: "Bat\\u202Etery"', "name: Battery", "$.devices.power.name", "1 to 100", "seen"),
 ]
 
 
@@ -203,8 +224,13 @@ interlocks:
 """
 
 
-def test_interlocks_are_read_and_written_back_equal() -> None:
-    site = load_site(GUARDED)
+WIND = "{signal: weather/wind, above: 12}"
+TOGETHER = f"{{all: [{WIND}, {{signal: weather/rain, is_not: [dry]}}, {{link_lost: 9}}]}}"
+
+
+@pytest.mark.parametrize("text", [GUARDED, GUARDED.replace(WIND, TOGETHER)], ids=["any", "all"])
+def test_interlocks_are_read_and_written_back_equal(text: str) -> None:
+    site = load_site(text)
     assert check(site) == []
     assert load_site(dump_site(site)) == site
     assert site.interlocks["rain"].when[0].is_one_of == ("raining",)
@@ -225,6 +251,16 @@ def test_interlocks_are_read_and_written_back_equal() -> None:
         ("after: 60", "after: -1", "$.devices.dome.link_loss.after", "0 or more"),
         ("name: Rain\n    when", "name: Rain\n    dwell: 100000.0\n    when", ".dwell", "86400"),
         ("{signal: weather/wind, above: 12}", "{}", ".when[1].signal", "number or state"),
+        (
+            WIND,
+            f"{{all: [{WIND}, {{signal: weather/win}}]}}",
+            ".when[1].all[1].signal",
+            "weather/wind",
+        ),
+        (WIND, f"{{all: [{WIND}]}}", ".when[1]", "without all"),
+        (WIND, f"{{all: [{WIND}, {WIND}], link_lost: 5}}", ".when[1]", "two conditions"),
+        (WIND, f"{{all: [{WIND}, {{all: [{WIND}, {WIND}]}}]}}", ".when[1].all[1]", "outer"),
+        (WIND, "{all: []}", ".when[1].signal", "number or state"),
     ],
 )
 def test_what_does_not_fit_in_an_interlock_is_told_with_its_place(
@@ -235,3 +271,100 @@ def test_what_does_not_fit_in_an_interlock_is_told_with_its_place(
     assert len(findings) == 1, findings
     assert where in findings[0].where
     assert word in str(findings[0])
+
+
+SEVERAL = """
+talaia: 1
+site: obs
+name: Observatory
+connections:
+  new: {kind: ros2}
+  old: {kind: ros1, master: "http://127.0.0.1:11311"}
+  far: {kind: rosbridge, url: "ws://robot:9090"}
+  sky: {kind: indi}
+  shell: {kind: process, prefix: ros2 run}
+devices:
+  dome:
+    name: Dome
+    connection: shell
+    signals:
+      status: {name: Status, type: text, source: {run: dome_servcli client status}}
+    commands:
+      turn:
+        name: Turn
+        kind: process
+        target: dome_servcli client turn {az}
+        arguments: {azimuth: {type: number, field: az, unit: °}}
+  mount:
+    name: Mount
+    connection: sky
+    indi: Telescope Simulator
+    signals:
+      ra: {name: RA, source: {property: EQUATORIAL_EOD_COORD, element: RA}}
+    commands:
+      park: {name: Park, kind: indi, target: TELESCOPE_PARK, fixed: {PARK: true}}
+  rover:
+    name: Rover
+    connection: old
+    signals:
+      speed: {name: Speed, source: {topic: /odom, type: nav_msgs/msg/Odometry, field: "a.b[0]"}}
+      gain: {name: Gain, source: {parameter: /rover/gain}}
+    drive: {topic: /cmd_vel, max_speed: 1, max_turn: 1}
+"""
+
+OF_CONNECTIONS = [
+    ("connection: far", "connection: old", "gain.source.parameter", "no parameters", "topic"),
+    ("kind: indie", "kind: indi", "$.connections.sky.kind", "'indie'", "'indi'"),
+    ("{kind: indi, prot: 1}", "{kind: indi}", "$.connections.sky.prot", "'prot'", "'port'"),
+    ("{port: 7624}", "{kind: indi}", "$.connections.sky", "kind", ""),
+    ("{kind: indi, port: 0}", "{kind: indi}", "$.connections.sky.port", "1 to 65535", ""),
+    ("ws://me:secret@robot:9090", "ws://robot:9090", "$.connections.far.url", "password", "token"),
+    ("http://robot:9090", "ws://robot:9090", "$.connections.far.url", "ws or wss", "ws://"),
+    ("ftp://127.0.0.1", "http://127.0.0.1:11311", "$.connections.old.master", "http", "http://"),
+    ("kind: ros2, domain: 300", "kind: ros2", "$.connections.new.domain", "0 to 232", ""),
+    ("prefix: 'ros2 \"run'", "prefix: ros2 run", "$.connections.shell.prefix", "cut", "quote"),
+    ("connection: shel", "connection: shell", "$.devices.dome.connection", "'shel'", "'shell'"),
+    ("kind: other", "connection: shell", "$.devices.dome.connection", "several", "far, new, old"),
+    ("kind: other", "indi: Telescope Simulator", "$.devices.mount.indi", "missing", "indi:"),
+    ("connection: sky", "connection: old", "$.devices.rover.drive", "cannot drive", "ROS"),
+    ("topic: /dome", "run: dome_servcli client status", ".source.topic", "knows no topic", "run:"),
+    ("run: 'dome \"x'", "run: dome_servcli client status", ".source.run", "cut", "quote"),
+    ("property: X", "property: EQUATORIAL_EOD_COORD, element: RA", ".element", "which", "RA"),
+    (
+        "kind: service\n        target: d",
+        "kind: process\n        target: d",
+        "turn.kind",
+        "not for a connection",
+        "process",
+    ),
+    ("turn --az={az}", "turn {az}", "turn.arguments.azimuth.field", "{az}", "own word"),
+    ("turn {az} {alt}", "turn {az}", "turn.target", "{alt}", "argument"),
+    ("parameter: rover", "parameter: /rover/gain", "gain.source.parameter", "'rover'", "/node/"),
+]
+
+
+def test_a_site_of_several_protocols_is_right_and_survives_a_round_trip() -> None:
+    site = load_site(SEVERAL)
+    assert check(site) == []
+    assert load_site(dump_site(site)) == site
+    assert msgspec.json.decode(msgspec.json.encode(site), type=Site) == site
+    assert site.connection_of("mount") == "sky"
+
+
+@pytest.mark.parametrize("mistake", OF_CONNECTIONS, ids=lambda each: f"{each[0]} for {each[1]}")
+def test_a_mistake_about_connections_is_told_with_place_and_remedy(
+    mistake: tuple[str, str, str, str, str],
+) -> None:
+    written, instead, where, problem, remedy = mistake
+    assert instead in SEVERAL
+    with pytest.raises(DescriptionError) as told:
+        raise_first(load_site(SEVERAL.replace(instead, written)))
+    assert where in told.value.where
+    assert problem in told.value.problem
+    assert remedy in told.value.remedy
+
+
+def test_the_only_connection_need_not_be_named() -> None:
+    site = load_site(AGV)
+    assert site.connection_of("base") == "ros2"
+    assert {*site.links()} == {"ros2"}

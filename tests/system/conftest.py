@@ -94,7 +94,8 @@ def stop_demo(demo: Demo) -> int:
 
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
-    running = start_demo(tmp_path_factory.mktemp("demo"))
+    # The observatory has tests of its own; these look at the vehicle.
+    running = start_demo(tmp_path_factory.mktemp("demo"), "--no-observatory")
     try:
         yield running
     finally:
@@ -102,10 +103,15 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
             stop_demo(running)
 
 
+def chromium_program() -> str | None:
+    """Find Chromium on this machine."""
+    names = ("chromium", "chromium-browser", "google-chrome")
+    return next((path for name in names if (path := shutil.which(name))), None)
+
+
 @pytest.fixture(scope="session")
 def chromium() -> str:
-    names = ("chromium", "chromium-browser", "google-chrome")
-    found = next((path for name in names if (path := shutil.which(name))), None)
+    found = chromium_program()
     if found is None:
         missing("Chromium")
     return str(found)

@@ -5,7 +5,7 @@
 HEARD gets one JSON object a line for each message: ``t`` (monotonic, ns), ``topic``, ``v``.
 LEDGER gets one line for each value published on ``/count``: value, moment (monotonic, ns), and
 how many subscriptions had ever been known just before. Words on stdin: ``count RATE``, ``quiet``,
-``metric TEXT``.
+``metric TEXT``, ``hang`` and ``answer`` (for what its service does).
 """
 
 from __future__ import annotations
@@ -23,10 +23,12 @@ import ros_wheels_bootstrapper  # noqa: F401 - sets the library path before rclp
 # isort: split
 import rclpy
 from geometry_msgs.msg import Twist, TwistStamped
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import Bool, Float64, String
+from std_srvs.srv import Trigger
 
 
 def twist(message: Any) -> list[float]:
@@ -52,6 +54,26 @@ def listen(node: rclpy.node.Node, heard: TextIO) -> None:
     to("/mark", Float64, lambda message: message.data)
     latched = DurabilityPolicy.TRANSIENT_LOCAL
     to("/stop", Bool, lambda message: message.data, durability=latched)
+
+
+class Worker:
+    """A service that answers at once, or not before it is let."""
+
+    def __init__(self, node: rclpy.node.Node, heard: TextIO) -> None:
+        """Answer."""
+        self.free = threading.Event()
+        self.free.set()
+        self._heard = heard
+        # A thread of its own: a driver that hangs in one call still hears the others.
+        group = MutuallyExclusiveCallbackGroup()
+        node.create_service(Trigger, "/work", self._work, callback_group=group)
+
+    def _work(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+        self.free.wait()
+        line = {"t": time.monotonic_ns(), "topic": "/work", "v": "done"}
+        self._heard.write(json.dumps(line) + "\n")
+        answer.success = True
+        return answer
 
 
 class Counter:
@@ -114,8 +136,9 @@ def main() -> None:
 def run(node: rclpy.node.Node, heard: TextIO, ledger: TextIO) -> None:
     listen(node, heard)
     counter = Counter(node, ledger)
+    worker = Worker(node, heard)
     metric = node.create_publisher(String, "/metric", QoSProfile(depth=100))
-    executor = SingleThreadedExecutor()
+    executor = MultiThreadedExecutor(2)
     executor.add_node(node)
 
     def spin() -> None:
@@ -135,6 +158,10 @@ def run(node: rclpy.node.Node, heard: TextIO, ledger: TextIO) -> None:
             counter.pause.wait(5)
             sys.stdout.write("quiet\n")
             sys.stdout.flush()
+        elif word == "hang":
+            worker.free.clear()
+        elif word == "answer":
+            worker.free.set()
         elif word == "metric":
             metric.publish(String(data=rest))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import bisect
 import json
 import os
 import signal
@@ -174,7 +175,8 @@ class Stack:
             folder / "robot.log",
             self._ros,
         )
-        self._read = 0
+        self._read = self._read_ledger = 0
+        self._ledger: list[tuple[int, int, int]] = []
         self._heard: dict[str, list[Heard]] = {}
         self.hub = self.start_hub()
         self.gateway = self.start_gateway()
@@ -248,12 +250,21 @@ class Stack:
                 self._read += len(line)
                 found = json.loads(line)
                 self._heard.setdefault(found["topic"], []).append(Heard(found["t"], found["v"]))
-        return [each for each in self._heard.get(topic, []) if each.t > since]
+        heard = self._heard.get(topic, [])
+        # Asked many times a second, of what grows for twenty minutes.
+        return heard[bisect.bisect_right(heard, since, key=lambda each: each.t) :]
 
     def ledger(self) -> list[tuple[int, int, int]]:
         """Value, moment and subscriptions of everything the robot counted."""
-        lines = self.ledger_file.read_text().splitlines()
-        return [(int(a), int(b), int(c)) for a, b, c in (line.split() for line in lines)]
+        with self.ledger_file.open("rb") as file:
+            file.seek(self._read_ledger)
+            lines = file.read().splitlines(keepends=True)
+        for line in lines:
+            if line.endswith(b"\n"):
+                self._read_ledger += len(line)
+                value, moment, known = map(int, line.split())
+                self._ledger.append((value, moment, known))
+        return self._ledger
 
     def close(self) -> None:
         for process in (self.gateway, self.hub, self.robot):

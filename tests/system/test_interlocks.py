@@ -172,7 +172,7 @@ def test_every_page_shows_the_lock_and_an_admin_overrides_it_with_a_reason(
     slope.gateway.end()
     slope.start_gateway()
     boss = visit(chrome, slope, "boss")
-    bar = boss.get_by_role("status").filter(has_text="Too steep")
+    bar = boss.locator("t-interlock").filter(has_text="Too steep")
     # Nothing was heard of the slope yet: unknown is unsafe.
     expect(bar).to_contain_text("Tilt: no value yet", timeout=30_000)
     while not bar.filter(has_text="above").count():
@@ -185,7 +185,7 @@ def test_every_page_shows_the_lock_and_an_admin_overrides_it_with_a_reason(
         expect(bar).to_contain_text("Refused: Base: driving, Base: Beep.")
     picture(boss, "interlock-locked")
     driver = visit(chrome, slope, "driver", width=390)
-    seen = driver.get_by_role("status").filter(has_text="Too steep")
+    seen = driver.locator("t-interlock").filter(has_text="Too steep")
     expect(seen).to_contain_text("Tilt is above 20 °")
     expect(driver.get_by_role("button", name="Override…")).to_have_count(0)
     picture(driver, "interlock-phone")

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import datetime as dt
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from talaia.cli.errors import CliError
+from talaia.gateway.keyfile import KeyFile, KeyPlace, read_key_file
+from talaia.gateway.settings import HubAddress
 from talaia.hub import accounts
+from talaia.hub.certificate import key_hash, own_certificate
 from talaia.hub.settings import Settings
 
 if TYPE_CHECKING:
@@ -17,18 +23,41 @@ __all__ = ["main"]
 
 
 def main(argv: Sequence[str]) -> int:
-    """Print a new key; the one the site had before is void from now on."""
+    """Print a new key, or keep it in a file; the one the site had before is void from now on."""
     parser = argparse.ArgumentParser(
         "talaia enrol", description="Make a gateway's key; the site's earlier key becomes void."
     )
     parser.add_argument("site", help="the short name in the site description")
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
+    parser.add_argument(
+        "--to", type=Path, metavar="FILE",
+        help="write the gateway's key file; one that is there and still good is left alone",
+    )  # fmt: skip
+    parser.add_argument("--hub", metavar="URL", help="with --to: wss://host:port of this hub")
     options = parser.parse_args(argv)
-    print(
-        asyncio.run(
-            accounts.create_gateway(
-                Settings(data=options.data, database_url=Settings.url_from()), options.site
-            )
-        )
-    )
+    settings = Settings(data=options.data, database_url=Settings.url_from())
+    if options.to is None:
+        print(asyncio.run(accounts.create_gateway(settings, options.site)))
+        return 0
+    if not options.hub:
+        raise CliError("--to needs --hub: where the gateway finds this hub (wss://host:port)")
+    return _keep(settings, options)
+
+
+def _keep(settings: Settings, options: argparse.Namespace) -> int:
+    now = dt.datetime.now(dt.UTC)
+    address = HubAddress.checked(options.hub)
+    if options.to.exists():
+        kept = read_key_file(options.to)
+        if asyncio.run(accounts.gateway_site(settings, kept.key)) == options.site:
+            print(f"{options.to} is good already", file=sys.stderr)
+            return 0
+    place = KeyPlace(options.to)
+    try:
+        pin = key_hash(own_certificate(settings, now).cert)
+        key = asyncio.run(accounts.create_gateway(settings, options.site))
+        place.keep(KeyFile(key=key, site=options.site, hub=address.url, fingerprint=pin))
+    finally:
+        place.close()
+    print(f"{options.to}: the key of the gateway of {options.site}", file=sys.stderr)
     return 0

@@ -25,14 +25,24 @@ class Word(NamedTuple):
 
 
 WORDS = {
-    "demo": Word("talaia.cli.demo", "the whole product with a simulated vehicle", "hub,sim"),
+    "demo": Word("talaia.cli.demo", "simulated robots and the whole product", "hub,sim"),
+    "demo-indi": Word(
+        "talaia.cli.demo_indi", "INDI's own simulators and the whole product", "hub,observatory"
+    ),
+    "up": Word("talaia.cli.up", "hub and gateway of a site together, in your browser", "hub,ros2"),
+    "generate": Word("talaia.cli.generate", "a folder that runs a site for good", ""),
     "hub": Word("talaia.hub.run", "the server: accounts, history, dashboard", "hub"),
     "gateway": Word("talaia.gateway.run", "the process beside the robot", "ros2"),
     "sim": Word("talaia.sim.run", "robots that are not there", "sim"),
     "account": Word("talaia.cli.account", "make a person's account", "hub"),
     "enrol": Word("talaia.cli.enrol", "make a gateway's key", "hub"),
+    "import": Word(
+        "talaia.cli.importing.main", "bring recordings and tables into a history", "hub,recording"
+    ),
     "backup": Word("talaia.cli.backup", "copy a hub's database and data while it runs", "hub"),
     "restore": Word("talaia.cli.restore", "bring a backup back", "hub"),
+    "probe": Word("talaia.cli.probe", "list what a live robot offers", "ros2"),
+    "init": Word("talaia.cli.init", "write a site description of a live robot", ""),
     "check": Word("talaia.cli.check", "say whether a site description is right", ""),
     "schema": Word("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }

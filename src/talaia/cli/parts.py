@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 from talaia.cli.errors import PartStopped
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Coroutine, Mapping, Sequence
     from pathlib import Path
 
-__all__ = ["Part", "end_all", "start"]
+__all__ = ["Part", "end_all", "run_together", "start", "start_program"]
 
 _PR_SET_PDEATHSIG = 1
 _LAST_LINES = 15
@@ -104,10 +104,14 @@ async def start(
     Its output goes to ``log`` and to `Part.last`. It gets SIGTERM when this process dies, however
     that happens: a simulated robot must not go on alone.
     """
+    return await start_program(name, [sys.executable, "-m", "talaia", *words], log, environment)
+
+
+async def start_program(
+    name: str, words: Sequence[str], log: Path, environment: Mapping[str, str] | None = None
+) -> Part:
+    """Start another program in the same way."""
     process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-m",
-        "talaia",
         *words,
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,
@@ -118,6 +122,43 @@ async def start(
         limit=1024 * 1024,
     )
     return Part(name, process, log)
+
+
+async def run_together(begin: Callable[[list[Part]], Coroutine[None, None, None]]) -> None:
+    """Run what ``begin`` starts until Ctrl-C or SIGTERM, then end every part of it.
+
+    ``begin`` adds each part to its list as soon as it is started, so that none is left over when
+    it fails or is cut short.
+
+    Raises:
+        PartStopped: a part ended by itself.
+
+    """
+    stop = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, stop.set)
+    parts: list[Part] = []
+    stopped: asyncio.Future[object] = asyncio.ensure_future(stop.wait())
+    try:
+        ready: asyncio.Future[object] = asyncio.ensure_future(begin(parts))
+        await asyncio.wait({ready, stopped}, return_when=asyncio.FIRST_COMPLETED)
+        if not ready.done():
+            ready.cancel()
+            return
+        await ready
+        ended: list[asyncio.Future[object]] = [
+            asyncio.ensure_future(part.ended()) for part in parts
+        ]
+        done, _ = await asyncio.wait([stopped, *ended], return_when=asyncio.FIRST_COMPLETED)
+        for task in ended:
+            task.cancel()
+        for task in done - {stopped}:
+            await task
+    finally:
+        stopped.cancel()
+        print("\nstopping …", flush=True)
+        await end_all(parts)
 
 
 async def end_all(parts: Sequence[Part]) -> None:

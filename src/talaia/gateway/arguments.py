@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.keyfile import read_key_file
-from talaia.gateway.settings import HubAddress, Settings
+from talaia.gateway.settings import DoorSettings, HubAddress, Settings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,8 +49,27 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
         help="longest that samples wait for the hub",
     )  # fmt: skip
     parser.add_argument("--ros-domain", type=int, metavar="N", help="overrides the description's")
+    classic = parser.add_argument_group(
+        "door for clients of the founding observatory (WebSocket messages over TLS)"
+    )
+    classic.add_argument("--classic-port", type=_port, metavar="N", help="open it; 0 takes any")
+    classic.add_argument(
+        "--classic-host", default="127.0.0.1", metavar="ADDRESS",
+        help="listen on this address (default: this machine only)",
+    )  # fmt: skip
+    classic.add_argument("--classic-cert", type=Path, metavar="FILE", help="certificate (PEM)")
+    classic.add_argument("--classic-key", type=Path, metavar="FILE", help="its key (PEM)")
+    classic.add_argument(
+        "--classic-token-file", type=Path, metavar="FILE", help="holds the token clients must give"
+    )
     parser.add_argument("--verbose", action="store_true", help="log more")
     return parser.parse_args(argv)
+
+
+def _port(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or not 0 <= int(text) <= 65_535:
+        raise argparse.ArgumentTypeError(f"{text} is not a port from 0 to 65535")
+    return int(text)
 
 
 def _positive(text: str) -> float:
@@ -82,9 +101,25 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
         hub=_hub(arguments, kept),
         key=kept.key,
         data=arguments.data or Path(state) / "talaia" / "gateway" / site.site,
+        folder=arguments.site.parent,
         domain=arguments.ros_domain,
         spool_bytes=round(arguments.spool_mb * 1024 * 1024),
         spool_age_s=arguments.spool_days * 86400.0,
+        door=_door(arguments),
+    )
+
+
+def _door(arguments: argparse.Namespace) -> DoorSettings | None:
+    if arguments.classic_port is None:
+        return None
+    if (arguments.classic_cert is None) != (arguments.classic_key is None):
+        raise SettingsError("--classic-cert and --classic-key belong together; give both or none")
+    return DoorSettings(
+        arguments.classic_port,
+        arguments.classic_host,
+        arguments.classic_cert,
+        arguments.classic_key,
+        arguments.classic_token_file,
     )
 
 

@@ -1,4 +1,7 @@
-"""Act on commands: written to disk before the robot is asked, each id at most once."""
+"""Act on commands: written to disk before the robot is asked, each id at most once.
+
+Long, because each step of a command's life leans on what the one before it wrote down.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ from talaia.clock import SECOND
 from talaia.gateway.commands import FINAL, CommandBook
 from talaia.gateway.errors import SpoolError
 from talaia.gateway.keep import write_whole
-from talaia.model.arguments import fields_of, unit_problem
+from talaia.model.arguments import args_of, fields_of, unit_problem
 from talaia.wire.frames import CommandPhase, CommandState
 
 if TYPE_CHECKING:
@@ -24,7 +27,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.ports import CommandTarget, Outcome
     from talaia.model.site import Command, Site
-    from talaia.wire.frames import CommandAsk, CommandCancel
+    from talaia.wire.frames import CommandAsk, CommandCancel, Scalar
 
 __all__ = ["Commanding", "Journal"]
 
@@ -93,7 +96,8 @@ class Commanding:
         journal: Journal,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
         send: Callable[[CommandState], None],
-        refusal: Callable[[str, str], str] = lambda _device, _command: "",
+        refusal: Callable[[str, str, dict[str, Scalar]], str] = lambda _device, _command, _args: "",
+        begun: Callable[[str, str, str], None] = lambda _device, _command, _who: None,
     ) -> None:
         """Take up what the journal remembers.
 
@@ -104,7 +108,9 @@ class Commanding:
             journal: see `Journal`.
             on_disk: runs a blocking write elsewhere, in order; raises what it raises.
             send: tells the hub.
-            refusal: says why a command of a device may not be given now, if so: interlocks.
+            refusal: says why a command of a device with these arguments (by name) may not be
+                given now, if so: interlocks.
+            begun: told of each command of a person that begins: device, command, who.
 
         Raises:
             SpoolError: the journal cannot be written.
@@ -117,6 +123,7 @@ class Commanding:
         self._on_disk = on_disk
         self._send = send
         self._refusal = refusal
+        self._begun = begun
         self._ends: dict[str, asyncio.Future[CommandState]] = {}
         self._book = CommandBook(journal.remembered)
         self._timers: dict[str, asyncio.TimerHandle] = {}
@@ -129,6 +136,15 @@ class Commanding:
             if error.errno != errno.ENOSPC:
                 raise SpoolError(f"the journal of commands cannot be written: {error}") from error
             log.warning("the journal of commands stays as long as it is: %s", error)
+
+    def state(self, command_id: str) -> CommandState | None:
+        """Give where a command stands."""
+        return self._book.get(command_id)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a command is under way."""
+        return bool(self._timers)
 
     def report(self) -> None:
         """Tell a new link of the commands that a restart interrupted; once."""
@@ -185,7 +201,8 @@ class Commanding:
         if isinstance(fields, str) or problem:
             self._move(ask.id, CommandPhase.REFUSED, problem)
             return
-        if barred := guarded and self._refusal(ask.device, ask.command):
+        named = args_of(command, ask.args)
+        if barred := guarded and self._refusal(ask.device, ask.command, named):
             self._move(ask.id, CommandPhase.REFUSED, barred)
             return
         try:
@@ -200,10 +217,12 @@ class Commanding:
             self._move(ask.id, CommandPhase.REFUSED, "it came too late to be accepted")
             return
         # Once more: it may have begun to rain while the disk was busy.
-        if barred := guarded and self._refusal(ask.device, ask.command):
+        if barred := guarded and self._refusal(ask.device, ask.command, named):
             self._move(ask.id, CommandPhase.REFUSED, barred)
             return
         self._send(state)
+        if guarded:
+            self._begun(ask.device, ask.command, ask.who)
         self._begin(ask, command, fields)
 
     def _begin(

@@ -17,7 +17,7 @@ from talaia.model.site import LinkLoss
 from talaia.wire.frames import ResetToken, Tick
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Collection
 
     from talaia.clock import Clock
     from talaia.gateway.interlocks import Interlocks
@@ -95,11 +95,18 @@ class Control:
         self._on_disk = on_disk
         self.ticks = Ticks()
         self._linked = False
+        self._away: set[str] = set()
         self.seats = {
             name: Seat(name, device.drive, mouth, next_epoch, stops.get(name))
             for name, device in site.devices.items()
             if device.drive is not None
         }
+
+    @property
+    def busy(self) -> bool:
+        """Whether somebody holds the lease of a device."""
+        now = self._clock.monotonic_ns()
+        return any(seat.lease.holder(now) is not None for seat in self.seats.values())
 
     # ── from the hub ──
 
@@ -212,6 +219,19 @@ class Control:
         if self._interlocks is not None:
             self._interlocks.link_lost(now)
 
+    def robot_lost(self, devices: Collection[str]) -> None:
+        """End leases and holds of devices that cannot be told anything now; nobody drives them."""
+        now = self._clock.monotonic_ns()
+        self._away.update(devices)
+        for device in devices:
+            if (seat := self.seats.get(device)) is not None:
+                seat.vacate(now, "the robot's side was lost", stop_robot=False)
+                self._mouth.send(seat.lease_state(now))
+
+    def robot_back(self, devices: Collection[str]) -> None:
+        """Let them be driven again, by whoever lets go first; STOP is being repeated anyway."""
+        self._away.difference_update(devices)
+
     def override(self, ask: OverrideAsk) -> None:
         """Override an interlock for a time, or end that."""
         if self._interlocks is not None:
@@ -246,6 +266,8 @@ class Control:
             self._tick(now)
 
     def _barred(self, device: str, now_ns: int) -> str:
+        if device in self._away:
+            return "the robot's side cannot be reached now"
         if self._interlocks is None:
             return ""
         return self._interlocks.refusal(device, "drive", now_ns)

@@ -6,6 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
+from talaia.model.recording import Trigger
 from talaia.wire.frames import (
     Ack,
     Again,
@@ -18,8 +19,10 @@ from talaia.wire.frames import (
     LeaseForce,
     OverrideAsk,
     Reconnect,
+    RecordAsk,
     ResetAsk,
     StopAsk,
+    UploadState,
     Watch,
 )
 
@@ -29,7 +32,10 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.commanding import Commanding
     from talaia.gateway.control import Control
+    from talaia.gateway.frames.upload import Upload
     from talaia.gateway.ports import Adapter, Outcome
+    from talaia.gateway.reach import Reach
+    from talaia.gateway.recording.recorder import Recorder
     from talaia.gateway.spool.keeper import Keeper
     from talaia.gateway.uplink.lanes import Lanes
     from talaia.wire.frames import FromGateway, FromHub, Welcome
@@ -37,6 +43,8 @@ if TYPE_CHECKING:
 __all__ = ["FrontDesk", "Pacer", "Voice"]
 
 log = logging.getLogger(__name__)
+# What is noted, and what it means to who records.
+_CAUSES = {"stop": Trigger.STOP, "interlock_locked": Trigger.INTERLOCK}
 
 
 class Voice:
@@ -48,6 +56,7 @@ class Voice:
         self._clock = clock
         self._lanes = lanes
         self.adapter: Adapter | None = None
+        self.recorder: Recorder | None = None
 
     def drive(self, device: str, linear: float, angular: float) -> None:
         """Publish a velocity."""
@@ -66,6 +75,9 @@ class Voice:
     def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
         """Write down, here and at the hub."""
         log.info("%s %s %s %s", kind, device, message, who)
+        if self.recorder is not None and kind in _CAUSES:
+            said = " ".join(filter(None, (message, f"({device})" if device else "")))
+            self.recorder.trigger(_CAUSES[kind], said, who)
         time_us = self._clock.wall_ns() // 1000
         self._lanes.send(
             Event(
@@ -103,9 +115,12 @@ class Pacer:
         self._control = control
         self._timer: asyncio.TimerHandle | None = None
         self._due_ns = 0
+        self._closed = False
 
     def touch(self) -> None:
         """Set the timer anew if what is due has changed."""
+        if self._closed:
+            return
         due = self._control.due_ns()
         if self._timer is not None:
             if due == self._due_ns:
@@ -126,6 +141,7 @@ class Pacer:
 
     def close(self) -> None:
         """Ring no more."""
+        self._closed = True
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -144,8 +160,14 @@ class FrontDesk:
         adapter: Adapter,
         voice: Voice,
         lanes: Lanes,
+        reach: Reach,
+        upload: Upload,
+        recorder: Recorder | None = None,
     ) -> None:
         """Take all who act, the voice that tells how it went, and the lanes to the hub."""
+        self._reach = reach
+        self._recorder = recorder
+        self._upload = upload
         self._voice = voice
         self._lanes = lanes
         self._boot = boot
@@ -162,13 +184,20 @@ class FrontDesk:
         """Trim what the hub has, and tell it how things stand."""
         self.linked.set()
         self.links += 1
+        # First, for it compares with what the hub had told before.
+        self._keeper.unlearn(welcome.acked)
+        if self._recorder is not None:
+            self._lanes.send(self._recorder.state())
         self._keeper.ack(self._boot, welcome.acked)
         self._control.link_up()
         self._commanding.report()
+        self._reach.report()
         self._pacer.touch()
 
     def link_lost(self) -> None:
         """End leases and holds; nobody looks at pictures any more."""
+        if self.linked.is_set() and self._recorder is not None:
+            self._recorder.trigger(Trigger.LINK_LOST, "the link to the hub was lost")
         self.linked.clear()
         self._control.link_lost()
         self._pacer.touch()
@@ -200,10 +229,15 @@ class FrontDesk:
                 self._commanding.cancel(message)
             case OverrideAsk():
                 self._control.override(message)
+            case UploadState():
+                self._upload.hear(message)
+                return
             case Watch():
                 self._adapter.watch(message.streams)
             case Reconnect():
                 self._reconnect(message)
+            case RecordAsk():
+                self._record(message)
             case _:
                 log.debug("nothing to do for %s", type(message).__name__)
         self._pacer.touch()
@@ -215,6 +249,15 @@ class FrontDesk:
             self._voice.tell(kind, outcome.message, device=asked.device, who=asked.who, good=good)
 
         self._adapter.reconnect(asked.device, done)
+
+    def _record(self, asked: RecordAsk) -> None:
+        if self._recorder is None:
+            why = "the description says nothing of recording"
+            self._voice.tell("recording_refused", why, who=asked.who)
+        elif asked.on:
+            self._recorder.begin(asked.who, asked.why)
+        else:
+            self._recorder.end(asked.who)
 
     def _spawn(self, work: Coroutine[None, None, None]) -> None:
         task = asyncio.ensure_future(work)

@@ -16,13 +16,17 @@ if TYPE_CHECKING:
     from talaia.model.site import Drive as DriveRule
     from talaia.wire.frames import Drive as DriveFrame
 
-__all__ = ["STILL", "Demand", "Driving", "cap_of_loop", "cap_of_picture"]
+__all__ = ["STILL", "STOP_BY_NS", "Demand", "Driving", "cap_of_loop", "cap_of_picture"]
 
 FULL_LOOP_MS = 150.0
 HALF_LOOP_MS = 300.0
 NO_LOOP_MS = 500.0
 OLD_PICTURE_MS = 500.0
 DEAD_PICTURE_MS = 1000.0
+# After the newest sign that the way to the driver and back was whole (the tick that a frame
+# echoes), zero comes by then, whatever frames still arrive: with the way up dark, the page echoes
+# its last tick for as long as it does not know. 500 ms are promised; the rest is for this process.
+STOP_BY_NS = 450 * MS
 # Publications that may come at once, beyond the steady rate.
 CREDIT = 3.0
 
@@ -82,6 +86,7 @@ class Driving:
         self._wish = STILL
         self._output = STILL
         self._until_ns = 0
+        self._fresh_until_ns = 0
         self._said_ns: int | None = None
         self._unsaid = False
         self._credit = CREDIT
@@ -132,7 +137,9 @@ class Driving:
             self.accepted = 0
         self.accepted += 1
         self._phase = Phase.DRIVING
-        self._until_ns = now_ns + self._ttl_ns
+        self._until_ns = now_ns + min(self._ttl_ns, STOP_BY_NS - age_ns)
+        # It may have spent most of its life on the way: then it is not said again.
+        self._fresh_until_ns = now_ns + self._ttl_ns - age_ns
         # What the page says of its own waiting may shorten the loop, never below nothing.
         self.loop_ms = max(0.0, age_ns / MS - max(0.0, frame.held_ms))
         self.cap = min(
@@ -159,7 +166,7 @@ class Driving:
         ttl_ns = self._ttl_ns
         if frame.ttl_ms > 0:
             ttl_ns = min(ttl_ns, round(min(frame.ttl_ms, 1e6) * MS))
-        if age_ns > ttl_ns:
+        if age_ns > ttl_ns or age_ns >= STOP_BY_NS:
             return f"the frame is too old ({age_ns // MS} ms)"
         return ""
 
@@ -220,12 +227,19 @@ class Driving:
         wait = self._period_ns
         if self._phase is Phase.DRIVING:
             wait = self._period_ns // 2 if self._unsaid else self._period_ns * 3 // 2
+            if self._wish != STILL and self._said_ns + wait > self._fresh_until_ns:
+                return self._until_ns
         return min(self._said_ns + wait, self._until_ns)
 
     def step(self, now_ns: int) -> Demand | None:
         """Give what to publish now, or none for silence."""
         if self._phase is Phase.DRIVING and now_ns >= self._until_ns:
             self.halt(now_ns)
+        driven = self._phase is Phase.DRIVING and self._wish != STILL
+        if driven and now_ns > self._fresh_until_ns:
+            # Silence until the zeros, or until a fresh frame: an old wish moves nothing.
+            self._fresh_until_ns = -1
+            return None
         if self._phase is Phase.ZEROS and now_ns >= self._until_ns:
             self._phase = Phase.SILENT
         if self._phase is Phase.SILENT:

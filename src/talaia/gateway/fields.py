@@ -89,6 +89,8 @@ def number_of(value: object, path: str = "", states: tuple[str, ...] = ()) -> fl
             return float(value)
         except ValueError:
             raise FieldError(path, f"expected a number, found the text {value[:40]!r}") from None
+    if isinstance(value, bytes) and len(value) == 1:  # how rclpy gives a single byte
+        return float(value[0])
     if getattr(value, "size", 1) != 1 or isinstance(value, list | tuple | bytes):
         raise FieldError(path, f"is a list; say which element is meant: {path}[0]")
     try:

@@ -2,26 +2,37 @@
 
 Conditions are judged anew at each command and each driving frame, and ten times a second. A hub
 is not needed for any of it.
+
+Long, because all that may lock, close or stop is judged in one place and in one order.
 """
 
 from __future__ import annotations
 
 import math
+import time
 from typing import TYPE_CHECKING, Protocol
 
 from talaia.clock import MS, SECOND
+from talaia.gateway.enclosure import Act, EnclosureGuard, Follower, Said, Seen
 from talaia.gateway.latch import Change, Latch, Verdict
+from talaia.gateway.pointing import misdirected
+from talaia.gateway.tripwire import Tripwire
 from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
-    from talaia.gateway.ports import Mouth, Reading, Readings
+    from collections.abc import Callable, Mapping, Sequence
+
+    from talaia.gateway.ports import Field, Mouth, Reading, Readings
+    from talaia.model.enclosure import Sighting
     from talaia.model.interlock import Condition, Step
     from talaia.model.site import Signal, Site
     from talaia.wire.frames import OverrideAsk
 
-__all__ = ["Interlocks", "Runner", "judged"]
+__all__ = ["Interlocks", "Runner", "judged", "together"]
 
 LOOK_NS = 100 * MS
+# Characters: what the wire takes of a reason.
+LONGEST_WHY = 500
 
 
 class Runner(Protocol):
@@ -45,12 +56,12 @@ def judged(condition: Condition, signal: Signal, reading: Reading | None, age_ns
     max_age = signal.max_age if condition.max_age is None else condition.max_age
     fresh = age_ns <= round(max_age * SECOND)
     if reading is None:
-        return Verdict(f"{signal.name}: no value yet", certain=not fresh)
+        return Verdict(f"{signal.name}: no value yet", certain=not fresh, unknown=True)
     if not fresh:
-        return Verdict(f"{signal.name}: no value newer than {max_age:g} s")
+        return Verdict(f"{signal.name}: no value newer than {max_age:g} s", unknown=True)
     value = reading.value
     if not math.isfinite(value):
-        return Verdict(f"{signal.name}: not a number")
+        return Verdict(f"{signal.name}: not a number", unknown=True)
     if signal.type is SignalType.STATE:
         return Verdict(_state_problem(condition, signal, value))
     unit = f" {signal.unit}" if signal.unit else ""
@@ -59,6 +70,18 @@ def judged(condition: Condition, signal: Signal, reading: Reading | None, age_ns
     if condition.below is not None and value < condition.below:
         return Verdict(f"{signal.name} is below {condition.below:g}{unit}")
     return Verdict()
+
+
+def together(parts: Sequence[Verdict]) -> Verdict:
+    """Say what is unsafe about conditions that are unsafe only all at once.
+
+    One that is unknown counts as unsafe, as everywhere; it makes the whole uncertain for as long
+    as it is itself.
+    """
+    if not parts or not all(part.why for part in parts):
+        return Verdict()
+    why = " and ".join(part.why for part in parts)
+    return Verdict(why[:LONGEST_WHY], all(part.certain for part in parts))
 
 
 def _state_problem(condition: Condition, signal: Signal, value: float) -> str:
@@ -74,7 +97,13 @@ class Interlocks:
     """What may not be done now, and why; and what is done by itself."""
 
     def __init__(
-        self, site: Site, readings: Readings, mouth: Mouth, run: Runner, now_ns: int
+        self,
+        site: Site,
+        readings: Readings,
+        mouth: Mouth,
+        run: Runner,
+        now_ns: int,
+        wall_ns: Callable[[], int] = time.time_ns,
     ) -> None:
         """Start locked and without a link.
 
@@ -84,15 +113,28 @@ class Interlocks:
             mouth: tells the hub, and writes down.
             run: begins sequences.
             now_ns: monotonic.
+            wall_ns: UTC, for where the Sun stands.
 
         """
         self._site = site
+        self._wall_ns = wall_ns
         self._readings = readings
         self._mouth = mouth
         self._run = run
         self._began_ns = now_ns
         self._lost_ns: int | None = now_ns
         self._looked_ns = now_ns - LOOK_NS
+        self._wires = {
+            name: [Tripwire(each) for each in rule.when] for name, rule in site.interlocks.items()
+        }
+        self._enclosures = {
+            name: EnclosureGuard(name, rule) for name, rule in site.enclosures.items()
+        }
+        self._followers = {
+            name: Follower(rule.follow)
+            for name, rule in site.enclosures.items()
+            if rule.follow is not None
+        }
         self._latches = {name: Latch(name, rule, now_ns) for name, rule in site.interlocks.items()}
         self._waiting = {
             name: device.link_loss
@@ -101,15 +143,34 @@ class Interlocks:
         }
         self._due = dict(self._waiting)
 
-    def refusal(self, device: str, what: str, now_ns: int) -> str:
-        """Say why a command of a device (or ``drive``) may not be done now; empty when it may."""
+    def refusal(
+        self, device: str, what: str, now_ns: int, args: Mapping[str, Field] | None = None
+    ) -> str:
+        """Say why a command of a device (or ``drive``) may not be done now; empty when it may.
+
+        ``args`` are the command's, by name: where a telescope is pointed is looked at as well.
+        """
         for name, rule in self._site.interlocks.items():
             if f"{device}/{what}" in rule.refuse or f"{device}/*" in rule.refuse:
                 self._look(name, now_ns)
                 latch = self._latches[name]
                 if latch.locked:
                     return f"{rule.name}: {latch.why}"
-        return ""
+        return self._misdirected(device, what, args or {})
+
+    def _misdirected(self, device: str, what: str, args: Mapping[str, Field]) -> str:
+        described = self._site.devices.get(device)
+        if described is None or described.pointing is None or self._site.place is None:
+            return ""
+        pointed = described.pointing.commands.get(what)
+        if pointed is None:
+            return ""
+        return misdirected(described.pointing, pointed, args, self._site.place, self._wall_ns())
+
+    def commanded(self, device: str, command: str, who: str) -> None:
+        """Tell of a person's command that was accepted: it may stop or resume a closing."""
+        for guard in self._enclosures.values():
+            self._do(guard.commanded(f"{device}/{command}", who))
 
     def override(self, ask: OverrideAsk, now_ns: int) -> None:
         """Override an interlock for a time, or end that; who asked is told by the state."""
@@ -139,7 +200,8 @@ class Interlocks:
 
     def due_ns(self) -> int | None:
         """Give when `step` wants to be called next, or none where there is nothing to watch."""
-        if not self._latches and (self._lost_ns is None or not self._due):
+        idle = self._lost_ns is None or not self._due
+        if not self._latches and not self._enclosures and idle:
             return None
         return self._looked_ns + LOOK_NS
 
@@ -150,6 +212,8 @@ class Interlocks:
         self._looked_ns = now_ns
         for name in self._latches:
             self._look(name, now_ns)
+        for name, guard in self._enclosures.items():
+            self._keep_closed(name, guard, now_ns)
         if self._lost_ns is None:
             return
         for device, policy in list(self._due.items()):
@@ -181,18 +245,83 @@ class Interlocks:
                     pass
             self._mouth.send(latch.state(now_ns))
 
+    def _keep_closed(self, name: str, guard: EnclosureGuard, now_ns: int) -> None:
+        rule = self._site.enclosures[name]
+        why = ""
+        for interlock in rule.unsafe:
+            latch = self._latches.get(interlock)
+            if latch is not None and latch.demands:
+                why = f"{self._site.interlocks[interlock].name}: {latch.why}"
+                why = why if latch.why else self._site.interlocks[interlock].name
+                break
+        closed = [self._sighted(each, now_ns) for each in rule.closed]
+        seen = Seen(
+            closed=None if None in closed else all(closed),
+            moving=any(self._sighted(each, now_ns) for each in rule.moving),
+            parked=rule.parked is not None and self._sighted(rule.parked, now_ns) is True,
+        )
+        self._do(guard.look(why, seen, now_ns))
+        follower = self._followers.get(name)
+        if follower is not None and not why:
+            self._follow(follower, now_ns)
+
+    def _follow(self, follower: Follower, now_ns: int) -> None:
+        rule = follower.rule
+        device, _, command = rule.command.partition("/")
+        step = follower.look(
+            self._fresh(rule.target, now_ns),
+            self._fresh(rule.azimuth, now_ns),
+            now_ns,
+            settled=self._sighted(rule.when, now_ns) is True,
+        )
+        if step is not None and not self.refusal(device, command, now_ns):
+            self._run(f"follow {device}", (step,))
+
+    def _do(self, acts: list[Act | Said]) -> None:
+        for act in acts:
+            if isinstance(act, Said):
+                self._mouth.note(act.kind, "", act.message, "", good=act.good)
+            else:
+                self._run(act.label, (act.step,))
+
+    def _fresh(self, address: str, now_ns: int) -> float | None:
+        """Give a signal's value, or none when it is unknown or too old."""
+        device, _, signal = address.partition("/")
+        described = self._site.devices[device].signals[signal]
+        reading = self._readings.latest(address)
+        if reading is None or now_ns - reading.mono_ns > round(described.max_age * SECOND):
+            return None
+        return reading.value if math.isfinite(reading.value) else None
+
+    def _sighted(self, sighting: Sighting, now_ns: int) -> bool | None:
+        """Tell whether a sensor says so; none when it says nothing."""
+        value = self._fresh(sighting.signal, now_ns)
+        device, _, signal = sighting.signal.partition("/")
+        states = self._site.devices[device].signals[signal].states
+        if value is None or value != int(value) or not 0 <= value < len(states):
+            return None
+        return states[int(value)] in sighting.is_one_of
+
     def _verdict(self, name: str, now_ns: int) -> Verdict:
-        """Give the first thing that is certainly unsafe, or else the first that is unknown."""
-        found = Verdict()
-        for condition in self._site.interlocks[name].when:
-            verdict = self._judge(condition, now_ns)
-            if verdict.why and verdict.certain:
-                return verdict
-            if verdict.why and not found.why:
-                found = verdict
-        return found
+        """Give the first thing that is certainly unsafe, or else the first that is unknown.
+
+        It asks for the longest dwell time of all that are unsafe.
+        """
+        verdicts = [
+            verdict
+            for wire in self._wires[name]
+            if (verdict := wire.look(lambda each: self._judge(each, now_ns), now_ns)).why
+        ]
+        if not verdicts:
+            return Verdict()
+        own = self._site.interlocks[name].dwell
+        longest = max(own if each.dwell is None else each.dwell for each in verdicts)
+        first = next((each for each in verdicts if each.certain), verdicts[0])
+        return first._replace(dwell=longest)
 
     def _judge(self, condition: Condition, now_ns: int) -> Verdict:
+        if condition.all_of:
+            return together([self._judge(part, now_ns) for part in condition.all_of])
         if condition.link_lost is not None:
             lost = self._lost_ns
             if lost is None or now_ns - lost < round(condition.link_lost * SECOND):

@@ -20,11 +20,15 @@ class Verdict(NamedTuple):
     Attributes:
         why: what is unsafe, as a sentence; empty when nothing is.
         certain: not merely unknown because the gateway has just begun to listen.
+        unknown: there is no value that could be judged.
+        dwell: all must then be safe for so long (s); none takes the interlock's own time.
 
     """
 
     why: str = ""
     certain: bool = True
+    unknown: bool = False
+    dwell: float | None = None
 
 
 class Override(NamedTuple):
@@ -53,12 +57,13 @@ class Latch:
         """Start as after a restart: nothing is known, so nothing may be done."""
         self._name = name
         self._rule = rule
-        self._dwell_ns = round(rule.dwell * SECOND)
+        self._dwell_ns = self._own_dwell_ns = round(rule.dwell * SECOND)
         self._locked = True
         self._since_ns = now_ns
         self._unsafe = True
         self._safe_ns = now_ns
         self._fired = False
+        self._stretched = False
         self._override: Override | None = None
         self.why = "the gateway has just started"
 
@@ -66,6 +71,11 @@ class Latch:
     def locked(self) -> bool:
         """Tell whether it refuses now."""
         return self._locked and self._override is None
+
+    @property
+    def demands(self) -> bool:
+        """Tell whether something was unsafe, is not safe for long enough, and nobody overrides."""
+        return self._fired and self._override is None
 
     @property
     def override(self) -> Override | None:
@@ -86,6 +96,12 @@ class Latch:
             elif not self._unsafe or verdict.why != self.why:
                 changes.append(Change.TOLD)
             self._unsafe, self.why = True, verdict.why
+            asked = self._own_dwell_ns
+            if verdict.dwell is not None:
+                asked = round(verdict.dwell * SECOND)
+            # The longest that anything unsafe has asked for since it locked.
+            self._dwell_ns = max(self._dwell_ns, asked) if self._stretched else asked
+            self._stretched = True
             if verdict.certain and not self._fired and self._override is None:
                 self._fired = True
                 changes.append(Change.FIRED)
@@ -94,7 +110,8 @@ class Latch:
             self._unsafe, self._safe_ns = False, now_ns
             changes.append(Change.TOLD)
         if self._locked and now_ns - self._safe_ns >= self._dwell_ns:
-            self._locked = self._fired = False
+            self._locked = self._fired = self._stretched = False
+            self._dwell_ns = self._own_dwell_ns
             self.why = ""
             changes.append(Change.RELEASED)
         return changes

@@ -5,8 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Mapping
+    from pathlib import Path
 
+    from talaia.clock import Clock
+    from talaia.model.site import Device
     from talaia.wire.columns import Columns
     from talaia.wire.frames import CommandPhase, FromGateway, Picture
 
@@ -14,12 +17,16 @@ __all__ = [
     "Adapter",
     "CommandTarget",
     "EventSink",
+    "FrameSink",
     "Mouth",
     "Outcome",
+    "Outlets",
     "PictureSink",
+    "RawSink",
     "Reading",
     "Readings",
     "SampleSink",
+    "Status",
 ]
 
 Field = float | int | bool | str
@@ -68,10 +75,33 @@ class PictureSink(Protocol):
         ...
 
 
+class RawSink(Protocol):
+    """Takes messages as they came, to record them; any thread; never blocks for long."""
+
+    topics: frozenset[str]
+
+    def offer(
+        self, topic: str, type_name: str, data: bytes, time_ns: int, definition: str = ""
+    ) -> None:
+        """Take one message of one of ``topics``, with the time at which it came (wall, ns).
+
+        Args:
+            topic: absolute.
+            type_name: ``package/msg/Name``.
+            data: CDR, or ROS 1's own form.
+            time_ns: see above.
+            definition: of the type, as a ROS 1 publisher tells it; empty for ROS 2.
+
+        """
+        ...
+
+
 class EventSink(Protocol):
     """Takes what is worth writing down; any thread; never blocks."""
 
-    def tell(self, kind: str, message: str, *, device: str = "", good: bool = False) -> None:
+    def tell(
+        self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
+    ) -> None:
         """Write one thing down. Callers say a loss once and a recovery once."""
         ...
 
@@ -85,6 +115,89 @@ class Readings(Protocol):
 
     def latest(self, address: str) -> Reading | None:
         """Give the newest reading of a channel, or none if there never was one."""
+        ...
+
+
+class Status(Protocol):
+    """Where an adapter says how its side stands. Any thread; never blocks."""
+
+    def up(self) -> None:
+        """Say that the robot's side is reached, in each `Adapter.run` once it is so.
+
+        The loss is told by raising `AdapterLost`, and by nothing else.
+        """
+        ...
+
+    def device(self, device: str, *, there: bool, why: str = "") -> None:
+        """Say that one device does not answer, or does again, while the rest goes on.
+
+        A page shows what it had to say as unknown at once, and does not wait for it to grow old.
+        May be called as often as one likes: only changes are told.
+        """
+        ...
+
+    def found(self, devices: Mapping[str, Device]) -> None:
+        """Tell of all devices found that the description does not name, by names for addresses.
+
+        The gateway describes itself anew with them and begins again if there are new ones, so
+        call it when all that is to be found has been.
+        """
+        ...
+
+
+class Outlets(NamedTuple):
+    """Where an adapter gives what it hears, and what it may use.
+
+    Attributes:
+        folder: where the description stands: relative paths in it begin there.
+        domain: a ROS domain that overrides the description's.
+        site: what people call the site.
+        answers: where the commands of a process connection leave what they printed, by the
+            signal's address; none where nobody asks for it.
+        frames: takes pictures for the archive; none where nobody keeps them.
+        raw: takes messages as they came, to record them; none where nothing is recorded.
+
+    """
+
+    clock: Clock
+    samples: SampleSink
+    pictures: PictureSink
+    events: EventSink
+    folder: Path
+    domain: int | None = None
+    answers: dict[str, str] | None = None
+    frames: FrameSink | None = None
+    site: str = ""
+    raw: RawSink | None = None
+
+
+class FrameSink(Protocol):
+    """Takes one picture after the other, each in pieces, and none in memory whole."""
+
+    async def begin(
+        self, device: str, form: str, size: int, complete: Callable[[bytes], bytes]
+    ) -> None:
+        """Begin a picture.
+
+        Args:
+            device: the camera's, in the description.
+            form: the file's ending, ``.fits`` or another; ``.z`` behind it is zlib.
+            size: bytes that it will have in the end, as the camera says; 0 if it does not.
+            complete: gives the whole header for the one that came. Called on the event loop.
+
+        """
+        ...
+
+    async def write(self, data: bytes) -> None:
+        """Take its next bytes."""
+        ...
+
+    async def end(self, problem: str) -> str:
+        """End it; give what is wrong with it, or nothing when it is kept."""
+        ...
+
+    async def drop(self) -> None:
+        """Forget a picture that will not end."""
         ...
 
 
@@ -123,7 +236,8 @@ class Adapter(CommandTarget, Readings, Protocol):
     """Speaks one robot protocol for as long as it runs.
 
     ``run`` returns only when cancelled, and has released everything then. It raises
-    `AdapterLost` when the robot's side cannot be reached; the caller may run it again.
+    `AdapterLost` when the robot's side cannot be reached; the caller may run it again. By then
+    it has told *unknown* of every act that is under way, and has no `latest` any more.
     """
 
     async def run(self) -> None:

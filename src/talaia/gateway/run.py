@@ -15,6 +15,7 @@ import signal
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import TYPE_CHECKING
 
 import uvloop
@@ -23,21 +24,33 @@ from talaia import __version__
 from talaia.clock import SECOND, SystemClock
 from talaia.errors import TalaiaError
 from talaia.gateway import enrol
-from talaia.gateway.adapters.nobody import Nobody
+from talaia.gateway.adapters.catalog import adapter_of
+from talaia.gateway.adapters.many import Many, Post
 from talaia.gateway.arguments import parsed, settings_of
 from talaia.gateway.batching import Batcher
+from talaia.gateway.classic import Newest
 from talaia.gateway.commanding import Commanding, Journal
 from talaia.gateway.control import Control
 from talaia.gateway.desk import FrontDesk, Pacer, Voice
-from talaia.gateway.errors import AdapterLost, SettingsError
+from talaia.gateway.door import Door, keys_of
+from talaia.gateway.errors import SettingsError
+from talaia.gateway.found import joined, keep_found, kept_of, with_kept
+from talaia.gateway.frames.outbox import Outbox
+from talaia.gateway.frames.taking import FrameTaker
+from talaia.gateway.frames.upload import Upload
 from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.keep import Epochs, KeptStops, locked
+from talaia.gateway.ports import Outlets
+from talaia.gateway.reach import Reach
+from talaia.gateway.recording.shelf import Shelf
 from talaia.gateway.sequences import Sequences
+from talaia.gateway.share import shares_of
 from talaia.gateway.spool.journal import Head, Spool
 from talaia.gateway.spool.keeper import Keeper
 from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.connection import LinkRun, run_media
-from talaia.gateway.uplink.dialling import Outage, beside_link, keep_dialling
+from talaia.gateway.uplink.dialling import Outage, beside_link, first_to_end, keep_dialling
+from talaia.gateway.uplink.files import send_files
 from talaia.gateway.uplink.lanes import Lanes
 from talaia.gateway.uplink.pictures import Pictures
 from talaia.gateway.uplink.tls import Trust
@@ -46,19 +59,18 @@ from talaia.model.load import dump_site, read_site
 from talaia.wire.frames import Hello
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Sequence
+    from collections.abc import Awaitable, Callable, Mapping, Sequence
 
     from talaia.clock import Clock
-    from talaia.gateway.ports import Adapter
+    from talaia.gateway.recording.recorder import Recorder
     from talaia.gateway.settings import Settings
     from talaia.gateway.spool.segment import Record
-    from talaia.model.site import Site
-    from talaia.wire.frames import Welcome
+    from talaia.model.site import Device, Site
+    from talaia.wire.frames import RecordState, Welcome
 
-__all__ = ["Gateway", "catalogue_of", "main", "new_boot"]
+__all__ = ["Gateway", "catalogue_of", "main", "new_boot", "serve"]
 
 log = logging.getLogger(__name__)
-ADAPTER_AGAIN_S = 5.0
 END_S = 1.5
 
 
@@ -74,23 +86,33 @@ def new_boot() -> str:
 
 
 class Gateway:
-    """All parts of one gateway, built for one event loop."""
+    """All parts of one gateway, built for one event loop.
+
+    Attributes:
+        redescribed: after `run`: the site with devices that were found, to begin again with.
+
+    """
 
     def __init__(self, site: Site, settings: Settings, clock: Clock) -> None:
         """Build every part and take up what an earlier run left in the data folder.
 
         Raises:
             SpoolError: the data folder cannot be used.
-            SettingsError: the description needs ROS 2 and there is none.
+            SettingsError: the description names a connection that cannot be used here.
 
         """
+        # Set when a robot's side has shown more than the description knew.
+        self.redescribed: Site | None = None
+        self._again = asyncio.Event()
         self._site, self._settings, self._clock = site, settings, clock
         self._boot, self._catalogue = new_boot(), catalogue_of(site)
-        loop = asyncio.get_running_loop()
+        self._loop = loop = asyncio.get_running_loop()
         data = settings.data
         self._lock = locked(data)
         # One thread for the small files: their writes keep their order.
         self._disk = ThreadPoolExecutor(1, "talaia-disk")
+        # Pictures and recordings are large: their disk work has a thread of its own.
+        self._files = ThreadPoolExecutor(1, "talaia-files")
         self._wake = asyncio.Event()
         self._lanes = Lanes(self._wake.set)
         self._voice = Voice(loop, clock, self._lanes)
@@ -108,14 +130,36 @@ class Gateway:
         self._batcher = Batcher(
             loop, self._boot, self._catalogue, settings.flush, self._on_batch, self._keeper.lose
         )
-        self._adapter = self._make_adapter()
+        self._reach = Reach(
+            {device: site.connection_of(device) for device in site.devices},
+            clock,
+            self._lanes.send,
+        )
+        self._outbox = Outbox(
+            data / "outbox",
+            settings.outbox_bytes,
+            self._on_file,
+        )
+        self._upload = Upload(
+            self._outbox, self._lanes, self._voice, settings.upload_bytes, self._files
+        )
+        self._shelf: Shelf | None = None
+        self._to_send = asyncio.Event()
+        self._recorder = self._make_recorder(loop)
+        self._answers: dict[str, str] = {}
+        self._newest: Newest | None = None
+        if settings.door is not None:
+            self._newest = Newest(site, self._batcher, clock.monotonic_ns)
+        self._adapter = self._make_adapter(loop)
         self._voice.adapter = self._adapter
+        self._voice.recorder = self._recorder
         interlocks = Interlocks(
             site,
             self._adapter,
             self._voice,
             lambda label, steps: self._sequences.begin(label, steps),
             clock.monotonic_ns(),
+            clock.wall_ns,
         )
         self._control = Control(
             site,
@@ -135,7 +179,10 @@ class Gateway:
             Journal(data / "commands.jsonl"),
             self._on_disk,
             self._lanes.send,
-            lambda device, command: interlocks.refusal(device, command, clock.monotonic_ns()),
+            lambda device, command, args: interlocks.refusal(
+                device, command, clock.monotonic_ns(), args
+            ),
+            interlocks.commanded,
         )
         self._sequences: Sequences = Sequences(self._commanding, self._voice, self._boot)
         self._desk = FrontDesk(
@@ -147,31 +194,124 @@ class Gateway:
             self._adapter,
             self._voice,
             self._lanes,
+            self._reach,
+            self._upload,
+            self._recorder,
         )
         self._trust = Trust(settings.hub)
+        self.door = self._make_door()
 
-    def _make_adapter(self) -> Adapter:
-        if self._site.ros2 is None:
-            return Nobody()
+    def _make_door(self) -> Door | None:
+        """Make the door for founding clients, where it is asked for.
+
+        Raises:
+            SettingsError: its certificate or token cannot be had.
+
+        """
+        settings = self._settings
+        if settings.door is None or self._newest is None:
+            return None
+        keys = keys_of(settings.door, settings.data)
+        return Door(
+            settings.door, keys, self._site, self._clock, self._commanding, self._newest,
+            self._answers, self._voice,
+        )  # fmt: skip
+
+    def _make_adapter(self, loop: asyncio.AbstractEventLoop) -> Many:
+        outlets = Outlets(
+            self._clock, self._newest or self._batcher, self._pictures, self._voice,
+            self._settings.folder, self._settings.domain, self._answers, raw=self._recorder,
+            frames=FrameTaker(
+                self._settings.data / "taking", self._outbox, self._voice, self._clock, self._files
+            ),
+            site=self._site.name,
+        )  # fmt: skip
+        adapters = {}
+        for share in shares_of(self._site):
+            post = Post(share.name, loop, self._reach)
+            post.on_found = partial(self._on_found, share.name)
+            adapters[share.name] = (adapter_of(share, outlets, post), post)
+        return Many(
+            {device: self._site.connection_of(device) for device in self._site.devices},
+            adapters,
+            self._reach,
+            self._voice,
+            lambda devices: self._control.robot_lost(devices),
+            lambda devices: self._control.robot_back(devices),
+        )
+
+    def _make_recorder(self, loop: asyncio.AbstractEventLoop) -> Recorder | None:
+        plan = self._site.recording
+        if plan is None:
+            return None
         try:
-            from talaia.gateway.adapters.ros2 import Ros2
+            from talaia.gateway.adapters.ros2_requests import class_of
+            from talaia.gateway.recording.definitions import definition_of
+            from talaia.gateway.recording.mcap_file import recover
+            from talaia.gateway.recording.recorder import Recorder
         except ImportError as error:
             raise SettingsError(
-                f"the description names ROS 2, and it cannot be used here ({error}); "
-                "install talaia[ros2], or source the ROS installation's setup file"
+                f"the description names topics to record, and they cannot be ({error}); "
+                "install talaia[recording]"
             ) from error
-        return Ros2(
-            self._site,
-            self._clock,
-            self._batcher,
-            self._pictures,
-            self._voice,
-            self._settings.domain,
+        settings = self._settings
+        self._shelf = shelf = Shelf(
+            settings.data / "recordings", round(plan.disk_mb * 1e6), settings.spare_bytes
         )
+        shelf.open(recover)
+        self._to_send.set()
+
+        def fields_of(name: str) -> dict[str, str]:
+            fields: dict[str, str] = class_of(name, "recording").get_fields_and_field_types()
+            return fields
+
+        def tell_state(state: RecordState) -> None:
+            loop.call_soon_threadsafe(self._lanes.send, state)
+
+        def finished() -> None:
+            loop.call_soon_threadsafe(self._to_send.set)
+
+        return Recorder(
+            plan,
+            self._site.recorded(),
+            shelf,
+            self._clock,
+            lambda name: definition_of(name, fields_of),
+            tell_state,
+            self._voice,
+            finished,
+        )
+
+    def _on_found(self, connection: str, devices: Mapping[str, Device]) -> None:
+        """Keep what was found; if any of it is new, end so as to begin again with it."""
+        site = self.redescribed or self._site
+        site = joined(site, connection, devices, kept_of(self._settings.data, connection))
+        new = [
+            name for name, device in site.devices.items() if device != self._site.devices.get(name)
+        ]
+        if not new:
+            return
+        log.info("%s: found %s; the description is made anew", connection, ", ".join(new))
+        try:
+            keep_found(self._settings.data, connection, devices)
+        except OSError as error:
+            log.warning("%s: what was found cannot be kept: %s", connection, error)
+        self.redescribed = site
+        self._again.set()
+
+    async def _until_again(self) -> None:
+        """Wait until there is a new description and nothing moves for it to disturb."""
+        await self._again.wait()
+        while self._control.busy or self._commanding.busy or self._sequences.busy:  # noqa: ASYNC110 - rare, and told by nobody
+            await asyncio.sleep(0.2)
 
     def _on_batch(self, record: Record) -> None:
         self._lanes.live(record.body, record.first, record.end)
         self._keeper.append(record)
+
+    def _on_file(self) -> None:
+        """Tell the upload that a file waits; from the thread of files."""
+        self._loop.call_soon_threadsafe(self._upload.wake)
 
     async def _on_disk(self, work: Callable[[], None]) -> None:
         await asyncio.get_running_loop().run_in_executor(self._disk, work)
@@ -179,20 +319,28 @@ class Gateway:
     # ── running ──
 
     async def run(self, ended: asyncio.Event) -> None:
-        """Run until ``ended`` is set, then stop the robot and close all."""
+        """Run until ``ended`` is set, or there is a new description; then stop and close all."""
         self._pacer.touch()
-        tasks = [
-            asyncio.ensure_future(self._until_cancelled(part))
-            for part in (self._run_adapter, self._run_link, self._run_media, self._run_sync)
-        ]
+        if self._recorder is not None:
+            self._recorder.start()
+        parts = [self._adapter.run, self._run_link, self._run_media, self._run_sync]
+        if self._shelf is not None:
+            parts.append(self._run_files)
+        if self.door is not None:
+            parts.append(self.door.run)
+        tasks = [asyncio.ensure_future(self._until_cancelled(part)) for part in parts]
         waiting = asyncio.ensure_future(ended.wait())
+        again = asyncio.ensure_future(self._until_again())
         try:
-            await asyncio.wait([waiting, *tasks], return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait([waiting, again, *tasks], return_when=asyncio.FIRST_COMPLETED)
         finally:
             waiting.cancel()
+            again.cancel()
             # The zero goes out while there is still an adapter to carry it.
             self._control.halt()
             await asyncio.sleep(0.05)
+            # An adapter that ends has no readings any more: that is no unsafe weather.
+            self._pacer.close()
             for task in reversed(tasks):
                 task.cancel()
             results = await asyncio.gather(*tasks, return_exceptions=True)
@@ -205,37 +353,18 @@ class Gateway:
         """Release everything; what waits is on disk then."""
         self._pacer.close()
         await self._sequences.close()
+        if self._recorder is not None:
+            await asyncio.to_thread(self._recorder.close)
         self._batcher.flush()
         await self._desk.close()
         await self._keeper.close()
         self._disk.shutdown(wait=True)
+        self._files.shutdown(wait=True)
         os.close(self._lock)
 
     async def _until_cancelled(self, part: Callable[[], Awaitable[None]]) -> None:
         with contextlib.suppress(asyncio.CancelledError):
             await part()
-
-    async def _run_adapter(self) -> None:
-        lost = False
-        while True:
-            run = asyncio.ensure_future(self._adapter.run())
-            try:
-                if lost:
-                    done, _ = await asyncio.wait([run], timeout=1.0)
-                    if not done:
-                        lost = False
-                        log.info("ROS 2 is back")
-                        self._voice.tell("adapter_back", "ROS 2", good=True)
-                await run
-            except AdapterLost as error:
-                if not lost:
-                    log.warning("%s; trying again every %g s", error, ADAPTER_AGAIN_S)
-                    self._voice.tell("adapter_lost", str(error))
-                lost = True
-            finally:
-                run.cancel()
-                await asyncio.gather(run, return_exceptions=True)
-            await asyncio.sleep(ADAPTER_AGAIN_S)
 
     def _hello(self) -> Hello:
         return Hello(
@@ -264,7 +393,12 @@ class Gateway:
                 self._catalogue,
                 self._settings.backfill_bytes,
             )
-            return asyncio.ensure_future(catchup.run(self._batcher.next))
+            return asyncio.ensure_future(
+                first_to_end([
+                    asyncio.ensure_future(catchup.run(self._batcher.next)),
+                    asyncio.ensure_future(self._upload.run()),
+                ])
+            )  # fmt: skip
 
         await keep_dialling(
             "the hub", lambda: link.once(self._hello(), beside), outage, self._clock
@@ -288,6 +422,35 @@ class Gateway:
             self._clock,
         )
 
+    async def _run_files(self) -> None:
+        """Hand recordings over, while there is a link and something waits."""
+        plan, shelf, desk = self._site.recording, self._shelf, self._desk
+        if plan is None or shelf is None:
+            return
+        outage = Outage()
+        rate = plan.upload * 1000
+
+        def up() -> None:
+            if outage.back():
+                log.info("the hub takes recordings again")
+
+        async def once() -> None:
+            await send_files(self._settings, self._trust, shelf, rate, lambda: self._lanes.busy, up)
+
+        async def waited() -> None:
+            await self._to_send.wait()
+            self._to_send.clear()
+            try:
+                await beside_link(desk.linked, lambda: desk.links, once)
+            except BaseException:
+                self._to_send.set()
+                raise
+            # A link that took the loss upon itself: what is left waits for the next one.
+            if await asyncio.to_thread(shelf.waiting):
+                self._to_send.set()
+
+        await keep_dialling("the hub's recordings side", waited, outage, self._clock)
+
     async def _run_sync(self) -> None:
         while True:
             await asyncio.sleep(self._settings.sync)
@@ -299,7 +462,16 @@ async def _serve(site: Site, settings: Settings) -> None:
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    await Gateway(site, settings, SystemClock()).run(ended)
+    await serve(site, settings, ended)
+
+
+async def serve(site: Site, settings: Settings, ended: asyncio.Event) -> None:
+    """Run gateways until ``ended``: one after the other as devices are found."""
+    following: Site | None = with_kept(settings.data, site)
+    while following is not None and not ended.is_set():
+        gateway = Gateway(following, settings, SystemClock())
+        await gateway.run(ended)
+        following = gateway.redescribed
 
 
 def main(argv: Sequence[str]) -> int:

@@ -60,6 +60,11 @@ class Sampler:
         """Tell whether a value waits for its turn."""
         return self._held is not None
 
+    @property
+    def turn_us(self) -> int:
+        """When the turn of a waiting value comes."""
+        return self._at_us + self.rule.min_interval_us
+
     def accepts(self, time_us: int, values: Values) -> bool:
         """Tell whether to keep the sample; if so, remember it as kept."""
         silence = time_us - self._at_us

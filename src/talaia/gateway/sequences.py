@@ -26,6 +26,11 @@ class Sequences:
         self._count = 0
         self._running: dict[str, asyncio.Task[None]] = {}
 
+    @property
+    def busy(self) -> bool:
+        """Whether a sequence is under way."""
+        return bool(self._running)
+
     def begin(self, label: str, steps: tuple[Step, ...]) -> None:
         """See `Runner`."""
         if not steps or label in self._running:

@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 from talaia.gateway.errors import SettingsError
 
-__all__ = ["HubAddress", "Settings"]
+__all__ = ["DoorSettings", "HubAddress", "Settings"]
 
 _LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
@@ -64,12 +64,34 @@ class HubAddress:
 
 
 @dataclass(frozen=True, slots=True)
+class DoorSettings:
+    """The door for clients of the founding observatory.
+
+    Attributes:
+        port: 0 takes any.
+        host: the address it listens on.
+        certificate: PEM; none makes one in the data folder.
+        key: of the certificate, PEM.
+        token_file: holds what clients must say; none makes one in the data folder.
+
+    """
+
+    port: int
+    host: str = "127.0.0.1"
+    certificate: Path | None = None
+    key: Path | None = None
+    token_file: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Settings:
     """How one gateway runs.
 
     Attributes:
         key: proves the gateway to the hub; never logged.
         data: folder of spool, journal, epochs and STOP latches.
+        folder: where the description stands; relative paths in it begin there.
+        domain: a ROS domain that overrides the description's.
         spool_bytes: most that may wait on disk; the oldest gives way.
         spool_age_s: what has waited for longer gives way too; only time in which a gateway runs
             counts, so that a wrong clock makes nothing old.
@@ -77,6 +99,10 @@ class Settings:
             the machine, or a twentieth of the disk if that is less.
         flush: samples are batched about so often (s).
         sync: the spool is forced to disk so often (s); a power cut loses no more than this.
+        outbox_bytes: most that pictures and other files may take while they wait for the hub; the
+            oldest give way.
+        upload_bytes: files go out at this rate, below everything else (bytes/s).
+        door: for founding clients; none leaves it closed.
         backfill_bytes: old samples go out at this rate beside the live ones (bytes/s).
 
     """
@@ -84,10 +110,14 @@ class Settings:
     hub: HubAddress
     key: str = field(repr=False)
     data: Path = Path("talaia-gateway")
+    folder: Path = Path()
     domain: int | None = None
     spool_bytes: int = 1024 * 1024 * 1024
     spool_age_s: float = 14 * 86400.0
     spare_bytes: int = 64 * 1024 * 1024
     flush: float = 0.02
     sync: float = 1.0
+    outbox_bytes: int = 4 * 1024 * 1024 * 1024
+    upload_bytes: int = 1024 * 1024
     backfill_bytes: int = 512 * 1024
+    door: DoorSettings | None = None

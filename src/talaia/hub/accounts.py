@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 __all__ = [
     "create_gateway",
     "create_user",
+    "gateway_site",
     "make_data_folder",
+    "note",
     "remove_factor",
     "set_password",
 ]
@@ -46,7 +48,7 @@ async def create_user(settings: Settings, name: str, password: str, role: str) -
     hashed = await Passwords(settings.password_cost).hash(password)
     async with _opened(settings) as database:
         await People(database, SystemClock()).add(name, hashed, role)
-        await _note(database, "person added", f"{name} ({role})")
+        await note(database, "person added", f"{name} ({role})")
 
 
 async def set_password(settings: Settings, name: str, password: str) -> None:
@@ -61,7 +63,7 @@ async def set_password(settings: Settings, name: str, password: str) -> None:
     hashed = await Passwords(settings.password_cost).hash(password)
     async with _opened(settings) as database:
         await People(database, SystemClock()).set_password(name, hashed)
-        await _note(database, "person changed", f"{name}: new password")
+        await note(database, "person changed", f"{name}: new password")
 
 
 async def remove_factor(settings: Settings, name: str) -> bool:
@@ -81,7 +83,7 @@ async def remove_factor(settings: Settings, name: str) -> bool:
         key = settings.data / SEAL_FILE
         removed = await Factors(database, SystemClock(), lambda: seal_of(key)).remove(person.id)
         await Sessions(database, SystemClock(), settings).end_all(person.id)
-        await _note(database, "person's second factor removed", name)
+        await note(database, "person's second factor removed", name)
     return removed
 
 
@@ -94,8 +96,20 @@ async def create_gateway(settings: Settings, site: str) -> str:
     """
     async with _opened(settings) as database:
         key = await SiteRegistry(database, SystemClock()).new_key(site)
-        await _note(database, "gateway key made", "", site)
+        await note(database, "gateway key made", "", site)
     return key
+
+
+async def gateway_site(settings: Settings, key: str) -> str | None:
+    """Tell which site a gateway's key is for; none when it is void or unknown.
+
+    Raises:
+        HubError: the database cannot be opened.
+
+    """
+    async with _opened(settings) as database:
+        found = await SiteRegistry(database, SystemClock()).gateway_of(key)
+    return None if found is None else found.site
 
 
 def make_data_folder(settings: Settings) -> None:
@@ -114,7 +128,7 @@ def make_data_folder(settings: Settings) -> None:
         ) from error
 
 
-async def _note(database: Database, kind: str, message: str, site: str = "") -> None:
+async def note(database: Database, kind: str, message: str, site: str = "") -> None:
     """Write down what was done past the pages; whoever may do it has the data folder or the URL."""
     audit = Audit(database, SystemClock())
     audit.note(kind, who=_WHO, message=message, site=site)

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 from fastapi import Depends, FastAPI
 
 from talaia.hub.api.access import Access
+from talaia.hub.api.account_parts import AccountParts
 from talaia.hub.api.accounts import Accounts
+from talaia.hub.api.archive import ArchivePages
 from talaia.hub.api.audit import AuditPages
 from talaia.hub.api.gateways import GatewayPages, Proof
 from talaia.hub.api.history import HistoryPages
@@ -22,34 +24,43 @@ from talaia.hub.api.pages import Pages
 from talaia.hub.api.people import PeoplePages
 from talaia.hub.api.problems import answer_problems
 from talaia.hub.api.proving import Proving
+from talaia.hub.api.recordings import RecordingPages
 from talaia.hub.api.roles import RolePages
 from talaia.hub.api.shield import Shield
 from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sockets import Sockets
 from talaia.hub.api.storage import StoragePages
 from talaia.hub.api.tokens import TokenPages
+from talaia.hub.archive.looking import NotKept
+from talaia.hub.archive.store import Archive
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.seal import SEAL_FILE, seal_of
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.certificate import certificate_of, fingerprint, key_hash
 from talaia.hub.history.limits import Limits as HistoryLimits
+from talaia.hub.history.parcel import FOLDER as IMPORTS
 from talaia.hub.history.store import HistoryStore
+from talaia.hub.live.admission import Admission
 from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.commanding import Commanding
 from talaia.hub.live.fanout import Fanout
 from talaia.hub.live.gate import Gate
-from talaia.hub.live.gateways import Gateways
+from talaia.hub.live.gateways import Gateways, told_by
+from talaia.hub.live.inbox import Inbox
 from talaia.hub.live.links import Links
 from talaia.hub.live.media import Media
+from talaia.hub.live.recordings import Recordings
 from talaia.hub.live.reporting import Reporting
 from talaia.hub.live.seats import Seats
 from talaia.hub.live.sites import Sites
+from talaia.hub.live.uploads import Refused, Uploads
 from talaia.hub.store.audit import Audit
 from talaia.hub.store.browsers import KnownBrowsers
 from talaia.hub.store.database import Database
 from talaia.hub.store.enrolment import Enrolment
 from talaia.hub.store.factors import Factors
 from talaia.hub.store.people import People
+from talaia.hub.store.recordings import RecordingList
 from talaia.hub.store.register import Register
 from talaia.hub.store.roles import Roles
 from talaia.hub.store.roster import Roster
@@ -63,12 +74,16 @@ from talaia.web import static_dir
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+    from pathlib import Path
 
     from starlette.types import ASGIApp
 
     from talaia.clock import Clock
+    from talaia.hub.history.parcel import Head
+    from talaia.hub.live.inbox import Taken
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
+    from talaia.wire.frames import UploadOffer
 
 __all__ = ["Hub", "build"]
 
@@ -105,12 +120,20 @@ class Hub:
         self._known = KnownBrowsers(self._database, clock)
         self._throttle = Throttle()
         self._tries = Tries(self._database, clock, self._throttle)
+        self._archive = Archive(self._database, settings.data / "archive")
+        self._uploads = Uploads(
+            settings.data / "uploads", {"fits": self._keep_picture}, settings.file_bytes
+        )
         self._seats = Seats(Register(self._sessions, self._tokens), clock, settings)
         self._sites = Sites()
         self._links = Links(self._sites, self._registry)
         self.browsers = Browsers()
         self.fanout = Fanout(self._sites, clock)
         self._media = Media(self._sites, clock, settings.linger_s)
+        self._recordings = Recordings(
+            RecordingList(self._database), self._audit, settings.data, settings.recordings_bytes
+        )
+        self._inbox = Inbox(self._history, settings.data / IMPORTS, self._on_imported)
         self._tasks: list[asyncio.Task[None]] = []
         self.app = self._application()
         self.asgi: ASGIApp = Shield(self.app, settings)
@@ -128,11 +151,14 @@ class Hub:
         await self._tries.bring_back()
         await self._history.open()
         await self._remember_sites()
+        await self._recordings.open()
         self.setup_token = await self._people.offer_setup(self.settings.setup_s)
         self._tasks = [
             asyncio.create_task(self._audit.run()),
+            asyncio.create_task(self._registry.attendance.run()),
             asyncio.create_task(self._seats.watch(self.settings.check_s)),
             asyncio.create_task(self._links.watch(self.settings.check_s)),
+            asyncio.create_task(self._inbox.run()),
         ]
         self._audit.note("hub started")
 
@@ -140,17 +166,29 @@ class Hub:
         """Let go of everything; what was noted is written first."""
         self._media.close()
         if self._tasks:
-            auditing, *watching = self._tasks
+            auditing, attending, *watching = self._tasks
             for task in watching:
                 task.cancel()
             self._audit.note("hub stopped")
             self._audit.stop()
-            await asyncio.gather(auditing, *watching, return_exceptions=True)
+            self._registry.attendance.stop()
+            await asyncio.gather(auditing, attending, *watching, return_exceptions=True)
         await self._history.close()
         await self._database.close()
 
+    def driven(self) -> bool:
+        """Tell whether somebody has control of a device anywhere."""
+        return any(state.session for live in self._sites for state, _ in live.leases.values())
+
     def _application(self) -> FastAPI:
-        access = Access(self._sessions, self._tokens, self._sites, self._registry, self.settings)
+        access = Access(
+            self._sessions,
+            self._tokens,
+            self._sites,
+            self._registry,
+            Admission(),
+            self.settings,
+        )
         app = FastAPI(
             title="Talaia hub",
             # The browser's own pages speak to it; the description is made by the docs.
@@ -165,10 +203,12 @@ class Hub:
             *self._account_pages(access),
             self._site_pages(),
             HistoryPages(self._history),
+            ArchivePages(self._archive),
+            RecordingPages(self._recordings, self._audit),
             self._gateway_pages(),
             AuditPages(self._audit),
             ApiDescription(lambda: app),
-            StoragePages(self._history, self._clock),
+            StoragePages(self._history, self._sites, self._clock),
             Pages(static_dir()),
         ):
             app.include_router(routes.router(), dependencies=guarded)
@@ -189,10 +229,20 @@ class Hub:
             self._audit,
             self._clock,
         )
-        shared = (access, proving, self._people, self._passwords, self._sessions)
+        parts = AccountParts(
+            access,
+            proving,
+            self._people,
+            self._passwords,
+            self._sessions,
+            self._factors,
+            self._known,
+            self._seats,
+            self._audit,
+        )
         return (
-            Accounts(*shared, self._known, self._seats, self._audit),
-            OwnPages(*shared, self._factors, self._known, self._seats, self._audit),
+            Accounts(parts),
+            OwnPages(parts),
             TokenPages(self._tokens, self._seats, self._audit, self._clock),
             PeoplePages(
                 self._people,
@@ -234,6 +284,9 @@ class Hub:
             self._history,
             self._registry,
             self._links,
+            self._uploads,
+            self._recordings,
+            Admission(),
             self.settings,
             self._clock,
         )
@@ -252,6 +305,20 @@ class Hub:
             self._clock,
         )
 
+    async def _keep_picture(self, site: str, offer: UploadOffer, path: Path) -> None:
+        """Put a picture of a site into the archive; see `Keeper`."""
+        live = self._sites.get(site)
+        if live is None:
+            raise Refused(f"there is no site {site!r}")
+        try:
+            kept = await self._archive.take(site, live.description.zone, offer, path)
+        except NotKept as error:
+            self._audit.note(
+                "picture refused", site=site, device=offer.device, message=str(error), good=False
+            )
+            raise Refused(str(error)) from error
+        self._audit.note("picture kept", site=site, device=offer.device, message=kept.name)
+
     @asynccontextmanager
     async def _lifespan(self, _app: FastAPI) -> AsyncIterator[None]:
         await self.start()
@@ -259,6 +326,17 @@ class Hub:
             yield
         finally:
             await self.close()
+
+    async def _on_imported(self, head: Head, how: Taken) -> None:
+        """Write an import down, and know a site of which only recordings came."""
+        if self._sites.get(head.site) is None:
+            description = load_site(head.description)
+            await self._history.describe(description)
+            await self._registry.said_hello(head.site, head.description, "", "")
+            live = self._sites.describe(description, "")
+            live.why = "only recordings of it were imported"
+        message = f"{head.file}: {how.stored} samples, {how.there} were there already"
+        self._audit.note("history imported", who="command line", message=message, site=head.site)
 
     async def _remember_sites(self) -> None:
         """Know the sites of before, with their last values, though none is connected yet."""
@@ -270,6 +348,7 @@ class Hub:
                 continue
             await self._history.describe(description)
             live = self._sites.describe(description, known.catalogue)
+            live.told = told_by(known.description, known.catalogue)
             live.since_us = live.last_seen_us = known.last_seen_us
             live.why = "its gateway has not connected since the hub was started"
             addresses = [channel.address for channel in live.channels]

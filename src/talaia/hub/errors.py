@@ -4,6 +4,7 @@ HubError
 ├── CannotStart       a setting, a file or the port keeps the hub from starting
 ├── StoreError        the database cannot be opened or refuses
 │   └── StoreDown     it did not answer just now
+├── HubBusy           so many ask at once that this one must come again
 ├── NameTaken         there is a person or a role of that name already
 ├── UnknownPerson     there is nobody of that name or number
 ├── UnknownRole       there is no role of that name or number
@@ -20,6 +21,7 @@ from talaia.errors import TalaiaError
 
 __all__ = [
     "CannotStart",
+    "HubBusy",
     "HubError",
     "LastAdmin",
     "NameTaken",
@@ -56,6 +58,10 @@ class StoreError(HubError):
 
 class StoreDown(StoreError):
     """The database did not answer just now, or has no room; what was asked is not done."""
+
+
+class HubBusy(HubError):
+    """So many ask at once that this one must come again later."""
 
 
 class NameTaken(HubError):

@@ -93,6 +93,17 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/sites/{site}/stored"): Need.SEE,
     ("GET", "/api/sites/{site}/export"): Need.SEE,
     ("GET", "/api/sites/{site}/events"): Need.SEE,
+    # Each picture's camera is looked at besides; what may not be seen is as if it were not there.
+    ("GET", "/api/sites/{site}/frames"): Need.SEE,
+    ("GET", "/api/sites/{site}/nights"): Need.SEE,
+    ("GET", "/api/sites/{site}/frames/{frame}"): Need.SEE,
+    ("GET", "/api/sites/{site}/frames/{frame}/file"): Need.SEE,
+    ("GET", "/api/sites/{site}/frames/{frame}/preview"): Need.SEE,
+    # Of the whole site: raw topics hold what no single device's right opens.
+    ("GET", "/api/sites/{site}/recordings"): Need.VIEW,
+    ("GET", "/api/sites/{site}/recordings/{recording}/file"): Need.VIEW,
+    ("POST", "/api/sites/{site}/recordings"): Need.USE,
+    ("DELETE", "/api/sites/{site}/recordings/{recording}"): Need.ADMIN,
     ("GET", "/api/gateways"): Need.ADMIN,
     ("POST", "/api/gateways/codes"): Need.ADMIN,
     ("DELETE", "/api/gateways/codes/{code}"): Need.ADMIN,
@@ -104,6 +115,7 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/audit/export"): Need.ADMIN,
     ("GET", "/api/audit/verify"): Need.ADMIN,
     ("GET", "/api/storage"): Need.ADMIN,
+    ("GET", "/api/storage/outlook"): Need.ADMIN,
     ("GET", "/{path:path}"): Need.OPEN,
 }
 
@@ -112,6 +124,7 @@ SOCKETS: Mapping[str, Need] = {
     "/ws/media": Need.SEE,
     "/gateway/link": Need.GATEWAY,
     "/gateway/media": Need.GATEWAY,
+    "/gateway/files": Need.GATEWAY,
 }
 
 FROM_BROWSER: Mapping[type[Message], Need] = {
@@ -147,6 +160,7 @@ TO_BROWSER: Mapping[type[Message], Need] = {
     browser.CommandNews: Need.VIEW,
     # Whoever sees a site knows why nothing moves there; names only the devices they may see.
     browser.InterlockNews: Need.SEE,
+    browser.DeviceNews: Need.VIEW,
     browser.EventNews: Need.VIEW,
     browser.Pong: Need.SESSION,
     browser.Problem: Need.SESSION,
@@ -169,11 +183,17 @@ FROM_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.ResetToken,
         frames.CommandState,
         frames.InterlockState,
+        frames.RecordState,
+        frames.DeviceState,
+        frames.UploadOffer,
+        frames.UploadPart,
         frames.Event,
         frames.Beat,
         frames.BeatReply,
         frames.Bye,
         frames.Picture,
+        frames.FileOffer,
+        frames.FilePiece,
     ),
     Need.GATEWAY,
 )
@@ -192,7 +212,10 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.CommandCancel,
         frames.OverrideAsk,
         frames.Watch,
+        frames.UploadState,
         frames.Reconnect,
+        frames.RecordAsk,
+        frames.FileHave,
         frames.Beat,
         frames.BeatReply,
         frames.Bye,

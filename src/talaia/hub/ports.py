@@ -8,7 +8,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Collection, Sequence
 
     from talaia.hub.history.channels import StoredChannel
-    from talaia.hub.history.files import ExportColumn, FileForm
+    from talaia.hub.history.forms import ExportColumn, FileForm
+    from talaia.hub.history.sensors import SensorKind
     from talaia.hub.history.series import Series
     from talaia.hub.history.statistics import Statistics
     from talaia.hub.history.storage import Storage
@@ -84,12 +85,21 @@ class History(Protocol):
         """Sum up a window of each address."""
         ...
 
-    async def channels(self, site: str) -> list[StoredChannel]:
-        """List every channel of a site that has history."""
+    def kind_of(self, site: str, address: str) -> SensorKind | None:
+        """Give what a channel's signal is, or was when it was last described."""
+        ...
+
+    async def channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
+        """List every channel of a site that has history, but for those in ``without``."""
         ...
 
     async def storage(self) -> Storage:
         """Tell how much room the history takes."""
+        ...
+
+    @property
+    def trouble(self) -> str:
+        """Why nothing can be stored at present; empty while all is well."""
         ...
 
     @property

@@ -1,4 +1,7 @@
-"""``talaia hub``: read the settings, open the door, serve until told to stop."""
+"""``talaia hub``: read the settings, open the door, serve until told to stop.
+
+Long, because options, start and end of the server are read together.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +23,7 @@ import uvloop
 
 from talaia.clock import SystemClock
 from talaia.hub.accounts import make_data_folder
+from talaia.hub.api.doorway import QUEUE, Doorway
 from talaia.hub.api.listening import HubProtocol
 from talaia.hub.app import build
 from talaia.hub.certificate import (
@@ -29,6 +33,8 @@ from talaia.hub.certificate import (
     own_certificate,
 )
 from talaia.hub.errors import CannotStart, HubError
+from talaia.hub.live.collecting import collect_at_rest
+from talaia.hub.lock import hub_lock
 from talaia.hub.settings import Settings, is_loopback
 from talaia.hub.store.backup import take_restored
 from talaia.hub.store.quarantine import set_aside_if_damaged
@@ -48,12 +54,13 @@ _RENEW_S = 3600.0
 
 
 class HubServer(uvicorn.Server):
-    """uvicorn, which leaves signals to us and says when it is ready."""
+    """uvicorn, which leaves signals and accepting to us and says when it is ready."""
 
     def __init__(self, config: uvicorn.Config, on_ready: Callable[[], None]) -> None:
         """Call ``on_ready`` once requests are taken."""
         super().__init__(config)
         self._on_ready = on_ready
+        self._doorways: list[Doorway] = []
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -61,10 +68,27 @@ class HubServer(uvicorn.Server):
         yield
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Start, and say so."""
-        await super().startup(sockets)
-        if self.started:
-            self._on_ready()
+        """Start, open the doors, and say so."""
+        await super().startup(sockets=[])
+        if not self.started:
+            return
+        for listener in sockets or ():
+            doorway = Doorway(listener, self._protocol, self.config.ssl)
+            doorway.open()
+            self._doorways.append(doorway)
+        self._on_ready()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Close the doors, then let go of who is in."""
+        for doorway in self._doorways:
+            await doorway.close()
+        await super().shutdown(sockets)
+
+    def _protocol(self) -> asyncio.Protocol:
+        protocol: asyncio.Protocol = self.config.http_protocol_class(  # type: ignore[call-arg]
+            config=self.config, server_state=self.server_state, app_state=self.lifespan.state
+        )
+        return protocol
 
 
 def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServer:
@@ -100,6 +124,9 @@ def main(argv: Sequence[str]) -> int:
         level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s"
     )
     logging.getLogger("alembic").setLevel(logging.WARNING)
+    # A thread that reads a description or writes the history may hold the interpreter this long
+    # before a driving frame gets it; Python's own 5 ms would be more than the whole way down.
+    sys.setswitchinterval(0.0005)
     try:
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
             runner.run(_serve(_settings(options)))
@@ -151,6 +178,10 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         "--history-gb", type=float, default=0.0,
         help="the history's blocks may take so many GB; then the oldest go (no limit)",
     )  # fmt: skip
+    parser.add_argument(
+        "--recordings-gb", type=float, default=20.0,
+        help="recordings of raw topics may take so many GB; then the oldest go (20; 0: no limit)",
+    )  # fmt: skip
     return parser.parse_args(argv)
 
 
@@ -171,6 +202,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         proxies=_networks(options.proxy),
         database_url=Settings.url_from(os.environ),
         history_bytes=max(0, round(options.history_gb * 1e9)),
+        recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
     )
 
 
@@ -187,6 +219,11 @@ async def _serve(settings: Settings) -> None:
         raise CannotStart(
             f"the data folder {settings.data} cannot be written", "choose another with --data"
         )
+    with hub_lock(settings.data):
+        await _serve_alone(settings)
+
+
+async def _serve_alone(settings: Settings) -> None:
     clock = SystemClock()
     take_restored(settings.data, clock)
     set_aside_if_damaged(settings.url, clock)
@@ -197,11 +234,15 @@ async def _serve(settings: Settings) -> None:
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
             loop.add_signal_handler(number, _stop, server)
-        renewing = asyncio.create_task(keep_certificate(server, settings))
+        beside = [
+            asyncio.create_task(keep_certificate(server, settings)),
+            asyncio.create_task(collect_at_rest(hub.driven)),
+        ]
         try:
             await server.serve(sockets=[listener])
         finally:
-            renewing.cancel()
+            for task in beside:
+                task.cancel()
         if not server.started:
             raise CannotStart("the hub did not start", "its log above says why")
 
@@ -242,7 +283,7 @@ def _stop(server: HubServer) -> None:
 def _listen(settings: Settings) -> socket.socket:
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     try:
-        return socket.create_server((settings.host, settings.port), family=family, backlog=1024)
+        return socket.create_server((settings.host, settings.port), family=family, backlog=QUEUE)
     except (OSError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise CannotStart(

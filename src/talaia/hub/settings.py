@@ -6,11 +6,13 @@ import ipaddress
 import os
 import socket
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+from talaia.hub.errors import CannotStart
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
 __all__ = ["Network", "Settings", "is_loopback"]
 
@@ -30,6 +32,8 @@ class Settings:
         proxies: reverse proxies that end TLS before this hub; their headers are believed.
         database_url: like ``postgresql://user@host/name``; empty takes SQLite in ``data``.
         history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
+        file_bytes: a file that a gateway sends may be so large (bytes).
+        recordings_bytes: recordings may take so many bytes; then the oldest go. 0: no limit.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
         life_s: a session ends this long after its start, used or not (s).
@@ -54,6 +58,8 @@ class Settings:
     proxies: tuple[Network, ...] = ()
     database_url: str = ""
     history_bytes: int = 0
+    file_bytes: int = 4 * 1024**3
+    recordings_bytes: int = 20_000_000_000
     password_cost: int = 12
     idle_s: float = 12 * 3600.0
     life_s: float = 7 * 86400.0
@@ -86,8 +92,25 @@ class Settings:
 
     @staticmethod
     def url_from(environment: Mapping[str, str] = os.environ) -> str:
-        """Read the database's URL from ``TALAIA_DATABASE_URL``; empty when it is not set."""
-        return environment.get("TALAIA_DATABASE_URL", "")
+        """Read the database's URL: ``TALAIA_DATABASE_URL``, or the file ``…_URL_FILE`` names.
+
+        Empty when neither is set.
+
+        Raises:
+            CannotStart: the file cannot be read.
+
+        """
+        file = environment.get("TALAIA_DATABASE_URL_FILE", "")
+        if not file or environment.get("TALAIA_DATABASE_URL"):
+            return environment.get("TALAIA_DATABASE_URL", "")
+        try:
+            return Path(file).read_text().strip()
+        except (OSError, UnicodeDecodeError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise CannotStart(
+                f"TALAIA_DATABASE_URL_FILE {file} cannot be read: {reason}",
+                "name a file that holds the database's URL",
+            ) from error
 
 
 def is_loopback(host: str) -> bool:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Argument, Command
 
-__all__ = ["Value", "fields_of", "unit_problem"]
+__all__ = ["Value", "args_of", "fields_of", "unit_problem"]
 
 Value = float | int | bool | str
 
@@ -32,6 +32,16 @@ def fields_of(command: Command, args: Mapping[str, Value]) -> dict[str, Value] |
             return f"{name}: {problem}"
         fields[argument.field] = float(value) if argument.type is ArgumentType.NUMBER else value
     return fields
+
+
+def args_of(command: Command, args: Mapping[str, Value]) -> dict[str, Value]:
+    """Give the arguments by name, with the defaults of those that were not given."""
+    defaults = {
+        name: argument.default
+        for name, argument in command.arguments.items()
+        if argument.default is not None
+    }
+    return {**defaults, **args}
 
 
 def unit_problem(command: Command, units: Mapping[str, str]) -> str:

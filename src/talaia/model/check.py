@@ -6,7 +6,16 @@ import math
 from typing import TYPE_CHECKING
 from zoneinfo import available_timezones
 
+from talaia.model.check_connections import (
+    command_fits,
+    connection_findings,
+    link_of,
+    signal_source_fits,
+    stream_source_fits,
+)
+from talaia.model.check_enclosures import enclosure_findings
 from talaia.model.check_interlocks import interlock_findings
+from talaia.model.connection import Ros1Connection, Ros2Connection
 from talaia.model.errors import DescriptionError, UnknownWord
 from talaia.model.site import ArgumentType, CommandKind, DriveMessage, SignalType, Site
 from talaia.model.unit import unit_of
@@ -20,13 +29,13 @@ from talaia.model.words import (
     name_fits,
     range_fits,
     topic_fits,
-    type_fits,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from talaia.model.site import Argument, Command, Device, Drive, Signal, Source, Stream
+    from talaia.model.recording import Recording
+    from talaia.model.site import Argument, Command, Device, Drive, Signal, Stream
 
 __all__ = ["Finding", "check", "raise_first"]
 
@@ -58,11 +67,10 @@ def _site(site: Site) -> Iterator[Finding]:
     yield from name_fits("$.name", site.name)
     if site.zone not in available_timezones():
         yield _of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
-    if site.ros2 is not None and site.ros2.domain is not None and not 0 <= site.ros2.domain <= 232:
-        yield Finding(
-            "$.ros2.domain", f"expected a ROS domain id from 0 to 232, found {site.ros2.domain}"
-        )
-    if not site.devices:
+    yield from connection_findings(site)
+    if not site.devices and not any(
+        getattr(each, "discover", False) for each in site.links().values()
+    ):
         yield Finding("$.devices", "there is no device", "describe at least one")
     if len(site.channels()) > _MAX_CHANNELS:
         yield Finding("$.devices", f"more than {_MAX_CHANNELS} channels at one site", "split it")
@@ -71,6 +79,36 @@ def _site(site: Site) -> Iterator[Finding]:
         yield from id_fits(where, device_id)
         yield from _device(site, where, device)
     yield from interlock_findings(site)
+    yield from enclosure_findings(site)
+    if site.recording is not None:
+        yield from _recording(site, site.recording)
+
+
+def _recording(site: Site, recording: Recording) -> Iterator[Finding]:
+    where = "$.recording"
+    ros = Ros2Connection | Ros1Connection
+    if not any(isinstance(each, ros) for each in site.links().values()):
+        yield Finding(where, "only topics of ROS are recorded", "add: ros2: {}")
+    for index, topic in enumerate(recording.topics):
+        yield from topic_fits(f"{where}.topics[{index}]", topic)
+    for key, low, high, unit in (
+        ("before", 0, 600, "s"),
+        ("after", 1, 3600, "s"),
+        ("longest", 1, 86_400, "s"),
+        ("ring_mb", 1, 4_000, "MB"),
+        ("file_mb", 1, 100_000, "MB"),
+        ("disk_mb", 1, 1_000_000, "MB"),
+        ("upload", 1, 1_000_000, "kB/s"),
+    ):
+        found = getattr(recording, key)
+        if not low <= found <= high:
+            yield Finding(f"{where}.{key}", f"expected {low} to {high} {unit}, found {found}")
+    if recording.file_mb > recording.disk_mb:
+        yield Finding(
+            f"{where}.file_mb",
+            f"a file of {recording.file_mb:g} MB does not fit {recording.disk_mb:g} MB",
+            "make disk_mb larger",
+        )
 
 
 def _near_zones(zone: str) -> Iterable[str]:
@@ -82,26 +120,30 @@ def _near_zones(zone: str) -> Iterable[str]:
 
 def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", device.name)
-    if site.ros2 is None and (device.signals or device.streams or device.commands):
-        yield Finding(
-            where, "its signals need a connection, and the site has none", "add: ros2: {}"
-        )
+    link, problems = link_of(site, where, device)
+    yield from problems
     for signal_id, signal in device.signals.items():
         yield from id_fits(f"{where}.signals.{signal_id}", signal_id)
         yield from _signal(f"{where}.signals.{signal_id}", signal)
+        if link is not None:
+            at = f"{where}.signals.{signal_id}.source"
+            yield from signal_source_fits(at, signal, link)
     for stream_id, stream in device.streams.items():
         yield from id_fits(f"{where}.streams.{stream_id}", stream_id)
         yield from _stream(f"{where}.streams.{stream_id}", stream)
+        if link is not None:
+            yield from stream_source_fits(f"{where}.streams.{stream_id}.source", stream, link)
     for command_id, command in device.commands.items():
         yield from id_fits(f"{where}.commands.{command_id}", command_id)
         yield from _command(f"{where}.commands.{command_id}", command)
+        if link is not None:
+            yield from command_fits(f"{where}.commands.{command_id}", command, link)
     if device.drive is not None:
         yield from _drive(site, f"{where}.drive", device.drive)
 
 
 def _signal(where: str, signal: Signal) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", signal.name)
-    yield from _source(f"{where}.source", signal.source)
     try:
         unit_of(f"{where}.unit", signal.unit)
     except UnknownWord as error:
@@ -122,21 +164,12 @@ def _signal(where: str, signal: Signal) -> Iterator[Finding]:
         yield Finding(f"{where}.states", f"a {signal.type} has no states", "write: type: state")
     if signal.type is not SignalType.NUMBER and signal.unit:
         yield Finding(f"{where}.unit", f"a {signal.type} has no unit", "leave the unit out")
-    if (
-        signal.type is not SignalType.POSITION
-        and not signal.source.field
-        and not signal.source.name
-    ):
-        yield Finding(
-            f"{where}.source.field", "which field of the message is meant?", "write: field: data"
-        )
     if signal.yaw_from and not FIELD.match(signal.yaw_from):
         yield Finding(f"{where}.yaw_from", f"{signal.yaw_from!r} is not the path of a field")
 
 
 def _stream(where: str, stream: Stream) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", stream.name)
-    yield from _source(f"{where}.source", stream.source)
     yield from above(f"{where}.max_rate", stream.max_rate, 0)
     if not 1 <= stream.quality <= 95:
         yield Finding(f"{where}.quality", f"expected 1 to 95, found {stream.quality}")
@@ -146,9 +179,6 @@ def _stream(where: str, stream: Stream) -> Iterator[Finding]:
 
 def _command(where: str, command: Command) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", command.name)
-    yield from topic_fits(f"{where}.target", command.target)
-    middle = {CommandKind.SERVICE: "srv", CommandKind.TOPIC: "msg", CommandKind.ACTION: "action"}
-    yield from type_fits(f"{where}.type", command.type, middle[command.kind])
     yield from above(f"{where}.progress_end", command.progress_end, 0)
     if command.progress:
         yield from field_fits(f"{where}.progress", command.progress)
@@ -156,15 +186,12 @@ def _command(where: str, command: Command) -> Iterator[Finding]:
             yield Finding(f"{where}.progress", "only an action tells its progress", "leave it out")
     yield from above(f"{where}.ttl", command.ttl, 0)
     yield from above(f"{where}.timeout", command.timeout, 0)
-    for field in command.fixed:
-        yield from field_fits(f"{where}.fixed.{field}", field)
     for argument_id, argument in command.arguments.items():
         yield from id_fits(f"{where}.arguments.{argument_id}", argument_id)
         yield from _argument(f"{where}.arguments.{argument_id}", argument)
 
 
 def _argument(where: str, argument: Argument) -> Iterator[Finding]:
-    yield from field_fits(f"{where}.field", argument.field)
     yield from range_fits(where, argument.minimum, argument.maximum)
     try:
         unit_of(f"{where}.unit", argument.unit)
@@ -217,6 +244,7 @@ def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
         for device_id, device in site.devices.items()
         for stream_id in device.streams
     ]
+    yield from above(f"{where}.stop.below", drive.stop.below, 0)
     for index, address in enumerate(drive.stop.confirmed_by):
         at = f"{where}.stop.confirmed_by[{index}]"
         if numbers.get(address) is not SignalType.NUMBER:
@@ -229,15 +257,6 @@ def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
         yield _of(UnknownWord(f"{where}.position", "position signal", drive.position, known))
     if drive.message is DriveMessage.KEYS and drive.max_reverse == 0:
         yield Finding(f"{where}.max_reverse", "the key x drives backward", "leave it out")
-
-
-def _source(where: str, source: Source) -> Iterator[Finding]:
-    yield from topic_fits(f"{where}.topic", source.topic)
-    yield from type_fits(f"{where}.type", source.type, "msg")
-    if source.field:
-        yield from field_fits(f"{where}.field", source.field)
-    if source.name and source.field:
-        yield Finding(f"{where}.name", "both name and field are given", "leave one out")
 
 
 def _of(error: DescriptionError) -> Finding:

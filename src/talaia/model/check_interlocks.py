@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from talaia.model.interlock import Condition, Interlock, Step
     from talaia.model.site import Signal, Site
 
-__all__ = ["interlock_findings"]
+__all__ = ["interlock_findings", "step_findings"]
 
 _DAY = 86_400.0
 _READABLE = (SignalType.NUMBER, SignalType.STATE)
@@ -35,7 +35,7 @@ def interlock_findings(site: Site) -> Iterator[Finding]:
             if not device.link_loss.run:
                 yield Finding(f"{where}.run", "nothing is to be done", "name a command")
             for index, step in enumerate(device.link_loss.run):
-                yield from _step(site, f"{where}.run[{index}]", step)
+                yield from step_findings(site, f"{where}.run[{index}]", step)
 
 
 def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding]:
@@ -55,10 +55,13 @@ def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding
         if target not in known:
             yield _of(UnknownWord(f"{where}.refuse[{index}]", "command", target, known))
     for index, step in enumerate(interlock.run):
-        yield from _step(site, f"{where}.run[{index}]", step)
+        yield from step_findings(site, f"{where}.run[{index}]", step)
 
 
 def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
+    if condition.all_of:
+        yield from _group(site, where, condition)
+        return
     if condition.link_lost is not None:
         yield from at_least(f"{where}.link_lost", condition.link_lost, 0)
         if condition.signal:
@@ -77,10 +80,26 @@ def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding
         return
     if condition.max_age is not None:
         yield from above(f"{where}.max_age", condition.max_age, 0)
+    yield from at_least(f"{where}.lasting", condition.lasting, 0)
+    if condition.dwell is not None and not 0 <= condition.dwell <= _DAY:
+        yield Finding(f"{where}.dwell", f"expected 0 to {_DAY:g} s, found {condition.dwell}")
     if signal.type is SignalType.STATE:
         yield from _states(where, condition, signal)
     else:
         yield from _limits(where, condition)
+
+
+def _group(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
+    if condition != type(condition)(all_of=condition.all_of):
+        yield Finding(where, "something stands beside all", "make two conditions")
+    if len(condition.all_of) == 1:
+        yield Finding(f"{where}.all", "there is one condition", "write it without all")
+    for index, part in enumerate(condition.all_of):
+        at = f"{where}.all[{index}]"
+        if part.all_of:
+            yield Finding(at, "an all within an all", "write its conditions into the outer one")
+        else:
+            yield from _condition(site, at, part)
 
 
 def _states(where: str, condition: Condition, signal: Signal) -> Iterator[Finding]:
@@ -96,13 +115,29 @@ def _states(where: str, condition: Condition, signal: Signal) -> Iterator[Findin
 def _limits(where: str, condition: Condition) -> Iterator[Finding]:
     if condition.is_one_of or condition.is_not:
         yield Finding(where, "a number has no states", "write above or below")
-    for key in ("above", "below"):
+    for key in ("above", "below", "until_below", "until_above"):
         value = getattr(condition, key)
         if value is not None and not math.isfinite(value):
             yield Finding(f"{where}.{key}", f"expected a finite number, found {value}")
+    for key, limit, until, sign in (
+        ("until_below", condition.above, condition.until_below, 1),
+        ("until_above", condition.below, condition.until_above, -1),
+    ):
+        if until is None:
+            continue
+        if limit is None:
+            missing = "above" if sign > 0 else "below"
+            yield Finding(f"{where}.{key}", f"there is no {missing} that it could let go of")
+        elif (limit - until) * sign < 0:
+            yield Finding(
+                f"{where}.{key}",
+                f"{until:g} is beyond the limit {limit:g}",
+                "it lets go on the safe side of the limit",
+            )
 
 
-def _step(site: Site, where: str, step: Step) -> Iterator[Finding]:
+def step_findings(site: Site, where: str, step: Step) -> Iterator[Finding]:
+    """List what does not fit in a step."""
     device_id, _, command_id = step.command.partition("/")
     device = site.devices.get(device_id)
     command = device.commands.get(command_id) if device is not None else None

@@ -16,26 +16,40 @@ class Condition(Shape, frozen=True, kw_only=True):
     """One thing that is unsafe while it holds. A value that is unknown or too old is unsafe too.
 
     Give ``signal`` with at least one of ``above``, ``below``, ``is`` and ``is_not`` (any of them
-    is enough); with none of them only its absence is unsafe. Or give ``link_lost``.
+    is enough); with none of them only its absence is unsafe. Or give ``link_lost``. Or give
+    ``all``: conditions that are harmless one by one and unsafe together.
 
     Attributes:
         signal: address of a number or a state, ``<device>/<signal>``.
         above: unsafe when greater, in the signal's unit.
+        until_below: once it was above, unsafe until it is less than this.
         below: unsafe when less, in the signal's unit.
+        until_above: once it was below, unsafe until it is greater than this.
         is_one_of: unsafe in these states; written ``is`` in the description.
         is_not: unsafe in every state but these.
         max_age: a value older than this is unknown (s); none takes the signal's own.
+        all_of: unsafe while every one of these is, one that is unknown included; written ``all``.
+            At least two, and none that is itself an ``all``.
         link_lost: unsafe when the hub has been out of reach for so long (s).
+        lasting: unsafe only after it has held for so long (s); a value that is unknown is unsafe
+            at once.
+        dwell: once it was unsafe, all must be safe for at least so long (s); none takes the
+            interlock's own. With several limits of one signal it makes a ladder.
 
     """
 
     signal: str = ""
     above: float | None = None
+    until_below: float | None = None
     below: float | None = None
+    until_above: float | None = None
     is_one_of: tuple[str, ...] = msgspec.field(default=(), name="is")
     is_not: tuple[str, ...] = ()
     max_age: float | None = None
     link_lost: float | None = None
+    all_of: tuple[Condition, ...] = msgspec.field(default=(), name="all")
+    lasting: float = 0.0
+    dwell: float | None = None
 
 
 class Step(Shape, frozen=True, kw_only=True):

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import msgspec
 import yaml
 
+from talaia.model.classic import read_classic, site_of
+from talaia.model.connection import Connection, ConnectionKind, ProcessConnection
 from talaia.model.errors import DescriptionError, NotReadable, UnknownWord
 from talaia.model.site import Site
 
@@ -44,12 +46,44 @@ _Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping
 
 
 def read_site(path: Path) -> Site:
-    """Load a description from a file.
+    """Load a description from a file, with the devices of the command files that it names.
+
+    A JSON file is taken for a command file of the founding observatory, see `classic`.
 
     Raises:
-        DescriptionError: the file cannot be read, or `load_site` refuses what it says.
+        DescriptionError: a file cannot be read, or `load_site` refuses what it says.
 
     """
+    text = _text_of(path)
+    if path.suffix == ".json":
+        return site_of(text, _NO_WORD.sub("_", path.stem.lower()).strip("_0123456789") or "site")
+    return _with_files(load_site(text), path.parent)
+
+
+_NO_WORD = re.compile(r"[^a-z0-9]+")
+
+
+def _with_files(site: Site, folder: Path) -> Site:
+    """Take in the devices of command files; what the description says of the same one wins."""
+    for name, connection in site.connections.items():
+        if not isinstance(connection, ProcessConnection) or not connection.file:
+            continue
+        path = folder / connection.file
+        try:
+            found = read_classic(_text_of(path), name)
+        except DescriptionError as error:
+            where = f"{path}: {error.where}"
+            raise DescriptionError(where, error.problem, error.remedy) from error
+        connection = msgspec.structs.replace(connection, prefix=connection.prefix or found.prefix)
+        site = msgspec.structs.replace(
+            site,
+            connections={**site.connections, name: connection},
+            devices={**found.devices, **site.devices},
+        )
+    return site
+
+
+def _text_of(path: Path) -> str:
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -60,7 +94,7 @@ def read_site(path: Path) -> Site:
     except UnicodeDecodeError as error:
         problem = f"is not UTF-8 text (byte {error.start})"
         raise NotReadable(str(path), problem, "save it as UTF-8") from error
-    return load_site(text)
+    return text
 
 
 def load_site(text: str) -> Site:
@@ -101,12 +135,14 @@ def load_site(text: str) -> Site:
 
 def dump_site(site: Site) -> str:
     """Write a `Site` as YAML text that `load_site` reads back to an equal one."""
-    return yaml.safe_dump(msgspec.to_builtins(site), sort_keys=False, allow_unicode=True, width=100)
+    # Escaped throughout: of what is written as it is, a line end of Unicode's would not come back.
+    return yaml.safe_dump(msgspec.to_builtins(site), sort_keys=False, width=1_000_000)
 
 
 _AT = re.compile(r"^(?P<problem>.*?)(?: - at `(?P<path>.*)`)?$", re.DOTALL)
 _UNKNOWN_FIELD = re.compile(r"unknown field `(.*)`")
 _UNKNOWN_ENUM = re.compile(r"Invalid enum value '(.*)'")
+_UNKNOWN_TAG = re.compile(r"Invalid value '(.*)'\Z")
 
 
 def _told(message: str, document: object) -> DescriptionError:
@@ -120,6 +156,9 @@ def _told(message: str, document: object) -> DescriptionError:
     enum = _UNKNOWN_ENUM.search(problem)
     if enum:
         return UnknownWord(where, "word", enum[1], _words_of(shape))
+    tag = _UNKNOWN_TAG.search(problem)
+    if tag and where.startswith("$.connections."):
+        return UnknownWord(where, "kind of connection", tag[1], ConnectionKind)
     return DescriptionError(where, problem[:1].lower() + problem[1:].replace("`", ""))
 
 
@@ -147,7 +186,7 @@ def _follow(path: str, document: object, problem: str) -> tuple[str, object]:
     shape: object = msgspec.inspect.type_info(Site)
     value, said = document, "$"
     for name, index in _STEP.findall(path):
-        shape = _inner(shape, msgspec.inspect.StructType)
+        shape = _inner(shape, msgspec.inspect.StructType, value)
         if name:
             shape = _field_type(shape, name)
             value = value.get(name) if isinstance(value, dict) else None
@@ -161,14 +200,17 @@ def _follow(path: str, document: object, problem: str) -> tuple[str, object]:
             shape = _value_type(shape)
             value = value[int(index)] if isinstance(value, list) else None
             said += f"[{index}]"
-    return said, _inner(shape, (msgspec.inspect.StructType, msgspec.inspect.EnumType))
+    return said, _inner(shape, (msgspec.inspect.StructType, msgspec.inspect.EnumType), value)
 
 
-def _inner(shape: object, wanted: type | tuple[type, ...]) -> object:
-    """Look through ``X | None`` to the member that is wanted."""
-    if isinstance(shape, msgspec.inspect.UnionType):
-        return next((each for each in shape.types if isinstance(each, wanted)), shape)
-    return shape
+def _inner(shape: object, wanted: type | tuple[type, ...], value: object) -> object:
+    """Look through ``X | None``, and ``X | Y`` by the tag that ``value`` has, to one member."""
+    if not isinstance(shape, msgspec.inspect.UnionType):
+        return shape
+    members = [each for each in shape.types if isinstance(each, wanted)]
+    tag = value.get("kind") if isinstance(value, dict) else None
+    tagged = [each for each in members if getattr(each, "tag", None) == tag is not None]
+    return next(iter(tagged or members), shape)
 
 
 def _field_type(shape: object, name: str) -> object:
@@ -188,10 +230,13 @@ def _value_type(shape: object) -> object:
 def _first_wrong(value: object, shape: object, problem: str) -> str:
     if not isinstance(value, dict):
         return "…"
-    if isinstance(shape, msgspec.inspect.StructType):
+    # Only connections are one of several shapes.
+    union = isinstance(shape, msgspec.inspect.UnionType)
+    kind = shape.cls if isinstance(shape, msgspec.inspect.StructType) else None
+    if union or kind is not None:
         for key, each in value.items():
             try:
-                msgspec.convert(each, shape.cls)
+                msgspec.convert(each, Connection if union else kind)
             except msgspec.ValidationError as error:
                 if str(error).startswith(problem):
                     return str(key)

@@ -15,7 +15,10 @@ from enum import StrEnum
 import msgspec
 
 # These stand beside: what they need of a site is its addresses only.
+from talaia.model.connection import Connection, Ros1Connection, Ros2Connection, Ros2Settings
+from talaia.model.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
+from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.shape import Shape
 
 __all__ = [
@@ -92,6 +95,10 @@ class CommandKind(StrEnum):
     SERVICE = "service"
     TOPIC = "topic"
     ACTION = "action"
+    # ROS: sets parameters. INDI: sends a property. Process: runs a command.
+    PARAMETER = "parameter"
+    INDI = "indi"
+    PROCESS = "process"
 
 
 class DriveMessage(StrEnum):
@@ -116,20 +123,40 @@ class LinkLoss(StrEnum):
 
 
 class Source(Shape, frozen=True, kw_only=True):
-    """Where a signal or a picture comes from.
+    """Where a signal or a picture comes from. Which keys stand here goes by the connection.
 
     Attributes:
-        topic: the ROS topic, absolute (``/odom``).
-        type: the ROS type, ``package/msg/Name``.
-        field: the path of the field in the message: ``pose.pose.position.x``, ``ranges[0]``.
-        name: for a topic that carries many sensors by name (CloudConnect's ``/metric``): which.
+        topic: ROS: the topic, absolute (``/odom``).
+        type: ROS: the topic's type, ``package/msg/Name``.
+        field: ROS: the path of the field in the message: ``pose.pose.position.x``,
+            ``ranges[0]``.
+        name: ROS: for a topic that carries many sensors by name (CloudConnect's ``/metric``):
+            which.
+        parameter: ROS: a parameter instead of a topic, asked for once a second:
+            ``/node/name``.
+        property: INDI: the property (``EQUATORIAL_EOD_COORD``).
+        element: INDI: the element of the property (``RA``); without it a state is that of the
+            property itself (Idle, Ok, Busy, Alert), and of a switch the element that is on.
+        device: INDI: another device than `Device.indi`.
+        run: process: the arguments of the command whose answer is the value, as one line; there
+            is no shell.
+        pattern: process: a regular expression with one group, which is the value; without it the
+            whole answer is.
+        messages: process: what an answer means, in words: ``{opened: the dome is opened}``.
 
     """
 
-    topic: str
-    type: str
+    topic: str = ""
+    type: str = ""
     field: str = ""
     name: str = ""
+    parameter: str = ""
+    property: str = ""
+    element: str = ""
+    device: str = ""
+    run: str = ""
+    pattern: str = ""
+    messages: dict[str, str] = {}
 
 
 class Signal(Shape, frozen=True, kw_only=True):
@@ -214,7 +241,8 @@ class Drive(Shape, frozen=True, kw_only=True):
         max_acceleration: (m/s²); a demand for zero is never ramped.
         max_turn_acceleration: (rad/s²).
         rate: control rate to the robot, and of explicit zeros (Hz).
-        ttl: a driving frame older than this is refused (s).
+        ttl: a driving frame older than this is refused (s). Zero comes 0.45 s after the newest
+            tick the driver has echoed, however long this is.
         zeros_for: how long explicit zeros are published after the last frame (s).
         lease: a lease ends so long after its last renewal (s).
         picture: name of the stream the driver looks at; empty for none.
@@ -240,7 +268,13 @@ class Drive(Shape, frozen=True, kw_only=True):
 
 
 class Argument(Shape, frozen=True, kw_only=True):
-    """One typed argument of a command, with the field of the request it fills."""
+    """One typed argument of a command.
+
+    Attributes:
+        field: what it fills: a path into the ROS request, the name of a parameter, an INDI
+            element, or a placeholder ``{field}`` of a command line.
+
+    """
 
     type: ArgumentType
     field: str
@@ -256,8 +290,10 @@ class Command(Shape, frozen=True, kw_only=True):
     """Something a device can be asked to do once.
 
     Attributes:
-        target: the ROS service, topic or action.
-        type: ``package/srv/Name``, ``package/msg/Name`` or ``package/action/Name``.
+        target: the ROS service, topic or action; the node whose parameters are set; the INDI
+            property; or the arguments of a command as one line, without a shell, where ``{field}``
+            stands for an argument.
+        type: ROS: ``package/srv/Name``, ``package/msg/Name`` or ``package/action/Name``.
         progress: for an action: the path of a number in its feedback, or empty.
         progress_end: the value of ``progress`` that means done.
         fixed: request fields with values that the asker does not choose, by path.
@@ -271,7 +307,7 @@ class Command(Shape, frozen=True, kw_only=True):
 
     name: str
     target: str
-    type: str
+    type: str = ""
     kind: CommandKind = CommandKind.SERVICE
     description: str = ""
     progress: str = ""
@@ -287,31 +323,24 @@ class Device(Shape, frozen=True, kw_only=True):
     """A part of a site that people think of as one thing.
 
     Attributes:
+        connection: by which connection it is reached; may be left out where there is only one.
+        indi: the name of the device at the INDI server.
         link_loss: what is done with it when the hub is out of reach, beside `Drive.link_loss`.
+        pointing: where it may not point, see `Pointing`.
 
     """
 
     name: str
     kind: DeviceKind = DeviceKind.OTHER
+    connection: str = ""
+    indi: str = ""
     signals: dict[str, Signal] = {}
     streams: dict[str, Stream] = {}
     commands: dict[str, Command] = {}
     drive: Drive | None = None
     link_loss: LinkLossPolicy | None = None
+    pointing: Pointing | None = None
     visibility: Visibility = Visibility.VIEW
-
-
-class Ros2Settings(Shape, frozen=True, kw_only=True):
-    """How the gateway joins ROS 2.
-
-    Attributes:
-        domain: the ROS domain id; none takes ROS_DOMAIN_ID or 0.
-        node: the gateway's node name.
-
-    """
-
-    domain: int | None = None
-    node: str = "talaia_gateway"
 
 
 class Channel(msgspec.Struct, frozen=True):
@@ -332,7 +361,12 @@ class Site(Shape, frozen=True, kw_only=True):
         site: short name, for addresses and files.
         name: what people call it.
         zone: the site's time zone, by its IANA name.
+        place: where it is on Earth.
+        ros2: short for a connection named ``ros2`` of kind ``ros2``.
+        connections: the robot protocols, by name; see `talaia.model.connection`.
         interlocks: by name; see `Interlock`.
+        recording: raw topics that are recorded; nothing is where it is left out.
+        enclosures: by name; see `Enclosure`.
 
     """
 
@@ -341,8 +375,26 @@ class Site(Shape, frozen=True, kw_only=True):
     name: str
     zone: str = "UTC"
     ros2: Ros2Settings | None = None
+    connections: dict[str, Connection] = {}
     devices: dict[str, Device] = {}
     interlocks: dict[str, Interlock] = {}
+    recording: Recording | None = None
+    place: Place | None = None
+    enclosures: dict[str, Enclosure] = {}
+
+    def links(self) -> dict[str, Connection]:
+        """Give every connection by name, ``ros2: {}`` among them."""
+        if self.ros2 is None:
+            return self.connections
+        short = Ros2Connection(domain=self.ros2.domain, node=self.ros2.node)
+        return {"ros2": short, **self.connections}
+
+    def connection_of(self, device: str) -> str:
+        """Name the connection of a device; empty when it has none or it is not clear which."""
+        links, named = self.links(), self.devices[device].connection
+        if named:
+            return named if named in links else ""
+        return next(iter(links)) if len(links) == 1 else ""
 
     def channels(self) -> tuple[Channel, ...]:
         """List every channel, in the order of the description. The order is the wire's index."""
@@ -359,6 +411,20 @@ class Site(Shape, frozen=True, kw_only=True):
             for part in parts_of(signal)
         )
 
+    def recorded(self) -> tuple[str, ...]:
+        """Name the topics that are recorded, in the order of the description."""
+        if self.recording is None:
+            return ()
+        links = self.links()
+        read = (
+            signal.source.topic
+            for name, device in self.devices.items()
+            if isinstance(links.get(self.connection_of(name)), Ros2Connection | Ros1Connection)
+            for signal in device.signals.values()
+            if signal.source.topic
+        )
+        return tuple(dict.fromkeys(self.recording.topics or read))
+
     def guarded(self) -> frozenset[str]:
         """Name the signals that safety depends on: their newest readings stay at hand."""
         confirming = {
@@ -367,8 +433,16 @@ class Site(Shape, frozen=True, kw_only=True):
             if device.drive is not None
             for address in device.drive.stop.confirmed_by
         }
-        conditions = (each for one in self.interlocks.values() for each in one.when)
-        return frozenset(confirming | {each.signal for each in conditions if each.signal})
+        conditions = [each for one in self.interlocks.values() for each in one.when]
+        conditions += [part for each in conditions for part in each.all_of]
+        watched = {each.signal for each in conditions if each.signal}
+        for enclosure in self.enclosures.values():
+            watched |= {each.signal for each in (*enclosure.closed, *enclosure.moving)}
+            if enclosure.parked is not None:
+                watched.add(enclosure.parked.signal)
+            if (follow := enclosure.follow) is not None:
+                watched |= {follow.target, follow.azimuth, follow.when.signal}
+        return frozenset(confirming | watched)
 
 
 def parts_of(signal: Signal) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
+from talaia.sim.observatory import client as programs, run as observatory
 from talaia.sim.vehicle import run as vehicle
 
 if TYPE_CHECKING:
@@ -14,6 +15,11 @@ __all__ = ["ROBOTS", "main"]
 
 ROBOTS: dict[str, tuple[Callable[[Sequence[str]], int], str]] = {
     "vehicle": (vehicle.main, "a TurtleBot3-like vehicle in a furnished house, as ROS 2 nodes"),
+    "observatory": (
+        observatory.main,
+        "dome, telescope, weather, camera, power and CCTV, as ROS 2 or ROS 1 nodes",
+    ),
+    "run": (programs.main, "a program of the observatory, in place of `ros2 run`"),
 }
 
 
@@ -22,7 +28,7 @@ def main(argv: Sequence[str]) -> int:
     name = argv[0] if argv else "--help"
     if name in ROBOTS:
         return ROBOTS[name][0](argv[1:])
-    rows = "\n".join(f"  {each:<9} {what}" for each, (_, what) in ROBOTS.items())
+    rows = "\n".join(f"  {each:<12} {what}" for each, (_, what) in ROBOTS.items())
     usage = f"usage: talaia sim ROBOT …\n\n{rows}\n\ntalaia sim ROBOT --help tells more.\n"
     if name in ("-h", "--help"):
         sys.stdout.write(usage)

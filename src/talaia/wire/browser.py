@@ -42,6 +42,7 @@ __all__ = [
     "Cancel",
     "Command",
     "CommandNews",
+    "DeviceNews",
     "Drive",
     "DriveNews",
     "Ended",
@@ -203,7 +204,13 @@ class Greeting(Message, frozen=True, kw_only=True, tag="greeting"):
 
 
 class SiteNews(Message, frozen=True, kw_only=True, tag="site"):
-    """A site's link came up or went down, or its description changed (``catalogue``)."""
+    """A site's link came up or went down, or its description changed (``catalogue``).
+
+    Attributes:
+        rival_us: another gateway with this one's key was there then (UTC) and is kept out; 0 when
+            none has been for two minutes.
+
+    """
 
     site: Word
     online: bool
@@ -212,6 +219,7 @@ class SiteNews(Message, frozen=True, kw_only=True, tag="site"):
     loop_ms: float = 0.0
     skew_ms: float = 0.0
     why: Sentence = ""
+    rival_us: Micros = 0
 
 
 class Subscribed(Message, frozen=True, kw_only=True, tag="subscribed"):
@@ -327,6 +335,8 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
         since_us: locked since (UTC).
         clears_ms: released after so long, if nothing unsafe comes between.
         refuses: what it refuses, as people call it; of the devices that you may see.
+        targets: the same, as ``<device>/<command>``, ``<device>/drive`` or ``<device>/*``.
+        overridable: an admin may override it.
         override_ms: overridden for so long yet, by whom and why.
         longest_s: you may override it for so long at the most; 0: you may not.
 
@@ -341,10 +351,28 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
     since_us: Micros = 0
     clears_ms: Millis = 0
     refuses: Annotated[list[Sentence], Meta(max_length=1000)] = []
+    targets: Annotated[list[Sentence], Meta(max_length=1000)] = []
+    overridable: bool = False
     overridden_by: Word = ""
     reason: Sentence = ""
     override_ms: Millis = 0
     longest_s: float = 0.0
+
+
+class DeviceNews(Message, frozen=True, kw_only=True, tag="device_news"):
+    """Whether a site's gateway reaches a device; a page hears of those that it does not.
+
+    Attributes:
+        why: why it is not reached.
+        since_us: not reached since (UTC).
+
+    """
+
+    site: Word
+    device: Word
+    reached: bool
+    why: Sentence = ""
+    since_us: Micros = 0
 
 
 class EventNews(Message, frozen=True, kw_only=True, tag="event"):
@@ -444,6 +472,7 @@ ToBrowser = (
     | ResetKey
     | CommandNews
     | InterlockNews
+    | DeviceNews
     | EventNews
     | Pong
     | Problem

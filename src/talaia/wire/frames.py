@@ -1,8 +1,9 @@
 """Every message between gateway and hub.
 
 The gateway dials out twice: the *link* (``/gateway/link``) for all but pictures, and *media*
-(``/gateway/media``) for pictures, so that a picture never stands before a driving frame. It
-proves itself by ``Authorization: Bearer <gateway key>`` on both.
+(``/gateway/media``) for pictures, so that a picture never stands before a driving frame; and a
+third time (``/gateway/files``) while it has recordings to hand over. It proves itself by
+``Authorization: Bearer <gateway key>`` on each.
 
 Long, because the messages of one link are read together, in one place.
 
@@ -21,10 +22,13 @@ from talaia.wire.columns import MAX_SAMPLES
 from talaia.wire.shape import PROTOCOL, Codec, Message
 
 __all__ = [
+    "FILES_FROM_GATEWAY",
+    "FILES_FROM_HUB",
     "LINK_FROM_GATEWAY",
     "LINK_FROM_HUB",
     "MEDIA_FROM_GATEWAY",
     "MEDIA_FROM_HUB",
+    "PIECE",
     "Ack",
     "Again",
     "Beat",
@@ -34,9 +38,13 @@ __all__ = [
     "CommandCancel",
     "CommandPhase",
     "CommandState",
+    "DeviceState",
     "Drive",
     "DriveState",
     "Event",
+    "FileHave",
+    "FileOffer",
+    "FilePiece",
     "FromGateway",
     "FromHub",
     "Gap",
@@ -49,6 +57,8 @@ __all__ = [
     "OverrideAsk",
     "Picture",
     "Reconnect",
+    "RecordAsk",
+    "RecordState",
     "ResetAsk",
     "ResetToken",
     "Samples",
@@ -56,6 +66,9 @@ __all__ = [
     "StopAsk",
     "StopState",
     "Tick",
+    "UploadOffer",
+    "UploadPart",
+    "UploadState",
     "Watch",
     "Welcome",
 ]
@@ -76,8 +89,14 @@ ChannelColumn = Annotated[bytes, Meta(max_length=2 * MAX_SAMPLES)]
 OffsetColumn = Annotated[bytes, Meta(max_length=4 * MAX_SAMPLES)]
 ValueColumn = Annotated[bytes, Meta(max_length=8 * MAX_SAMPLES)]
 Texts = Annotated[dict[int, Sentence], Meta(max_length=MAX_SAMPLES)]
+Digest = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
+FileId = Annotated[str, Meta(pattern="^[0-9A-Za-z]{1,32}(-[0-9a-z]{1,16})?$")]
+# Bytes of a recording that go in one frame.
+PIECE = 64 * 1024
 # A picture is at most this large; a link frame is far smaller.
 MAX_PICTURE = 8 * 1024 * 1024
+# A part of a file, which shares the link with driving.
+MAX_PART = 16 * 1024
 
 
 class LeaseOp(StrEnum):
@@ -268,6 +287,104 @@ class InterlockState(Message, frozen=True, kw_only=True, tag="interlock"):
     override_ms: Millis = 0
 
 
+class RecordState(Message, frozen=True, kw_only=True, tag="record_state"):
+    """Whether raw topics are being recorded. Sent on every change and at the start of a link.
+
+    Attributes:
+        id: the recording's own name; empty while there is none.
+        since_us: its earliest message.
+        ends_ms: it ends by itself after so long.
+        problem: why the last one failed, or nothing can be recorded.
+
+    """
+
+    on: bool
+    id: Word = ""
+    why: Sentence = ""
+    who: Sentence = ""
+    since_us: Micros = 0
+    ends_ms: Millis = 0
+    problem: Sentence = ""
+
+
+class FileOffer(Message, frozen=True, kw_only=True, tag="file_offer"):
+    """A recording that the gateway has, and hands over if the hub says how much of it it has.
+
+    Attributes:
+        id: the recording's own name, never used twice by a site.
+        size: bytes.
+        digest: SHA-256 of all of it.
+        why: what began it.
+
+    """
+
+    id: FileId
+    size: Count
+    digest: Digest
+    begin_us: Micros
+    end_us: Micros
+    why: Sentence = ""
+    who: Sentence = ""
+    messages: Count = 0
+    topics: Annotated[list[Name], Meta(max_length=1000)] = []
+    note: Sentence = ""
+
+
+class FilePiece(Message, frozen=True, kw_only=True, tag="file_piece"):
+    """The bytes of the offered file from ``at`` on, with their CRC-32."""
+
+    id: FileId
+    at: Count
+    check: Annotated[int, Meta(ge=0, lt=2**32)]
+    data: Annotated[bytes, Meta(max_length=PIECE)]
+
+
+class DeviceState(Message, frozen=True, kw_only=True, tag="device_state"):
+    """Whether the gateway reaches a device. Sent on every change, and to a new link if it does not.
+
+    While it does not, what the device last said is not true any more, however young it is.
+
+    Attributes:
+        why: why it is not reached.
+        for_ms: not reached for so long.
+
+    """
+
+    device: Name
+    reached: bool
+    why: Sentence = ""
+    for_ms: Millis = 0
+
+
+class UploadOffer(Message, frozen=True, kw_only=True, tag="upload_offer"):
+    """The gateway has a file for the hub: a picture for the archive, a recording.
+
+    It is answered by `UploadState`, which says from where on the hub wants it.
+
+    Attributes:
+        file: the gateway's own name for it, never used twice.
+        kind: what it is and so where it goes: ``fits``.
+        digest: SHA-256 of the whole, in hex.
+        time_us: when it was made.
+
+    """
+
+    file: Annotated[str, Meta(pattern="^[0-9a-f]{32}$")]
+    kind: Name
+    device: Word = ""
+    size: Annotated[int, Meta(ge=0, le=2**40)]
+    digest: Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
+    time_us: Micros = 0
+
+
+class UploadPart(Message, frozen=True, kw_only=True, tag="upload_part"):
+    """Bytes of a file that was offered, in order. So small that what is urgent waits for little."""
+
+    file: Annotated[str, Meta(pattern="^[0-9a-f]{32}$")]
+    offset: Annotated[int, Meta(ge=0, le=2**40)]
+    data: Annotated[bytes, Meta(max_length=MAX_PART)]
+
+
 # ── both ways ───────────────────────────────────────────────────────────────────────────────
 
 
@@ -418,6 +535,24 @@ class OverrideAsk(Message, frozen=True, kw_only=True, tag="override"):
     seconds: Annotated[float, Meta(ge=0, le=86_400)]
 
 
+class UploadState(Message, frozen=True, kw_only=True, tag="upload_state"):
+    """How much of a file the hub has.
+
+    Attributes:
+        below: it has all bytes before this.
+        again: what came did not follow: send from ``below`` on.
+        done: it has the whole and has put it where it belongs.
+        refused: why it does not want it; empty otherwise.
+
+    """
+
+    file: Annotated[str, Meta(pattern="^[0-9a-f]{32}$")]
+    below: Annotated[int, Meta(ge=0, le=2**40)]
+    again: bool = False
+    done: bool = False
+    refused: Sentence = ""
+
+
 class Watch(Message, frozen=True, kw_only=True, tag="watch"):
     """The streams (``device/stream``) that anyone looks at now; all others rest."""
 
@@ -432,6 +567,30 @@ class Reconnect(Message, frozen=True, kw_only=True, tag="reconnect"):
 
     device: Name
     who: Name
+
+
+class RecordAsk(Message, frozen=True, kw_only=True, tag="record"):
+    """Begin or end a recording of raw topics. The hub has seen to the right."""
+
+    on: bool
+    who: Name
+    why: Sentence = ""
+
+
+class FileHave(Message, frozen=True, kw_only=True, tag="file_have"):
+    """How much of an offered file the hub has; the answer to each offer and piece.
+
+    Attributes:
+        have: bytes, from the beginning.
+        done: all of it is there and its digest is right: the gateway may forget it.
+        refused: why the hub does not take it; it is not offered again soon.
+
+    """
+
+    id: FileId
+    have: Count = 0
+    done: bool = False
+    refused: Sentence = ""
 
 
 class Picture(Message, frozen=True, kw_only=True, tag="picture"):
@@ -458,6 +617,10 @@ FromGateway = (
     | ResetToken
     | CommandState
     | InterlockState
+    | RecordState
+    | DeviceState
+    | UploadOffer
+    | UploadPart
     | Event
     | Beat
     | BeatReply
@@ -475,16 +638,22 @@ FromHub = (
     | CommandAsk
     | CommandCancel
     | OverrideAsk
+    | UploadState
     | Watch
     | Reconnect
+    | RecordAsk
     | Beat
     | BeatReply
     | Bye
 )
 MediaFromGateway = Picture | Beat | BeatReply
 MediaFromHub = Beat | BeatReply | Bye
+FilesFromGateway = FileOffer | FilePiece
+FilesFromHub = FileHave | Bye
 
 LINK_FROM_GATEWAY: Codec[FromGateway] = Codec(FromGateway, 8 * 1024 * 1024)
 LINK_FROM_HUB: Codec[FromHub] = Codec(FromHub, 1024 * 1024)
 MEDIA_FROM_GATEWAY: Codec[MediaFromGateway] = Codec(MediaFromGateway, MAX_PICTURE)
 MEDIA_FROM_HUB: Codec[MediaFromHub] = Codec(MediaFromHub, 64 * 1024)
+FILES_FROM_GATEWAY: Codec[FilesFromGateway] = Codec(FilesFromGateway, 512 * 1024)
+FILES_FROM_HUB: Codec[FilesFromHub] = Codec(FilesFromHub, 64 * 1024)

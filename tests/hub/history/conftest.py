@@ -11,8 +11,9 @@ from talaia.hub.store.reach import reach
 
 # So small that a few hundred samples go through all that a year of them goes through.
 SMALL = Limits(
-    block=32, recent=16, journal=200, delete=2, raw=200, texts=300, linger_s=0.0, show_s=0.0
-)
+    block=32, largest=32, recent=16, journal=200, delete=2, raw=200, texts=300,
+    linger_s=0.0, show_s=0.0,
+)  # fmt: skip
 
 
 @asynccontextmanager

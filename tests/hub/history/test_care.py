@@ -5,8 +5,6 @@ import pytest
 import sqlalchemy as sa
 
 from talaia.clock import HandClock
-from talaia.hub.api.storage import full_at
-from talaia.hub.history.storage import ChannelStorage, Storage
 from talaia.hub.history.store import HistoryStore
 from talaia.model.site import Device, Signal, Site, Source
 from talaia.wire.columns import Columns
@@ -94,7 +92,7 @@ async def test_after_rollups_were_dropped_new_ones_are_right(url) -> None:
         assert found.samples == exact.time_us.size
 
 
-async def test_storage_counts_what_there_is_and_when_it_is_full(url) -> None:
+async def test_storage_counts_what_there_is_and_what_came_in_the_last_week(url) -> None:
     clock = HandClock()
     now_us = clock.wall_ns() // 1000
     store = HistoryStore(url, clock, LIMITS)
@@ -106,21 +104,15 @@ async def test_storage_counts_what_there_is_and_when_it_is_full(url) -> None:
     await store.close()
     new, old = found.channels
     assert (new.address, old.address) == ("base/brief", "base/long")
-    assert new.day_bytes == new.bytes > 0
-    assert old.day_bytes == 0
+    assert new.week_bytes == new.bytes > 0
+    assert old.week_bytes == 0
     assert found.blocks_bytes == new.bytes + old.bytes
     assert found.database_bytes > found.blocks_bytes
-    assert (found.free_bytes is not None) == url.startswith("sqlite")
-
-
-def test_the_forecast_takes_what_comes_first() -> None:
-    channel = ChannelStorage("agv", "a/x", 1, 1_000, 0, 0, 500)
-    found = Storage(2_000, 8_000, 1_000, 1_000, [channel])
-    assert full_at(found, 0, 0) == 8 * DAY
-    assert full_at(found, 2_000, 0) == 2 * DAY
-    assert full_at(found, 500, 0) == 0
-    assert full_at(found._replace(free_bytes=None), 0, 0) is None
-    assert full_at(found._replace(day_bytes=0, channels=[]), 2_000, 0) is None
+    ours = url.startswith("sqlite")
+    assert (found.free_bytes is not None) == (found.disk_bytes > 0) == ours
+    assert found.kind.split()[0] in {"SQLite", "PostgreSQL", "MariaDB", "MySQL"}
+    assert found.kind.split()[1][0].isdigit()
+    assert sa.make_url(url).database in found.place
 
 
 async def test_a_damaged_block_is_a_gap_and_harms_nothing_else(url) -> None:

@@ -16,9 +16,8 @@ from talaia.hub.store.tables import metadata
 from .samples import ALL, batch
 
 VERSIONS = "talaia.hub.store.migrations.versions"
-steps = [
-    importlib.import_module(f"{VERSIONS}.{name}") for name in ("0002_history", "0010_history_views")
-]
+NAMES = ("0002_history", "0010_history_views", "0014_sensor_kinds")
+steps = [importlib.import_module(f"{VERSIONS}.{name}") for name in NAMES]
 
 
 def test_migrated_tables_are_the_tables_in_the_program(url) -> None:

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from talaia.hub.history.rollup import (
     WIDTHS,
@@ -27,6 +27,7 @@ def columns(pairs):
     return np.array([t for t, _ in pairs], np.int64), np.array([v for _, v in pairs])
 
 
+@settings(deadline=None)
 @given(runs, st.integers(1, 40))
 def test_merged_sums_are_the_sums_of_all(parts, width) -> None:
     merged = merge(join([summarise(*columns(part), width) for part in parts]))
@@ -37,6 +38,7 @@ def test_merged_sums_are_the_sums_of_all(parts, width) -> None:
     np.testing.assert_allclose(merged.total, whole.total, rtol=1e-12)
 
 
+@settings(deadline=None)
 @given(runs, st.integers(1, 40))
 def test_extremes_and_last_stand_at_their_own_time(parts, width) -> None:
     pairs = [pair for part in parts for pair in part]
@@ -47,6 +49,7 @@ def test_extremes_and_last_stand_at_their_own_time(parts, width) -> None:
             assert (t, v if v == v else None) in there
 
 
+@settings(deadline=None)
 @given(runs, st.integers(1, 40))
 def test_a_row_gives_back_its_cell(parts, width) -> None:
     cells = summarise(*columns(parts[0]), width)
@@ -59,6 +62,7 @@ def test_a_row_gives_back_its_cell(parts, width) -> None:
         np.testing.assert_array_equal(mine, other)
 
 
+@settings(deadline=None)
 @given(st.integers(-(2**50), 2**50), st.integers(0, 2**48), st.sampled_from((0, *WIDTHS)))
 def test_a_cover_fills_the_window_without_overlap(start, span, width) -> None:
     pieces = cover(start, start + span, width)

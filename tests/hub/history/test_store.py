@@ -297,6 +297,30 @@ async def test_a_changed_description_keeps_the_history_of_what_it_renamed(url) -
         assert [each.value.tolist() for each in series] == [[1.0], [2.0, 3.0], [4.0]]
 
 
+async def test_rollups_give_back_every_bit_infinities_and_what_is_no_number(url) -> None:
+    def odd(index):
+        value = np.sin(index / 3.0) / 3e-7
+        value[index < 6_000] = np.nan
+        value[index == 9_000] = np.inf
+        return value
+
+    async with opened(url, SMALL._replace(block=512, largest=512, recent=512)) as store:
+        await feed(store, 20_000, value=odd)
+        window = (START, START + 200 * SECOND)
+        (series,) = await store.read("agv", ["base/speed"], *window, 20)
+        assert not series.exact
+        assert np.isnan(series.value[series.time_us < START + 50 * SECOND]).all()
+        assert np.inf in series.value
+        # Without the part that holds no number, which servers are asked for in another way.
+        (later,) = await store.read("agv", ["base/speed"], START + 80 * SECOND, window[1], 10)
+        known = dict(
+            zip((START + np.arange(20_000) * SECOND // 100), odd(np.arange(20_000)), strict=True)
+        )
+        for each in (series, later):
+            read = [known[time_us] for time_us in each.time_us]
+            np.testing.assert_array_equal(each.value, read)
+
+
 async def test_a_batch_that_cannot_be_kept_does_not_harm_the_others(url) -> None:
     good = batch([(0, START, 1.0)])
     async with opened(url) as store:
@@ -321,7 +345,7 @@ async def test_slow_channels_do_not_keep_the_journal_from_shrinking(tmp_path) ->
 
     url = f"sqlite:///{tmp_path}/history.db"
     async with opened(
-        url, Limits(block=64, recent=32, journal=500, delete=4, linger_s=0.0)
+        url, Limits(block=64, largest=64, recent=32, journal=500, delete=4, linger_s=0.0)
     ) as store:
         slow, sequence = [], 0
         for at in range(200):
@@ -339,6 +363,21 @@ async def test_slow_channels_do_not_keep_the_journal_from_shrinking(tmp_path) ->
         assert fast.time_us.size == 4000
         assert slowly.value.tolist() == slow
         assert await store.stored_below("agv", "b1") == sequence
+
+
+async def test_readings_for_sql_between_a_plan_and_its_commit_lose_nothing(tmp_path) -> None:
+    """Some channels are planned to be sealed when a reading of each is taken of all that came."""
+    limits = SMALL._replace(block=8, largest=8, recent=16)
+    addresses = [f"base/s{at}" for at in range(20)]
+    rows = [(at % 20, START + at, float(at)) for at in range(174)]
+    async with opened(f"sqlite:///{tmp_path}/history.db", limits) as store:
+        # All channels are full at once, and only a few are sealed with each commit.
+        for first, past in ((0, 140), (140, 160), (160, 174)):
+            await store.append("agv", "b1", first, addresses, batch(rows[first:past]))
+        await store.show()
+        found = await store.read("agv", addresses, *ALL, 100)
+        for channel, series in enumerate(found):
+            assert rows_of(series) == wanted(rows, channel)
 
 
 async def test_reads_see_every_sample_while_blocks_are_sealed(url) -> None:
@@ -388,3 +427,20 @@ async def test_a_database_that_refuses_for_a_while_loses_and_doubles_nothing(url
         (series,) = await store.read("agv", ["base/speed"], *ALL, 1000)
         np.testing.assert_array_equal(series.value, np.sin(np.arange(390) / 500))
     engine.dispose()
+
+
+async def test_a_mistake_of_ours_leaves_nobody_waiting_and_is_over_with_the_next_batch(
+    tmp_path, monkeypatch
+) -> None:
+    def mistake(*_):
+        raise AttributeError("a name that is no longer there")
+
+    async with opened(f"sqlite:///{tmp_path}/history.db") as store:
+        with monkeypatch.context() as broken:
+            broken.setattr(store._writer._checkpoints, "after_commit", mistake)
+            await feed(store, 500)
+            broken.setattr(store._writer, "_store", mistake)
+            with pytest.raises(HistoryError, match="no longer there"):
+                await feed(store, 500, first=500)
+        await feed(store, 500, first=500)
+        assert await store.stored_below("agv", "b1") == 1000

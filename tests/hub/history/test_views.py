@@ -1,9 +1,12 @@
 """Each sensor's view shows its name, its time and its values to anyone with an SQL client."""
 
+import threading
+
 import numpy as np
 import pytest
 import sqlalchemy as sa
 
+from talaia.hub.history import sensors, store as store_module
 from talaia.hub.history.views import view_name
 from talaia.model.site import Device, PositionFrame, Signal, SignalType, Site, Source
 from talaia.wire.columns import Columns
@@ -69,6 +72,34 @@ async def test_a_new_sensor_has_its_view_at_once_and_its_values_as_they_come(url
         assert sql("SELECT view_name, shown_name FROM history_sensor") == [
             {"view_name": "sensor_agv_base_speed", "shown_name": "Speed"}
         ]
+
+
+async def test_of_very_many_sensors_the_first_have_views(url, sql, monkeypatch, caplog) -> None:
+    monkeypatch.setattr(sensors, "MOST_VIEWS", 25)
+    # A slow server's views are waited for.
+    monkeypatch.setattr(store_module, "_VIEWS_S", 60.0)
+    async with opened(url) as store:
+        await store.describe(site_of(**{f"s{each}": number() for each in range(40)}))
+    assert len(sql("SELECT view_name FROM history_sensor WHERE made_of <> ''")) == 25
+    assert len(sql("SELECT view_name FROM history_sensor")) == 40
+    assert "agv has many signals" in caplog.text
+
+
+async def test_samples_do_not_wait_for_views(url, monkeypatch) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slow(*_: object) -> None:
+        begun.set()
+        go_on.wait(10)
+
+    monkeypatch.setattr(store_module, "show_sensors", slow)
+    monkeypatch.setattr(store_module, "_VIEWS_S", 0.01)
+    async with opened(url) as store:
+        await store.describe(site_of(speed=number()))
+        await feed(store, 10)
+        assert begun.is_set()
+        assert not go_on.is_set()
+        go_on.set()
 
 
 async def test_a_view_shows_rollups_and_after_them_single_readings(url, sql) -> None:
@@ -158,3 +189,15 @@ def test_view_names_differ_even_where_addresses_look_alike() -> None:
     long = view_name("a" * 60, "b" * 60, 9, frozenset())
     assert len(long) <= 63
     assert long.endswith("_9")
+
+
+async def test_what_a_sensor_was_is_known_after_it_is_gone_and_after_a_restart(url) -> None:
+    state = Signal(name=HOSTILE, type=SignalType.STATE, states=("off", "on"), source=SOURCE)
+    async with opened(url) as store:
+        await store.describe(site_of(mode=state, speed=number()))
+        await store.describe(site_of(speed=number(name="Ground speed")))
+        assert store.kind_of("agv", "base/speed").name == "Ground speed"
+    async with opened(url) as store:
+        assert store.kind_of("agv", "base/mode") == (HOSTILE, "", "state", ("off", "on"), -1)
+        assert store.kind_of("agv", "base/speed").unit == "m/s"
+        assert store.kind_of("agv", "base/other") is None

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 from typing import TYPE_CHECKING, NamedTuple
+from zlib import crc32
 
 import pyotp
 
 from talaia.hub.policy import Need
+from talaia.wire.frames import FileOffer, FilePiece
 
-from .world import NOW, PASSWORD, SESSIONLESS, SIGNED_IN, TOKEN, holds
+from .world import NOW, PASSWORD, PICTURED, SESSIONLESS, SIGNED_IN, TOKEN, holds
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
@@ -72,6 +75,7 @@ async def _export(world: World, client: httpx.AsyncClient, about: str) -> Ask:
 
 
 _NUMBERS = itertools.count()
+SITES = ("agv", "moon")
 OTHER_PASSWORD = "another password of these tests"  # noqa: S105
 NEW_PERSON = {"name": "eve", "password": OTHER_PASSWORD, "role": "guest"}
 NEW_ROLE = {
@@ -163,6 +167,33 @@ async def _reconnect(world: World, _client: httpx.AsyncClient, _about: str) -> A
     return Ask({"gateway": await _gateway(world, "agv")}, json={"device": "base"}, done=(202,))
 
 
+async def _picture(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    return Ask({"site": about.partition("/")[0], "frame": await world.picture(about)})
+
+
+# About the camera, which alone decides who sees what it took.
+_OF_PICTURE = Recipe(_picture, PICTURED)
+
+
+async def _recording(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    """Have a recording of a site, as if its gateway had just handed it over."""
+    recordings = world.hub.hub._recordings
+    name, body = f"r{next(_NUMBERS)}", b"mcap"
+    offer = FileOffer(
+        id=name, size=4, digest=hashlib.sha256(body).hexdigest(), begin_us=NOW, end_us=NOW
+    )
+    await recordings.offered(about, offer)
+    done = await recordings.take(
+        about, offer, FilePiece(id=name, at=0, check=crc32(body), data=body)
+    )
+    assert done.done
+    return Ask({"site": about, "recording": name})
+
+
+async def _no_recording(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    return (await _recording(world, client, about))._replace(done=(204,))
+
+
 RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/health"): Recipe(plain()),
     ("POST", "/api/login"): Recipe(plain(json={"name": "guest", "password": PASSWORD})),
@@ -180,7 +211,17 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/stored"): of_site(),
     ("GET", "/api/sites/{site}/export"): Recipe(_export, ("agv", "moon")),
     ("GET", "/api/sites/{site}/events"): of_site(),
+    ("GET", "/api/sites/{site}/nights"): of_site(),
+    ("GET", "/api/sites/{site}/frames"): of_site(),
+    ("GET", "/api/sites/{site}/frames/{frame}"): _OF_PICTURE,
+    ("GET", "/api/sites/{site}/frames/{frame}/file"): _OF_PICTURE,
+    ("GET", "/api/sites/{site}/frames/{frame}/preview"): _OF_PICTURE,
     ("GET", "/api/storage"): Recipe(plain()),
+    ("GET", "/api/sites/{site}/recordings"): of_site(),
+    ("POST", "/api/sites/{site}/recordings"): of_site(json={"on": True}, done=(202,)),
+    ("GET", "/api/sites/{site}/recordings/{recording}/file"): Recipe(_recording, SITES),
+    ("DELETE", "/api/sites/{site}/recordings/{recording}"): Recipe(_no_recording, SITES),
+    ("GET", "/api/storage/outlook"): Recipe(plain()),
     ("POST", "/api/me/password"): Recipe(
         plain(json={"old": PASSWORD, "new": OTHER_PASSWORD}, done=(204,))
     ),

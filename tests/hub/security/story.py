@@ -125,6 +125,7 @@ async def everything(world: World, listeners: list[Listener]) -> None:
         await _command(world, acting, about)
         await _event(world, about)
         await _interlock(world, acting, about)
+        await _reach(world, acting, about)
         await settle(listeners)
     await acting.say(browser.Ping(n=1, at_ms=0.0))
     await acting.hear(browser.Pong)
@@ -230,6 +231,15 @@ async def _interlock(world: World, acting, about: str) -> None:
     state = frames.InterlockState(interlock="lock", locked=True, override_ms=5000, **said)
     await world.gateways[site].say(state)
     await acting.hear(browser.InterlockNews, lambda news: news.why == hidden(about))
+
+
+async def _reach(world: World, acting, about: str) -> None:
+    site, _, device = about.partition("/")
+    gateway = world.gateways[site]
+    await gateway.say(frames.DeviceState(device=device, reached=False, why=hidden(about)))
+    await acting.hear(browser.DeviceNews, lambda news: news.why == hidden(about))
+    await gateway.say(frames.DeviceState(device=device, reached=True))
+    await acting.hear(browser.DeviceNews, lambda news: news.device == device and news.reached)
 
 
 async def _event(world: World, about: str) -> None:

@@ -10,10 +10,9 @@ import pytest
 from sqlalchemy import text
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.api.audit import safe_cell
 from talaia.hub.store.audit import Audit, Filter
 from talaia.hub.store.database import Database
-from talaia.hub.store.visible import visible
+from talaia.hub.store.visible import safe_cell, visible
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import (
     CommandAsk,

@@ -24,7 +24,7 @@ async def test_revoked_gateway_is_gone_at_once_and_stays_out(hub, gateway) -> No
     assert "revoked" in (await gateway.hear(Bye)).reason
     assert await gateway.closed() == 4409
     await camera.closed()
-    for path in ("/gateway/link", "/gateway/media"):
+    for path in ("/gateway/link", "/gateway/media", "/gateway/files"):
         with pytest.raises(websockets.InvalidStatus) as refused:
             await hub.dial(path, {"Authorization": f"Bearer {hub.keys['agv']}"})
         assert refused.value.response.status_code == 401

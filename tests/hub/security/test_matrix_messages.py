@@ -131,7 +131,7 @@ async def test_pictures_open_to_those_who_may_view_and_to_nobody_else(world, act
 
 
 async def test_no_person_opens_a_gateways_door(world) -> None:
-    for path in ("/gateway/link", "/gateway/media"):
+    for path in ("/gateway/link", "/gateway/media", "/gateway/files"):
         with pytest.raises(websockets.InvalidStatus) as refused:
             await world.hub.dial(path, {"Cookie": await world.hub.cookie("admin")})
         assert refused.value.response.status_code == 401

@@ -83,6 +83,7 @@ PAGES = (
     "/admin/people",
     "/admin/roles",
     "/admin/gateways",
+    "/admin/storage",
     "/admin/audit",
 )
 FLAGS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]

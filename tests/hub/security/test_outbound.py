@@ -33,6 +33,7 @@ BROADCAST = {
     browser.DriveNews,
     browser.StopNews,
     browser.CommandNews,
+    browser.DeviceNews,
     browser.EventNews,
     browser.InterlockNews,
 }

@@ -5,7 +5,7 @@ All moments are nanoseconds of this machine's monotonic clock unless a name says
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -16,7 +16,11 @@ TTL_MS = 250.0
 STOP_MS = 500.0
 # From the gateway's publication to the robot's log, on a machine whose cores others use too.
 HOP_MS = 100.0
+# A robot that counts 200 times a second and leaves such a hole did not run.
+STALL_MS = 50.0
 BACK_S = 30.0
+# I7: so much of the memory before may be in use afterwards.
+MEMORY = 1.2
 # What a gateway has taken but not yet written when it is killed: one flush, on a busy machine.
 UNWRITTEN_NS = 250 * MS
 # Between DDS telling of a subscription and sending to it.
@@ -52,6 +56,12 @@ class Findings:
     stops_ms: list[float] = field(default_factory=list)
     back_s: list[float] = field(default_factory=list)
     counted: Counter[str] = field(default_factory=Counter)
+    # Measured, by what it is; of all runs the table shows least, median and most.
+    figures: defaultdict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    # The memory of a process after the run, to the one before it.
+    memory: list[float] = field(default_factory=list)
+    # How many runs of this row there were before.
+    turn: int = 0
 
     def breach(self, invariant: str, what: str) -> None:
         """Write a violation down."""
@@ -63,12 +73,13 @@ def excused(said: Sequence[Said], killed: int | None) -> set[int]:
 
     From a moment after the robot knew of the new subscription, none is excused.
     """
-    if killed is None:
+    if killed is None or not said:
         return set()
     before = [each for each in said if each.at < killed - UNWRITTEN_NS]
     after = [each for each in said if each.at >= killed]
-    knew = before[-1].known if before else 0
-    came = next((each.at for each in after if each.known > knew), None)
+    # Nobody knows of the next gateway when this one is killed.
+    knew = [each for each in said if each.at < killed][-1:] or after[:1]
+    came = next((each.at for each in after if each.known > knew[0].known), None)
     end = after[-1].value + 1 if after else 0
     if came is not None:
         end = next((each.value for each in after if each.at >= came + MATCHING_NS), end)
@@ -128,8 +139,9 @@ def stall_ms(said: Sequence[Said], moment: int) -> float:
     It counts by the clock, so that a hole in its own ledger is the machine's, not the product's:
     what it heard then, it heard later than it was told.
     """
-    near = [each.at for each in said if moment - 1000 * MS < each.at < moment + 200 * MS]
-    return max(((b - a) / MS for a, b in pairwise(near)), default=0.0)
+    pairs = pairwise(each.at for each in said)
+    near = (b - a for a, b in pairs if b > moment - 1000 * MS and a < moment + 200 * MS)
+    return max(near, default=0) / MS
 
 
 def moved_after(told: Iterable[Told], end: int) -> list[Told]:

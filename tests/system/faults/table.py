@@ -27,8 +27,8 @@ class Table:
         """Write the table, in Markdown."""
         lines = [
             "| # | fault | runs | seeds | violations | zero after (least / median / most, ms)"
-            " | back after (s) | what was counted |",
-            "| --- | --- | --: | --- | --: | --- | --- | --- |",
+            " | back after (s) | memory after / before, most | what was counted and measured |",
+            "| --- | --- | --: | --- | --: | --- | --- | --: | --- |",
         ]
         notes = []
         for row, seeds, found in self._rows.values():
@@ -38,10 +38,19 @@ class Table:
             for each in found:
                 counted.update(each.counted)
             violations = [text for each in found for text in each.violations]
-            told = ", ".join(f"{number:,} {name}" for name, number in sorted(counted.items()))
+            figures: dict[str, list[float]] = {}
+            for each in found:
+                for name, numbers in each.figures.items():
+                    figures.setdefault(name, []).extend(numbers)
+            told = ", ".join(
+                [f"{number:,} {name}" for name, number in sorted(counted.items())]
+                + [f"{name} {_three(spread(each), 1)}" for name, each in sorted(figures.items())]
+            )
+            memory = max((ratio for each in found for ratio in each.memory), default=None)
             lines.append(
                 f"| {row.name} | {row.what} | {len(seeds)} | {seeds[0]}–{seeds[-1]}"
-                f" | {len(violations)} | {_three(stops, 0)} | {_three(back, 1)} | {told} |"
+                f" | {len(violations)} | {_three(stops, 0)} | {_three(back, 1)}"
+                f" | {'–' if memory is None else f'{memory:.2f}'} | {told} |"
             )
             notes += [f"- {row.name}: {text}" for text in violations]
         return "\n".join([*lines, "", *notes, ""])

@@ -35,6 +35,10 @@ def test_only_what_died_with_the_gateway_or_came_while_nobody_listened_is_excuse
     assert min(spared) == 400 - ledgers.UNWRITTEN_NS // (5 * MS)
     assert max(spared) == 501 + ledgers.MATCHING_NS // (5 * MS) - 1
     assert ledgers.excused(before, None) == set()
+    # Killed right at the beginning: the next one is known only later all the same.
+    spared = ledgers.excused([*before[-10:], *after], killed)
+    assert (min(spared), max(spared)) == (390, 501 + ledgers.MATCHING_NS // (5 * MS) - 1)
+    assert max(ledgers.excused(after, killed)) == max(spared)
 
 
 def test_what_is_stored_or_done_twice_is_found() -> None:

@@ -36,6 +36,8 @@ MARKS = """\
         target: /mark
         type: std_msgs/msg/Float64
         arguments: {value: {type: number, field: data, minimum: 0, maximum: 1000000000}}
+      work:
+        {name: Work, kind: service, target: /work, type: std_srvs/srv/Trigger, timeout: 1.5}
   stamped:
 """
 
@@ -147,10 +149,33 @@ class Run:
         self.from_us = time.time_ns() // 1000
         self._offset_us = round(world.offset_s["gateway"] * 1e6)
         self.killed: int | None = None
-        self._began = now()
+        self._began = self._driven_from = now()
         self._first = len(world.said())
         self._holding: asyncio.Task[None] | None = None
         self._asked: list[float] = []
+        self._memory = world.memory()
+
+    def not_ours_until(self, moment: int) -> None:
+        """Leave out what was driven before a moment: a page drove that keeps no ledger."""
+        self._driven_from = moment
+
+    def memory_from_now(self) -> dict[str, float]:
+        """Let the memory of now be the one to come back to; gives it (MiB)."""
+        self._memory = self.world.memory()
+        return self._memory
+
+    def leave_out(self, process: str) -> None:
+        """Ask nothing of a process's memory: it has been given more to keep."""
+        self._memory.pop(process, None)
+
+    def ages_since(self, moment: int) -> list[float]:
+        """Give how old each motion was when the robot was told it (ms)."""
+        told = [each for each in self.world.told(moment) if each.moves]
+        return [
+            (each.at - self.pressed[key]) / MS
+            for each in told
+            if (key := round(each.linear, 7)) in self.pressed
+        ]
 
     async def begin_anew(self) -> None:
         """Judge what is said from a moment from now on."""
@@ -203,8 +228,11 @@ class Run:
             self.findings.breach("I5", str(error))
         ms = ledgers.stop_ms(self.world.told(fault), fault)
         self.findings.stops_ms.append(ms)
-        if ms > ledgers.STOP_MS:
-            self.findings.breach("I5", f"told zero after {ms:.0f} ms")
+        stall = ledgers.stall_ms(self.world.said()[self._first :], fault + round(min(ms, 1e6) * MS))
+        # What the robot heard while it did not run itself was told it before.
+        if ms > ledgers.STOP_MS + (stall if stall > ledgers.STALL_MS else 0):
+            what = f"told zero after {ms:.0f} ms (the robot stood {stall:.0f} ms)"
+            self.findings.breach("I5", what)
 
     def nothing_moves_after(self, end: int) -> None:
         """I4: not even what still was on its way."""
@@ -255,13 +283,29 @@ class Run:
         marks = [float(each.v) for each in world.heard("/mark", self._began)]  # type: ignore[arg-type]
         for value in ledgers.repeated(marks):
             findings.breach("I3", f"command {value} acted more than once")
-        for told, age in ledgers.stale(world.told(self._began), self.pressed):
+        for told, age in ledgers.stale(world.told(self._driven_from), self.pressed):
             stall = ledgers.stall_ms(said, told.at)
             if age > ledgers.TTL_MS + ledgers.HOP_MS + stall:
                 what = f"a motion {age:.0f} ms old ({told.linear}; the robot stood {stall:.0f} ms)"
                 findings.breach("I4", what)
+        await self._memory_is_back()
         findings.counted.update(values=len(said), stored=len(stored), gaps=len(gaps))
         findings.counted.update(commands=len(self._asked), frames=len(self.pressed))
+
+    async def _memory_is_back(self) -> None:
+        """I7: hub and gateway need no more than before, soon after."""
+        deadline = now() + round(ledgers.BACK_S * 1e9)
+        while True:
+            after = self.world.memory()
+            ratios = {key: after[key] / mib for key, mib in self._memory.items() if key in after}
+            if all(ratio <= ledgers.MEMORY for ratio in ratios.values()) or now() > deadline:
+                break
+            await asyncio.sleep(0.5)
+        self.findings.memory += ratios.values()
+        for name, ratio in ratios.items():
+            if ratio > ledgers.MEMORY:
+                mib = f"{self._memory[name]:.0f} to {after[name]:.0f} MiB"
+                self.findings.breach("I7", f"the {name} keeps {ratio:.2f} of its memory ({mib})")
 
     async def stored(self) -> tuple[list[int], list[tuple[int, int]]]:
         """Give the values in the database since this run began, and its gaps (from, to; µs)."""

@@ -2,11 +2,13 @@
 
 import { ContextConsumer } from "@lit/context";
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import { liveContext } from "../state/contexts.js";
+import { liveContext, reachContext } from "../state/contexts.js";
 import type { LiveValues, Reading } from "../state/live.js";
+import type { Reach } from "../state/reach.js";
+import { StoreController } from "./store.js";
 
-/** How a value stands: nothing has come, it is fresh, or it is older than its limit. */
-export type Freshness = "unknown" | "live" | "stale";
+/** How a value stands: nothing has come, it is fresh, older than its limit, or its device is not reached. */
+export type Freshness = "unknown" | "live" | "stale" | "unreached";
 
 /**
  * Watches channels while the element is on the page, draws it again when one changes and once a
@@ -14,6 +16,7 @@ export type Freshness = "unknown" | "live" | "stale";
  */
 export class LiveValuesController implements ReactiveController {
   private live: LiveValues | undefined;
+  private readonly reach: StoreController<Reach>;
   private site = "";
   private channels: readonly string[] = [];
   private stops: (() => void)[] = [];
@@ -21,6 +24,7 @@ export class LiveValuesController implements ReactiveController {
 
   constructor(private readonly host: ReactiveControllerHost & HTMLElement) {
     host.addController(this);
+    this.reach = new StoreController(host, reachContext);
     new ContextConsumer(host, {
       context: liveContext,
       callback: (live) => {
@@ -55,6 +59,8 @@ export class LiveValuesController implements ReactiveController {
 
   /** @param maxAge the signal's limit (s) */
   freshness(channel: string, maxAge: number): Freshness {
+    // What a device last said is not true any more, however young it is.
+    if (this.reach.store?.of(this.site, deviceOf(channel)) !== undefined) return "unreached";
     const age = this.age(channel);
     if (Number.isNaN(age)) return "unknown";
     return age > maxAge ? "stale" : "live";
@@ -88,4 +94,9 @@ export class LiveValuesController implements ReactiveController {
     for (const stop of this.stops) stop();
     this.stops = [];
   }
+}
+
+/** The device of a channel's address. */
+export function deviceOf(channel: string): string {
+  return channel.slice(0, Math.max(0, channel.indexOf("/")));
 }

@@ -6,7 +6,7 @@ import { spokenUnit, unitGap } from "../format/unit.js";
 import { base } from "./base.js";
 import "./icon.js";
 
-export type ValueState = "live" | "stale" | "unknown" | "forbidden";
+export type ValueState = "live" | "stale" | "unknown" | "unreached" | "forbidden";
 
 /** One reading: a number with its unit, or a word. It says in words when it is not to be trusted. */
 @customElement("t-value")
@@ -45,7 +45,7 @@ export class Value extends LitElement {
         text-decoration: underline dotted 2px;
         text-underline-offset: 0.2em;
       }
-      :host([state="unknown"]) .reading,
+      :host(:is([state="unknown"], [state="unreached"])) .reading,
       :host([state="forbidden"]) .reading {
         color: var(--t-muted);
         font-weight: var(--t-weight);
@@ -78,7 +78,7 @@ export class Value extends LitElement {
 
   private reading(): unknown {
     if (this.state === "forbidden") return html`<t-icon name="lock"></t-icon>`;
-    if (this.state === "unknown") return NOTHING;
+    if (this.state === "unknown" || this.state === "unreached") return NOTHING;
     if (this.text !== "") return this.text;
     const number = formatNumber(this.value, decimalsFor(this.unit, this.decimals));
     if (this.unit === "" || number === NOTHING) return number;
@@ -94,6 +94,8 @@ export class Value extends LitElement {
         return html`<span class="note">stale${Number.isNaN(this.age) ? "" : `, ${formatAge(this.age)}`}</span>`;
       case "unknown":
         return html`<span class="note">no data yet</span>`;
+      case "unreached":
+        return html`<span class="note">not reached</span>`;
       case "forbidden":
         return html`<span class="note">not yours to see</span>`;
     }

@@ -285,6 +285,7 @@ export interface SiteSummary {
   readonly why: string;
   readonly loop_ms: number;
   readonly skew_ms: number;
+  readonly rival_us: number;
   readonly devices: number;
   readonly signals: number;
   readonly stale: number;
@@ -446,16 +447,26 @@ export interface TokenShape {
   readonly used_us: number;
 }
 
-/** What a channel's history takes; ``keep_days`` 0: it is kept for good. */
+/** What a channel's history takes. */
 export interface ChannelStorageShape {
   readonly site: string;
   readonly address: string;
+  readonly name: string;
+  readonly described: boolean;
   readonly samples: number;
   readonly bytes: number;
   readonly day_bytes: number;
   readonly first_us: number;
   readonly last_us: number;
   readonly keep_days: number;
+}
+
+/** Whether there is room for what comes; as in `StorageShape`. */
+export interface OutlookShape {
+  readonly trouble: string;
+  readonly warn: "" | "limit" | "soon" | "full";
+  readonly full_us: number | null;
+  readonly free_bytes: number | null;
 }
 
 /** One sample; ``v`` is null where there is no number. */
@@ -486,12 +497,21 @@ export interface StatisticsShape {
 
 /** What all history takes, and when it will be full. */
 export interface StorageShape {
+  readonly kind: string;
+  readonly place: string;
   readonly database_bytes: number;
+  readonly spare_bytes: number;
   readonly blocks_bytes: number;
   readonly free_bytes: number | null;
+  readonly disk_bytes: number;
   readonly limit_bytes: number;
   readonly day_bytes: number;
   readonly full_us: number | null;
+  readonly by_limit: boolean;
+  readonly oldest_us: number | null;
+  readonly kept_days: number | null;
+  readonly warn: "" | "limit" | "soon" | "full";
+  readonly trouble: string;
   readonly channels: readonly ChannelStorageShape[];
 }
 
@@ -503,6 +523,11 @@ export interface StoredList {
 /** A channel that has history; ``described``: the site's description has it still. */
 export interface StoredShape {
   readonly address: string;
+  readonly name: string;
+  readonly unit: string;
+  readonly type: string;
+  readonly states: readonly string[];
+  readonly decimals: number;
   readonly described: boolean;
   readonly samples: number;
   readonly first_us: number;
@@ -520,4 +545,111 @@ export interface ValueShape {
   readonly t_us: number;
   readonly v: number | null;
   readonly text?: string | null;
+}
+
+/** Begin or end a recording. */
+export interface RecordAskShape {
+  readonly on: boolean;
+  readonly why?: string;
+}
+
+/** How the gateway's recorder stands. */
+export interface RecorderShape {
+  readonly described: boolean;
+  readonly online: boolean;
+  readonly on: boolean;
+  readonly id: string;
+  readonly why: string;
+  readonly who: string;
+  readonly since_us: number;
+  readonly problem: string;
+  readonly topics: readonly string[];
+  readonly before_s: number;
+  readonly may_record: boolean;
+  readonly may_delete: boolean;
+}
+
+/** A site's recordings, the newest first. */
+export interface RecordingListShape {
+  readonly zone: string;
+  readonly recorder: RecorderShape;
+  readonly recordings: readonly RecordingShape[];
+}
+
+/** One recording. */
+export interface RecordingShape {
+  readonly id: string;
+  readonly state: "uploading" | "complete" | "failed";
+  readonly why: string;
+  readonly who: string;
+  readonly note: string;
+  readonly begin_us: number;
+  readonly end_us: number;
+  readonly size: number;
+  readonly have: number;
+  readonly messages: number;
+  readonly topics: readonly string[];
+}
+
+/** One card of a header. */
+export interface CardShape {
+  readonly key: string;
+  readonly value: string;
+  readonly comment: string;
+}
+
+/** A picture, how its values lie, and its header. */
+export interface FrameDetail {
+  readonly frame: FrameShape;
+  readonly histogram: HistogramShape;
+  readonly header: readonly CardShape[];
+}
+
+/** Newest first; ``more`` says that there are older ones that fit. */
+export interface FrameList {
+  readonly frames: readonly FrameShape[];
+  readonly more: boolean;
+}
+
+/** One picture; ``problems`` is what the check against the FITS standard found. */
+export interface FrameShape {
+  readonly id: string;
+  readonly device: string;
+  readonly night: string;
+  readonly name: string;
+  readonly time_us: number;
+  readonly target: string;
+  readonly filter: string;
+  readonly kind: string;
+  readonly exposure_s: number | null;
+  readonly ra_deg: number | null;
+  readonly dec_deg: number | null;
+  readonly width: number;
+  readonly height: number;
+  readonly bytes: number;
+  readonly digest: string;
+  readonly problems: readonly string[];
+}
+
+/** How the values lie: counts in bins of equal width from ``low`` to ``high``. */
+export interface HistogramShape {
+  readonly minimum: number | null;
+  readonly maximum: number | null;
+  readonly median: number | null;
+  readonly deviation: number | null;
+  readonly low: number | null;
+  readonly high: number | null;
+  readonly counts: readonly number[];
+}
+
+/** Newest first. */
+export interface NightList {
+  readonly nights: readonly NightShape[];
+}
+
+/** A night, by the local date at which it began; it lasts from noon to noon. */
+export interface NightShape {
+  readonly night: string;
+  readonly frames: number;
+  readonly bytes: number;
 }

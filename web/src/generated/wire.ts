@@ -125,6 +125,7 @@ export interface SiteNews {
   readonly loop_ms: number;
   readonly skew_ms: number;
   readonly why: string;
+  readonly rival_us: number;
 }
 
 /** Answer to `Subscribe`. Channels you may not see, or that are not there, are refused. */
@@ -229,10 +230,22 @@ export interface InterlockNews {
   readonly since_us: number;
   readonly clears_ms: number;
   readonly refuses: readonly string[];
+  readonly targets: readonly string[];
+  readonly overridable: boolean;
   readonly overridden_by: string;
   readonly reason: string;
   readonly override_ms: number;
   readonly longest_s: number;
+}
+
+/** Whether a site's gateway reaches a device; a page hears of those that it does not. */
+export interface DeviceNews {
+  readonly t: "device_news";
+  readonly site: string;
+  readonly device: string;
+  readonly reached: boolean;
+  readonly why: string;
+  readonly since_us: number;
 }
 
 /** Something happened at a site that people should know of. */
@@ -319,6 +332,7 @@ export type ToBrowser =
   | ResetKey
   | CommandNews
   | InterlockNews
+  | DeviceNews
   | EventNews
   | Pong
   | Problem
@@ -346,6 +360,7 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
   "reset_key",
   "command_news",
   "interlock_news",
+  "device_news",
   "event",
   "pong",
   "problem",
@@ -373,7 +388,7 @@ export const DEFAULTS = {
   override: { reason: "" },
   ping: { active: false },
   greeting: { protocol: 1, version: "" },
-  site: { catalogue: "", loop_ms: 0.0, skew_ms: 0.0, why: "" },
+  site: { catalogue: "", loop_ms: 0.0, skew_ms: 0.0, why: "", rival_us: 0 },
   subscribed: { refused: [] },
   values: { texts: {}, age_ms: [] },
   lease_news: { holder: "", yours: false, epoch: 0, remains_ms: 0, rival: "", asking: false, answer_ms: 0, refused: "", forceable: false },
@@ -382,7 +397,8 @@ export const DEFAULTS = {
   stop_news: { confirmed: false, who: "", time_us: 0, id: "" },
   reset_key: { token: "", refused: "" },
   command_news: { message: "", progress: 0.0, who: "" },
-  interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0 },
+  interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0 },
+  device_news: { why: "", since_us: 0 },
   event: { device: "", message: "", who: "", time_us: 0, good: true },
   pong: {},
   problem: { about: "" },

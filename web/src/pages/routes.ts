@@ -22,10 +22,17 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   people: { tag: "t-page-people", title: "People", load: () => import("./people/page-people.js") },
   roles: { tag: "t-page-roles", title: "Roles", load: () => import("./roles/page-roles.js") },
   gateways: { tag: "t-page-gateways", title: "Gateways", load: () => import("./gateways/page-gateways.js") },
+  storage: { tag: "t-page-storage", title: "Storage", load: () => import("./storage/page-storage.js") },
   audit: { tag: "t-page-audit", title: "Audit log", load: () => import("./audit/page-audit.js") },
   live: { tag: "t-page-live", title: "Real-time", load: () => import("./live/page-live.js") },
   history: { tag: "t-page-history", title: "History", load: () => import("./history/page-history.js") },
+  recordings: {
+    tag: "t-page-recordings",
+    title: "Recordings",
+    load: () => import("./recordings/page-recordings.js"),
+  },
   drive: { tag: "t-page-drive", title: "Actuate", load: () => import("./drive/page-drive.js") },
+  archive: { tag: "t-page-archive", title: "Archive", load: () => import("./archive/page-archive.js") },
   gallery: { tag: "t-page-gallery", title: "Gallery", load: () => import("./gallery/page-gallery.js") },
   missing: { tag: "t-page-missing", title: "Not found", load: () => import("./missing/page-missing.js") },
 };

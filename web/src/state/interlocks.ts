@@ -41,6 +41,17 @@ export class Interlocks extends Store {
       .sort((a, b) => rank(a) - rank(b) || a.news.name.localeCompare(b.news.name));
   }
 
+  /** What refuses a command of a device (or `drive`) now; null where nothing does. */
+  lockOf(site: string, device: string, what: string): InterlockNews | null {
+    const found = this.list.find(
+      ({ news }) =>
+        news.site === site &&
+        news.overridden_by === "" &&
+        (news.targets.includes(`${device}/${what}`) || news.targets.includes(`${device}/*`)),
+    );
+    return found?.news ?? null;
+  }
+
   /** How much is left of a time (ms) that was told with the news. */
   left(one: Interlock, ms: number): number {
     return Math.max(0, ms - (this.now() - one.heardAt));

@@ -12,11 +12,14 @@ export type PageName =
   | "account"
   | "live"
   | "history"
+  | "recordings"
   | "drive"
   | "device"
+  | "archive"
   | "people"
   | "roles"
   | "gateways"
+  | "storage"
   | "audit"
   | "gallery"
   | "missing";
@@ -29,7 +32,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "history", "drive"];
+const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -43,12 +46,13 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/admin/people": "people",
   "/admin/roles": "roles",
   "/admin/gateways": "gateways",
+  "/admin/storage": "storage",
   "/admin/audit": "audit",
   "/gallery": "gallery",
 };
 
 /** The pages that only an admin of the whole hub may open. */
-export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "audit"];
+export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "storage", "audit"];
 
 /** Reads a path. Anything unknown is the `missing` page, not an error. */
 export function routeOf(path: string): Route {
@@ -63,8 +67,13 @@ export function routeOf(path: string): Route {
 }
 
 /** The path of a site's page. */
-export function sitePath(site: string, page: "live" | "history" | "drive"): string {
+export function sitePath(site: string, page: "live" | "history" | "recordings" | "drive" | "archive"): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
+}
+
+/** The path of the pictures that one camera took. */
+export function archivePath(site: string, device: string): string {
+  return `${sitePath(site, "archive")}?device=${encodeURIComponent(device)}`;
 }
 
 /** The path of a device's own page. */

@@ -101,6 +101,7 @@ export class Sites extends Store {
             why: news.why,
             loop_ms: news.loop_ms,
             skew_ms: news.skew_ms,
+            rival_us: news.rival_us,
             last_seen_us: news.online ? row.last_seen_us : Math.max(row.last_seen_us, news.since_us),
           }
         : other,

@@ -32,6 +32,8 @@ export class SignalValue extends LitElement {
   @property() site = "";
   @property({ attribute: false }) signal: SignalInfo | null = null;
   @property() size: "s" | "m" | "l" | "xl" = "m";
+  /** Said instead of the signal's own name, where that alone would not tell which. */
+  @property() label = "";
   /** Without the name, where it stands beside already. */
   @property({ type: Boolean }) bare = false;
 
@@ -46,8 +48,9 @@ export class SignalValue extends LitElement {
     if (signal === null) return null;
     const channel = signal.channels[0] ?? signal.address;
     const reading = this.live.reading(channel);
+    const name = this.label === "" ? signal.name : this.label;
     return html`
-      ${this.bare ? null : html`<span class="name" title=${signal.name}>${signal.name}</span>`}
+      ${this.bare ? null : html`<span class="name" title=${name}>${name}</span>`}
       <t-value
         size=${this.size}
         state=${this.live.freshness(channel, signal.max_age)}

@@ -9,7 +9,7 @@ import { formatDuration } from "../format/duration.js";
 import { sitesContext } from "../state/contexts.js";
 import { keySignals, primaryByDevice } from "../state/key-signals.js";
 import { sitePath } from "../state/router.js";
-import type { SiteDetail, SiteRow } from "../wire/api.js";
+import type { SignalInfo, SiteDetail, SiteRow } from "../wire/api.js";
 import "../elements/card.js";
 import "../elements/icon.js";
 import "../elements/status.js";
@@ -196,8 +196,21 @@ export class SiteCard extends LitElement {
     return repeat(
       signals,
       (signal) => signal.address,
-      (signal) => html`<t-signal-value size="l" .site=${row.site} .signal=${signal}></t-signal-value>`,
+      (signal) =>
+        html`<t-signal-value
+          size="l"
+          .site=${row.site}
+          .signal=${signal}
+          .label=${this.label(signal, signals)}
+        ></t-signal-value>`,
     );
+  }
+
+  /** Two devices may both have a "State": then it is said whose. */
+  private label(signal: SignalInfo, shown: readonly SignalInfo[]): string {
+    if (shown.filter((each) => each.name === signal.name).length < 2) return "";
+    const owner = this.detail.value?.devices.find((device) => device.signals.includes(signal));
+    return owner === undefined ? "" : `${owner.name}: ${signal.name}`;
   }
 
   private byDevice(row: SiteRow): unknown {

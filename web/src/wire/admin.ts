@@ -1,6 +1,6 @@
-/** What an admin may ask of the hub: people, roles, gateways, the audit log. */
+/** What an admin may ask of the hub: people, roles, gateways, storage, the audit log. */
 
-import type { AuditCheck, AuditPage, CodeMade, GatewayList, PersonRow, RoleRow } from "./accounts.js";
+import type { AuditCheck, AuditPage, CodeMade, GatewayList, Outlook, PersonRow, RoleRow, StorageUse } from "./accounts.js";
 import type { Permission } from "./api.js";
 import type { HubApi } from "./http.js";
 
@@ -81,6 +81,15 @@ export class AdminApi {
   /** @param search the filter, as in the address; see `pages/audit/query.ts` */
   audit(search: string, signal?: AbortSignal): Promise<AuditPage> {
     return this.hub.ask("GET", `/api/audit?${search}`, undefined, { signal });
+  }
+
+  storage(): Promise<StorageUse> {
+    return this.hub.ask("GET", "/api/storage");
+  }
+
+  /** Whether there is room for what comes; cheap, and a few minutes old. */
+  outlook(): Promise<Outlook> {
+    return this.hub.ask("GET", "/api/storage/outlook");
   }
 
   checkAudit(): Promise<AuditCheck> {

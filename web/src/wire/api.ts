@@ -18,6 +18,7 @@ export type {
   SiteSummary as SiteRow,
   StatisticsList,
   StatisticsShape as StatisticsInfo,
+  StoredShape as StoredInfo,
   StreamShape as StreamInfo,
 } from "../generated/api.js";
 

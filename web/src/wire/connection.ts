@@ -32,6 +32,8 @@ export interface ConnectionOptions {
 const PING_EVERY_MS = 1000;
 /** So many pings in a row without an answer, and the socket counts as dead. */
 const UNANSWERED = 4;
+/** After the hub could not take a subscription. */
+const ASK_AGAIN_MS = 1000;
 
 /**
  * Connects, comes back after a loss with a growing, jittered delay, and asks again for all
@@ -52,6 +54,7 @@ export class Connection {
   private attempt = 0;
   private retryTimer: ReturnType<typeof setTimeout> | undefined;
   private pingTimer: ReturnType<typeof setInterval> | undefined;
+  private askTimer: ReturnType<typeof setTimeout> | undefined;
   private pings = 0;
   private unanswered = 0;
   private reason = "";
@@ -170,6 +173,8 @@ export class Connection {
     }
     if (message === null) return;
     if (message.t === "greeting") this.greeted();
+    if (message.t === "subscribed") this.subscriptions.took(message.sub);
+    if (message.t === "problem" && message.about === "subscribe" && message.code === "store") this.askLater();
     if (message.t === "pong") {
       this.unanswered = 0;
       this.clock.observe(message.at_ms, this.now(), message.hub_us);
@@ -196,6 +201,14 @@ export class Connection {
     this.ping();
   }
 
+  /** While the hub's database is away, nothing new can be subscribed to: it is asked for again. */
+  private askLater(): void {
+    clearTimeout(this.askTimer);
+    this.askTimer = setTimeout(() => {
+      for (const message of this.subscriptions.open()) this.send(message);
+    }, ASK_AGAIN_MS);
+  }
+
   private ping(): void {
     if (this.unanswered >= UNANSWERED) {
       this.lose();
@@ -219,6 +232,7 @@ export class Connection {
 
   private drop(): void {
     clearInterval(this.pingTimer);
+    clearTimeout(this.askTimer);
     const socket = this.socket;
     this.socket = null;
     if (socket === null) return;

@@ -20,6 +20,8 @@ interface Entry {
   readonly everyMs: number;
   readonly listener: BatchListener;
   first: boolean;
+  /** Whether the hub has taken it on this connection. */
+  taken: boolean;
 }
 
 const NUMBERS = 65_536;
@@ -36,7 +38,7 @@ export class Subscriptions {
     while (this.entries.has(this.next)) this.next = (this.next + 1) % NUMBERS;
     const sub = this.next;
     this.next = (this.next + 1) % NUMBERS;
-    this.entries.set(sub, { site, channels: [...channels], everyMs, listener, first: true });
+    this.entries.set(sub, { site, channels: [...channels], everyMs, listener, first: true, taken: false });
     return sub;
   }
 
@@ -56,10 +58,22 @@ export class Subscriptions {
     const messages: Sendable<Subscribe>[] = [];
     for (const [sub, entry] of this.entries) {
       entry.first = true;
+      entry.taken = false;
       const message = this.message(sub);
       if (message !== null) messages.push(message);
     }
     return messages;
+  }
+
+  /** The hub has answered. */
+  took(sub: number): void {
+    const entry = this.entries.get(sub);
+    if (entry !== undefined) entry.taken = true;
+  }
+
+  /** What the hub has not taken yet. */
+  open(): Sendable<Subscribe>[] {
+    return [...this.entries].flatMap(([sub, { taken }]) => (taken ? [] : (this.message(sub) ?? [])));
   }
 
   /**

@@ -1,5 +1,6 @@
 import { beforeEach, expect, test } from "vitest";
 import type { InterlockNews } from "../../src/generated/wire.js";
+import { lockWords } from "../../src/format/interlock.js";
 import { Interlocks } from "../../src/state/interlocks.js";
 import { FakeLine } from "../controllers/drive/fake-line.js";
 
@@ -15,7 +16,8 @@ beforeEach(() => {
 function news(interlock: string, more: Partial<InterlockNews> = {}): InterlockNews {
   return {
     t: "interlock_news", site: "obs", interlock, name: interlock, locked: true, unsafe: true, why: "Rain is raining",
-    since_us: 1, clears_ms: 0, refuses: ["Dome: Open"], overridden_by: "", reason: "", override_ms: 0, longest_s: 0,
+    since_us: 1, clears_ms: 0, refuses: ["Dome: Open"], targets: ["dome/open"], overridable: true,
+    overridden_by: "", reason: "", override_ms: 0, longest_s: 0,
     ...more,
   };
 }
@@ -47,9 +49,28 @@ test("times that are left are counted down from when they were told", () => {
 
 test("nothing is claimed of a site that went offline, or over a lost connection", () => {
   line.say(news("rain"));
-  line.say({ t: "site", site: "obs", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "" });
+  line.say({ t: "site", site: "obs", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
   expect(names()).toEqual([]);
   line.say(news("rain"));
   line.become("lost");
   expect(names()).toEqual([]);
+});
+
+test("a command is locked by the interlock that names it or all of its device, until it is overridden", () => {
+  line.say(news("rain"));
+  line.say(news("wind", { targets: ["mast/*"] }));
+  expect(interlocks.lockOf("obs", "dome", "open")?.interlock).toBe("rain");
+  expect(interlocks.lockOf("obs", "mast", "raise")?.interlock).toBe("wind");
+  expect(interlocks.lockOf("obs", "dome", "close")).toBeNull();
+  expect(interlocks.lockOf("other", "dome", "open")).toBeNull();
+  line.say(news("rain", { overridden_by: "Ada", override_ms: 5000 }));
+  expect(interlocks.lockOf("obs", "dome", "open")).toBeNull();
+});
+
+test("who stands before a lock reads what locks, why, and who can help", () => {
+  expect(lockWords(news("rain"))).toBe("Locked by rain: Rain is raining. An admin can override it.");
+  expect(lockWords(news("rain", { longest_s: 60 }))).toContain("You can override it in the bar at the top.");
+  expect(lockWords(news("rain", { overridable: false }))).toBe("Locked by rain: Rain is raining.");
+  expect(lockWords(news("rain", { unsafe: false, why: "" }))).toContain("safe now, but not for long enough yet");
+  expect(lockWords(news("rain", { why: "" }))).toContain("unsafe now");
 });

@@ -23,6 +23,7 @@ describe("addresses", () => {
     ["/admin/people", "people", ""],
     ["/admin/roles", "roles", ""],
     ["/admin/gateways", "gateways", ""],
+    ["/admin/storage", "storage", ""],
     ["/admin/audit", "audit", ""],
     ["/admin/constructor", "missing", ""],
     ["/sites/agv/devices", "missing", ""],

@@ -11,9 +11,9 @@ import type { Batch } from "../../src/wire/subscriptions.js";
 const json = (value: unknown, status = 200): Response => new Response(JSON.stringify(value), { status });
 const row: SiteRow = {
   site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, devices: 1, signals: 2,
-  why: "", loop_ms: 0, skew_ms: 0, stale: 0,
+  why: "", loop_ms: 0, skew_ms: 0, rival_us: 0, stale: 0,
 };
-const news = { t: "site", site: "agv", online: true, since_us: 9, catalogue: "", loop_ms: 0, skew_ms: 0, why: "" } as const;
+const news = { t: "site", site: "agv", online: true, since_us: 9, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 } as const;
 const detail: SiteDetail = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", devices: [] };
 
 function hub(answer: (path: string) => Response): { api: HubApi; asked: string[] } {

@@ -89,6 +89,28 @@ describe("a connection", () => {
     expect(sockets).toHaveLength(before + 1);
   });
 
+  test("asks again for what the hub could not take, and for nothing else", () => {
+    const { connection } = connect();
+    newest().greet();
+    connection.subscribe("agv", ["base/speed"], 0, () => undefined);
+    newest().say({ t: "subscribed", sub: 0, refused: [] });
+    connection.subscribe("agv", ["base/turn"], 0, () => undefined);
+    const asked = (): unknown[] =>
+      newest()
+        .sent.filter((message) => message["t"] === "subscribe")
+        .map((message) => message["sub"]);
+    expect(asked()).toEqual([0, 1]);
+    newest().say({ t: "problem", code: "store", message: "the database does not answer", about: "subscribe" });
+    vi.advanceTimersByTime(999);
+    expect(asked()).toEqual([0, 1]);
+    vi.advanceTimersByTime(1);
+    expect(asked()).toEqual([0, 1, 1]);
+    newest().say({ t: "subscribed", sub: 1, refused: [] });
+    newest().say({ t: "problem", code: "forbidden", message: "no", about: "subscribe" });
+    vi.advanceTimersByTime(3000);
+    expect(asked()).toEqual([0, 1, 1]);
+  });
+
   test("tries at once when it is told that the network is back", () => {
     const { connection } = connect();
     newest().die();

@@ -13,10 +13,11 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
 
-__all__ = ["Rejoining"]
+__all__ = ["WAIT_S", "Rejoining", "rejoined"]
 
 # A robot's parts are found within a second or two; who is not there by then is named.
-_WAIT_NS = 5 * SECOND
+WAIT_S = 5.0
+_WAIT_NS = round(WAIT_S * SECOND)
 
 
 class _Begun(NamedTuple):
@@ -49,7 +50,7 @@ class Rejoining:
             if absent and now < begun.due_ns:
                 continue
             self._begun.remove(begun)
-            begun.done(_outcome(begun.parts, absent))
+            begun.done(rejoined(begun.parts, absent))
 
     def end(self) -> None:
         """Tell all that wait that the robot went away meanwhile."""
@@ -58,7 +59,8 @@ class Rejoining:
         self._begun.clear()
 
 
-def _outcome(parts: int, absent: list[str]) -> Outcome:
+def rejoined(parts: int, absent: list[str]) -> Outcome:
+    """Say how connecting anew to ``parts`` topics and services went."""
     if not parts:
         return Outcome(CommandPhase.SUCCEEDED, "it has nothing on the robot to connect to")
     there = f"{parts - len(absent)} of {parts} topics and services are there"

@@ -1,7 +1,7 @@
 """The ROS 2 adapter: hears what the description names and tells the robot what it may be told.
 
 This file joins the parts: `ros2_waitset` (the thread), `ros2_decode` (messages to samples),
-`ros2_pictures` (images to JPEG), `ros2_services` (commands), `ros2_motion` (driving and STOP) and
+`pictures` (images to JPEG), `ros2_services` (commands), `ros2_motion` (driving and STOP) and
 `ros2_qos`. Long, because joining, matching and leaving share one node and must be read together.
 """
 
@@ -24,24 +24,27 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
+from talaia.gateway.adapters.pictures import PictureStream, PictureWorker
 from talaia.gateway.adapters.rejoin import Rejoining
-from talaia.gateway.adapters.ros2_decode import Gathered, TopicPlan, decoder_for, plans_of
+from talaia.gateway.adapters.ros2_decode import decoder_for
 from talaia.gateway.adapters.ros2_motion import Ros2Motion
-from talaia.gateway.adapters.ros2_pictures import PictureStream, PictureWorker
+from talaia.gateway.adapters.ros2_parameters import Ros2Parameters
 from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
 from talaia.gateway.adapters.ros2_requests import class_of
 from talaia.gateway.adapters.ros2_services import Ros2Commands
 from talaia.gateway.adapters.ros2_waitset import WaitThread
+from talaia.gateway.adapters.topics import Gathered, TopicPlan, plans_of
 from talaia.gateway.errors import AdapterLost, TypeMissing
 from talaia.gateway.ports import Outcome
+from talaia.model.connection import Ros2Connection
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from talaia.clock import Clock
-    from talaia.gateway.ports import EventSink, PictureSink, Reading, SampleSink
-    from talaia.model.site import Site, Stream
+    from talaia.gateway.ports import Outlets, RawSink, Reading, Status
+    from talaia.gateway.share import Share
+    from talaia.model.site import Stream
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros2"]
@@ -75,38 +78,33 @@ class _Listening:
 class Ros2:
     """An `Adapter` for ROS 2. See `talaia.gateway.ports` for its promises."""
 
-    def __init__(
-        self,
-        site: Site,
-        clock: Clock,
-        samples: SampleSink,
-        pictures: PictureSink,
-        events: EventSink,
-        domain: int | None = None,
-    ) -> None:
-        """Take the description and where things go; `run` joins ROS."""
-        self._site = site
-        self._clock = clock
-        self._samples = samples
-        self._pictures = pictures
-        self._events = events
-        settings = site.ros2
-        own = settings.domain if settings is not None else None
-        self._domain = own if domain is None else domain
-        self._node_name = settings.node if settings is not None else "talaia_gateway"
+    def __init__(self, share: Share, outlets: Outlets, status: Status) -> None:
+        """Take what is to be served and where things go; `run` joins ROS."""
+        settings = share.connection
+        assert isinstance(settings, Ros2Connection)  # noqa: S101 - the catalog has seen to it
+        self._share = share
+        self._status = status
+        self._clock = outlets.clock
+        self._samples = outlets.samples
+        self._pictures = outlets.pictures
+        self._events = outlets.events
+        self._domain = settings.domain if outlets.domain is None else outlets.domain
+        self._node_name = settings.node
+        self._raw = outlets.raw
         self._latest: dict[str, Reading] = {}
         self._gathered = Gathered()
-        self._plans = plans_of(site, self._latest, self._complain)
+        self._plans = plans_of(share, self._latest, self._complain)
         self._watched: frozenset[str] = frozenset()
         self._listening: dict[str, _Listening] = {}
         self._motion: Ros2Motion | None = None
         self._missing: set[str] = set()
         self._commands: Ros2Commands | None = None
+        self._parameters: Ros2Parameters | None = None
         self._thread: WaitThread | None = None
         self._worker: PictureWorker | None = None
         self._node: Any = None
         self._turn = 0
-        self._rejoining = Rejoining(clock)
+        self._rejoining = Rejoining(self._clock)
 
     # ── Adapter ──
 
@@ -124,6 +122,7 @@ class Ros2:
         except Exception as error:
             self._leave(context)
             raise AdapterLost(f"ROS 2 cannot be joined: {error}") from error
+        self._status.up()
         try:
             await failed
         finally:
@@ -191,10 +190,14 @@ class Ros2:
             context.handle, guard.handle, after=self._after, idle=self._on_idle, failed=fail
         )
         self._worker = PictureWorker(self._pictures, self._clock)
-        self._commands = Ros2Commands(self._site, self._node, thread, self._tell_missing)
+        self._commands = Ros2Commands(self._share, self._node, thread, self._tell_missing)
+        self._parameters = Ros2Parameters(
+            self._share, self._node, thread, self._clock, self._gathered, self._latest,
+            self._complain,
+        )  # fmt: skip
         for plan in self._plans:
             self._plan(plan)
-        self._motion = Ros2Motion(self._site, self._node, self._tell_missing)
+        self._motion = Ros2Motion(self._share, self._node, self._tell_missing)
         self._worker.start()
         self._thread = thread
         thread.start()
@@ -202,7 +205,7 @@ class Ros2:
     def _leave(self, context: Any) -> None:  # noqa: ANN401
         thread, self._thread = self._thread, None
         # First nobody publishes any more, then the thread ends, then the node goes.
-        self._motion = self._commands = None
+        self._motion = self._commands = self._parameters = None
         if thread is not None:
             thread.end()
         self._rejoining.end()
@@ -220,12 +223,15 @@ class Ros2:
         if kind is None:
             return
         decode = decoder_for(plan.type_name, lambda data: deserialize_message(data, kind))
+        recorded = self._raw if self._raw is not None and plan.topic in self._raw.topics else None
 
         def take(raw: bytes, info: Any) -> None:  # noqa: ANN401
             now_us = self._clock.wall_ns() // 1000
             came_us = info["received_timestamp"] // 1000
             # The middleware's time of arrival is finer than our turns; unless clocks jumped.
             time_us = came_us if 0 <= now_us - came_us < 1_000_000 else now_us
+            if recorded is not None:
+                recorded.offer(plan.topic, plan.type_name, raw, time_us * 1000)
             plan.take(decode(raw), time_us, self._clock.monotonic_ns(), self._gathered)
 
         self._listening[_key(plan.topic, plan.type_name)] = _Listening(
@@ -254,7 +260,8 @@ class Ros2:
     def _after(self) -> bool:
         now_us = self._clock.wall_ns() // 1000
         held = False
-        for plan in self._plans:
+        own = self._parameters.plans if self._parameters is not None else []
+        for plan in (*self._plans, *own):
             held = plan.take_due(now_us, self._gathered) or held
         columns = self._gathered.take()
         if columns is not None:
@@ -263,6 +270,8 @@ class Ros2:
 
     def _on_idle(self) -> None:
         self._turn += 1
+        if self._parameters is not None and self._turn % 2 == 0:
+            self._parameters.ask()
         self._look(everything=self._turn % 4 == 0)
         self._rejoining.look()
 
@@ -272,12 +281,12 @@ class Ros2:
         Topics that it shares with other devices are taken anew for them, too.
         """
         commands = self._commands
-        if commands is None or device not in self._site.devices:
+        if commands is None or device not in self._share.devices:
             done(Outcome(CommandPhase.FAILED, "there is no such device at the robot now"))
             return
-        described = self._site.devices[device]
+        described = self._share.devices[device]
         sources = [each.source for each in described.signals.values()]
-        wanted = {_key(source.topic, source.type) for source in sources}
+        wanted = {_key(source.topic, source.type) for source in sources if source.topic}
         for plan in self._plans:
             if _key(plan.topic, plan.type_name) in wanted - self._listening.keys():
                 self._plan(plan)
@@ -307,12 +316,14 @@ class Ros2:
     def _look(self, *, everything: bool = True) -> None:
         """Bring subscriptions in line with what is wanted and with what publishers offer."""
         self._look_at_streams()
+        if self._raw is not None:
+            self._look_at_recorded(self._raw)
         for listening in self._listening.values():
             if everything or listening.subscription is None:
                 self._match(listening)
 
     def _look_at_streams(self) -> None:
-        for device_id, device in self._site.devices.items():
+        for device_id, device in self._share.devices.items():
             for stream_id, stream in device.streams.items():
                 address = f"{device_id}/{stream_id}"
                 key = f"stream {address}"
@@ -334,6 +345,25 @@ class Ros2:
                 worker.offer(taker, raw)
 
         self._listening[key] = _Listening(stream.source.topic, kind, PICTURE_DEPTH, take)
+
+    def _look_at_recorded(self, sink: RawSink) -> None:
+        """Hear topics that are recorded and that nothing else reads; the graph tells their type."""
+        heard = {each.topic for key, each in self._listening.items() if key[:7] != "stream "}
+        for topic in sink.topics - heard:
+            offered = [each.topic_type for each in self._node.get_publishers_info_by_topic(topic)]
+            kind = self._class(offered[0], topic) if offered else None
+            if kind is not None:
+                self._listening[f"raw {topic}"] = _Listening(
+                    topic, kind, DEPTH, self._recording(sink, topic, offered[0])
+                )
+
+    def _recording(self, sink: RawSink, topic: str, type_name: str) -> Callable[[bytes, Any], None]:
+        def take(raw: bytes, info: Any) -> None:  # noqa: ANN401
+            now_ns, came_ns = self._clock.wall_ns(), info["received_timestamp"]
+            sane = 0 <= now_ns - came_ns < 1_000_000_000
+            sink.offer(topic, type_name, raw, came_ns if sane else now_ns)
+
+        return take
 
     def _match(self, listening: _Listening) -> None:
         offers = [

@@ -13,7 +13,7 @@ from talaia.gateway.errors import TypeMissing
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.model.site import Site
+    from talaia.gateway.share import Share
 
 __all__ = ["Ros2Motion"]
 
@@ -26,13 +26,13 @@ class Ros2Motion:
 
     def __init__(
         self,
-        site: Site,
+        share: Share,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         missing: Callable[[TypeMissing], None],
     ) -> None:
         """Make them."""
         self._rules = {
-            name: device.drive for name, device in site.devices.items() if device.drive is not None
+            name: device.drive for name, device in share.devices.items() if device.drive is not None
         }
         self._velocity: dict[str, tuple[Any, Any]] = {}
         self._stops: dict[str, tuple[Any, Any]] = {}

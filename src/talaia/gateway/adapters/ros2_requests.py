@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from importlib import import_module
+from itertools import pairwise
 from typing import Any
 
 from talaia.gateway.errors import FieldError, TypeMissing
@@ -12,6 +14,10 @@ from talaia.model.site import Drive, DriveMessage
 from talaia.wire.frames import CommandPhase, Scalar
 
 __all__ = ["class_of", "fill", "key_of", "outcome_of", "velocity_message"]
+
+# As rclpy names the type of a list: sequence<rcl_interfaces/Parameter>.
+_LIST_OF = re.compile(r"sequence<(\w+)/(\w+)(?:, \d+)?>")
+MAX_GROWN = 64
 
 
 def class_of(type_name: str, used_by: str) -> Any:  # noqa: ANN401 - ROS's packages are untyped
@@ -38,10 +44,12 @@ def fill(message: Any, fields: dict[str, Scalar]) -> None:  # noqa: ANN401
     for path, value in fields.items():
         steps = parse_path(path)
         try:
-            at = message
-            for step in steps[:-1]:
-                at = getattr(at, step) if isinstance(step, str) else at[step]
-            last = steps[-1]
+            at, last = message, steps[-1]
+            for step, following in pairwise(steps):
+                inner = getattr(at, step) if isinstance(step, str) else at[step]
+                if isinstance(step, str) and isinstance(following, int):
+                    _grow(at, step, inner, following)
+                at = inner
             if isinstance(last, str):
                 setattr(at, last, _as(getattr(at, last), value, path))
             else:
@@ -50,6 +58,17 @@ def fill(message: Any, fields: dict[str, Scalar]) -> None:  # noqa: ANN401
             raise FieldError(path, f"the message has no such field ({error})") from error
         except (AssertionError, ValueError, OverflowError) as error:
             raise FieldError(path, f"{value!r} does not fit ({error})") from error
+
+
+def _grow(owner: Any, name: str, held: Any, index: int) -> None:  # noqa: ANN401
+    """Make a list of messages long enough for an index: a request starts with empty ones."""
+    if not isinstance(held, list) or index < len(held):
+        return
+    found = _LIST_OF.match(owner.get_fields_and_field_types().get(name, ""))
+    if found is None or index >= MAX_GROWN:
+        return
+    kind = class_of(f"{found[1]}/msg/{found[2]}", name)
+    held.extend(kind() for _ in range(index + 1 - len(held)))
 
 
 def _as(now: object, value: Scalar, path: str) -> Scalar:
@@ -70,10 +89,21 @@ def _as(now: object, value: Scalar, path: str) -> Scalar:
 
 
 def outcome_of(response: object) -> Outcome:
-    """Read a service's answer: ``success`` and ``message`` where it has them."""
+    """Read a service's answer: ``success`` and ``message`` where it has them.
+
+    Setting parameters answers with a ``result`` (or with one for each) of ``successful`` and
+    ``reason``.
+    """
     said = getattr(response, "message", "")
     message = said if isinstance(said, str) else ""
-    if getattr(response, "success", True) is False:
+    good = getattr(response, "success", True) is not False
+    results = getattr(response, "results", None) or [getattr(response, "result", None)]
+    for result in results:
+        reason = getattr(result, "reason", None)
+        if isinstance(reason, str):
+            message = message or reason
+            good = good and getattr(result, "successful", True) is not False
+    if not good:
         return Outcome(CommandPhase.FAILED, message or "the robot says it did not succeed")
     return Outcome(CommandPhase.SUCCEEDED, message)
 

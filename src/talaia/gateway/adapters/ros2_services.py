@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.gateway.adapters.ros2_actions import Goal, Ros2Action
+from talaia.gateway.adapters.ros2_parameters import as_set, parameters_of
 from talaia.gateway.adapters.ros2_requests import class_of, fill, outcome_of
 from talaia.gateway.errors import FieldError, TypeMissing
 from talaia.gateway.ports import Outcome
@@ -15,13 +16,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.adapters.ros2_waitset import WaitThread
-    from talaia.model.site import Command, Site
+    from talaia.gateway.share import Share
+    from talaia.model.site import Command
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros2Commands"]
 
 # Calls that were never answered are forgotten beyond so many; their callers have long given up.
 MAX_PENDING = 1000
+_SET = "rcl_interfaces/srv/SetParameters"
 _CUT = "the connection was made anew meanwhile; look at the device to see what it did"
 
 
@@ -38,26 +41,27 @@ class Ros2Commands:
 
     def __init__(
         self,
-        site: Site,
+        share: Share,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
         missing: Callable[[TypeMissing], None],
     ) -> None:
         """Make a client or publisher for each command, so that they are known before they act."""
-        self._site, self._node, self._thread, self._missing = site, node, thread, missing
+        self._share, self._node, self._thread, self._missing = share, node, thread, missing
         self._clients: dict[str, _Client] = {}
         self._publishers: dict[str, tuple[Any, Any]] = {}
         self._actions: dict[str, Ros2Action] = {}
         self._problems: dict[str, str] = {}
         self._commands: dict[str, Command] = {}
-        for device_id, device in site.devices.items():
+        for device_id, device in share.devices.items():
             for command_id, command in device.commands.items():
                 self._make(f"{device_id}/{command_id}", command)
 
     def _make(self, address: str, command: Command) -> None:
         self._commands[address] = command
+        sets = command.kind is CommandKind.PARAMETER
         try:
-            kind = class_of(command.type, command.target)
+            kind = class_of(_SET if sets else command.type, command.target)
         except TypeMissing as error:
             self._problems[address] = str(error)
             self._missing(error)
@@ -68,13 +72,15 @@ class Ros2Commands:
         elif command.kind is CommandKind.ACTION:
             self._actions[address] = Ros2Action(command, kind, self._node, self._thread)
         else:
-            client = _Client(self._node.create_client(kind, command.target), kind, {})
+            target = f"{command.target}/set_parameters" if sets else command.target
+            client = _Client(self._node.create_client(kind, target), kind, {})
             self._clients[address] = client
-            self._thread.add_client(client.entity.handle, kind.Response, _taker(client))
+            read = as_set if sets else outcome_of
+            self._thread.add_client(client.entity.handle, kind.Response, _taker(client, read))
 
     def rejoin(self, device: str) -> None:
         """Make a device's clients and publishers anew; calls under way end as *unknown*."""
-        for command_id, command in self._site.devices[device].commands.items():
+        for command_id, command in self._share.devices[device].commands.items():
             address = f"{device}/{command_id}"
             self._problems.pop(address, None)
             publisher, _ = self._publishers.pop(address, (None, None))
@@ -94,7 +100,7 @@ class Ros2Commands:
     def absent(self, device: str) -> list[str]:
         """Name those of a device's services that nobody offers, and types not known here."""
         absent = []
-        for command_id, command in self._site.devices[device].commands.items():
+        for command_id, command in self._share.devices[device].commands.items():
             address = f"{device}/{command_id}"
             client = self._clients.get(address)
             if address in self._problems:
@@ -161,7 +167,10 @@ class Ros2Commands:
     ) -> None:
         client = self._clients[address]
         request = client.kind.Request()
-        fill(request, fields)
+        if self._commands[address].kind is CommandKind.PARAMETER:
+            request.parameters = parameters_of(fields)
+        else:
+            fill(request, fields)
         if not client.entity.service_is_ready():
             target = self._commands[address].target
             done(Outcome(CommandPhase.REFUSED, f"the robot does not offer {target} now"))
@@ -171,10 +180,10 @@ class Ros2Commands:
         client.pending[client.entity.handle.send_request(request)] = done
 
 
-def _taker(client: _Client) -> Callable[[int, Any], None]:
+def _taker(client: _Client, read: Callable[[Any], Outcome]) -> Callable[[int, Any], None]:
     def take(number: int, response: object) -> None:
         done = client.pending.pop(number, None)
         if done is not None:
-            done(outcome_of(response))
+            done(read(response))
 
     return take

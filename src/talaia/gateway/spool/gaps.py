@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-__all__ = ["Gaps"]
+__all__ = ["Gaps", "Gone"]
 
 log = logging.getLogger(__name__)
 
@@ -86,3 +86,35 @@ class Gaps:
             self._dirty = False
         except OSError as error:
             log.debug("%s: %s", self._path, error)
+
+
+class Gone:
+    """Samples of this boot that are here no more since the hub has them: which, and when. Pure.
+
+    Asked only when a hub comes back with an older database than it had. Bounded: beyond
+    `MOST` stretches, neighbours become one.
+    """
+
+    MOST = 4096
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._spans: list[tuple[int, int, int, int]] = []
+
+    def add(self, first: int, end: int, from_us: int, to_us: int) -> None:
+        """Note samples ``first`` to ``end`` - 1, in rising order; none for a negative first."""
+        if not 0 <= first < end:
+            return
+        self._spans.append((first, end, from_us, to_us))
+        if len(self._spans) > self.MOST:
+            pairs = zip(self._spans[::2], self._spans[1::2], strict=False)
+            joined = [(a[0], b[1], min(a[2], b[2]), max(a[3], b[3])) for a, b in pairs]
+            self._spans = joined + self._spans[len(joined) * 2 :]
+
+    def since(self, below: int) -> list[tuple[int, int, int, int]]:
+        """Give what is gone from sample ``below`` on."""
+        return [
+            (max(first, below), end, from_us, to_us)
+            for first, end, from_us, to_us in self._spans
+            if end > below
+        ]

@@ -25,7 +25,7 @@ import msgspec
 
 from talaia.gateway.errors import SpoolError
 from talaia.gateway.spool.files import Head, Segment, set_aside, write_all
-from talaia.gateway.spool.gaps import Gaps
+from talaia.gateway.spool.gaps import Gaps, Gone
 from talaia.gateway.spool.opening import DAMAGED, take_up
 from talaia.gateway.spool.packing import packed, unpacked
 from talaia.gateway.spool.segment import Kind, Record, pack_record, records
@@ -44,6 +44,7 @@ SEGMENT_BYTES = 4 * 1024 * 1024
 TRIM_BYTES = 512 * 1024
 MEMORY_BYTES = 4 * 1024 * 1024
 FULL = "the gateway's disk space for unsent samples was full"
+UNLEARNED = "the hub lost what it had stored, and the gateway had it no more"
 OLD = "it waited in the gateway for longer than it is kept"
 # Of the whole disk, where that is less than what is to stay free.
 MOST_SPARE = 0.05
@@ -99,6 +100,7 @@ class Spool:
         self._bound = bound
         self._age_s, self._spare, self._now = age_s, spare, now
         self._acked: dict[str, int] = {}
+        self._gone = Gone()
         self._synced_end = 0
         self._dirty = False
         self._memory: deque[Record] = deque()
@@ -248,6 +250,8 @@ class Spool:
         self._gaps.write()
 
     def _remove(self, segment: Segment) -> None:
+        if segment.head.boot == self._head.boot:
+            self._gone.add(segment.first, segment.end, segment.from_us, segment.to_us)
         self._segments.remove(segment)
         segment.path.unlink(missing_ok=True)
 
@@ -267,6 +271,20 @@ class Spool:
         if below > self._acked.get(boot, 0):
             self._acked[boot] = below
 
+    def unlearn(self, below: int) -> None:
+        """Take back what of this boot was acknowledged from ``below`` on: the hub has lost it.
+
+        Its database was begun anew or is an older one. What is still here is given out again; the
+        rest is a gap.
+        """
+        boot, acked = self._head.boot, self._acked.get(self._head.boot, 0)
+        if below >= acked:
+            return
+        log.warning("the hub has lost samples %d to %d, which it had stored", below, acked - 1)
+        self._acked[boot] = below
+        for first, end, from_us, to_us in self._gone.since(below):
+            self._gaps.add(boot, first, end - 1, from_us, to_us, UNLEARNED)
+
     def _trim(self) -> None:
         for segment in [
             each
@@ -284,10 +302,13 @@ class Spool:
             # Emptied in place: with a hub that keeps up, the pages never reach the disk at all.
             os.ftruncate(self._file, current.start)
             os.lseek(self._file, current.start, os.SEEK_SET)
+            self._gone.add(current.first, current.end, current.from_us, current.to_us)
             current.size, current.first = current.start, -1
             current.turn += 1
         while self._memory and self._memory[0].end <= acked:
-            self._memory_bytes -= len(self._memory.popleft().body)
+            stored = self._memory.popleft()
+            self._memory_bytes -= len(stored.body)
+            self._gone.add(stored.first, stored.end, stored.from_us, stored.to_us)
         self._gaps.forget(self._acked)
 
     def sync(self) -> None:

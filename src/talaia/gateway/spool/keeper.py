@@ -63,6 +63,10 @@ class Keeper:
         """
         self._spool.ack(boot, below)
 
+    def unlearn(self, below: int) -> None:
+        """See `Spool.unlearn`; done before whatever is asked for after it."""
+        self._thread.submit(self._spool.unlearn, below).add_done_callback(_log_failure)
+
     async def sync(self) -> None:
         """See `Spool.sync`."""
         await self._do(self._spool.sync)

@@ -12,7 +12,7 @@ from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from talaia.gateway.spool.journal import Stored
     from talaia.gateway.spool.keeper import Keeper
@@ -106,32 +106,41 @@ class CatchUp:
             found, place = await self._keeper.read(place, step)
             if not found:
                 return
-            sent = self._queue(found, wanted)
+            sent = 0
+            for data in self._frames(found, wanted):
+                self._lanes.backfill(data)
+                sent += len(data)
+                unheard = unheard + len(data) if acks == self._lanes.acks else len(data)
+                acks = self._lanes.acks
+                # What was packed may be many frames, which are not sent at one blow.
+                if sent >= step:
+                    await self._pace(sent, acks if unheard > MOST_UNHEARD else None)
+                    sent = 0
             # Even where nothing is wanted, the reading is not to take the machine for itself.
-            await asyncio.sleep(max(sent, step // 10) / self._rate)
-            unheard = unheard + sent if acks == self._lanes.acks else sent
-            acks = self._lanes.acks
-            # Asked from time to time: the writer has more urgent things to do than to tell us.
-            while self._lanes.backfill_waiting > MAX_WAITING or (  # noqa: ASYNC110
-                # A hub that stores nothing now has no room for old samples either.
-                unheard > MOST_UNHEARD and acks == self._lanes.acks
-            ):
-                await asyncio.sleep(STEP_S)
+            sent = max(sent, step // 10)
+            await self._pace(sent, acks if unheard > MOST_UNHEARD else None)
             last = found[-1]
             if last.head.boot == until[0] and last.record.end >= until[1]:
                 return
 
-    def _queue(self, found: list[Stored], wanted: Callable[[str, int, int], bool]) -> int:
-        sent = 0
+    async def _pace(self, sent: int, acks: int | None) -> None:
+        """Wait as long as ``sent`` bytes take, for the lane, and for an answer beyond ``acks``."""
+        await asyncio.sleep(sent / self._rate)
+        # Asked from time to time: the writer has more urgent things to do than to tell us.
+        while self._lanes.backfill_waiting > MAX_WAITING or (  # noqa: ASYNC110
+            # A hub that stores nothing now has no room for old samples either.
+            acks == self._lanes.acks
+        ):
+            await asyncio.sleep(STEP_S)
+
+    def _frames(
+        self, found: list[Stored], wanted: Callable[[str, int, int], bool]
+    ) -> Iterator[bytes]:
         for stored in found:
             boot, record = stored.head.boot, stored.record
             if wanted(boot, record.first, record.end):
                 try:
-                    data = as_old(stored, self._catalogue)
+                    yield as_old(stored, self._catalogue)
                 except PeerError as error:
                     # Whole on disk, yet written by a version that said it differently.
                     self._keeper.lose(record, str(error), boot)
-                    continue
-                self._lanes.backfill(data)
-                sent += len(data)
-        return sent

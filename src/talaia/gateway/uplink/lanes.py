@@ -16,10 +16,12 @@ from talaia.wire.frames import (
     BeatReply,
     Bye,
     CommandState,
+    DeviceState,
     DriveState,
     Event,
     InterlockState,
     LeaseState,
+    RecordState,
     ResetToken,
     StopState,
     Tick,
@@ -43,7 +45,8 @@ class Lane(IntEnum):
 
 
 _CONTROL = (
-    StopState, DriveState, Tick, LeaseState, InterlockState, ResetToken, Beat, BeatReply, Bye,
+    StopState, DriveState, Tick, LeaseState, InterlockState, DeviceState, RecordState, ResetToken,
+    Beat, BeatReply, Bye,
 )  # fmt: skip
 _COMMANDS = (CommandState, Event)
 
@@ -120,6 +123,11 @@ class Lanes:
         """Note that the hub asks for samples again."""
         before = self.owed.get(boot, (first, below))
         self.owed[boot] = (min(first, before[0]), max(below, before[1]))
+
+    @property
+    def busy(self) -> bool:
+        """Whether anything waits that is not old."""
+        return any(self._lanes[lane] for lane in (Lane.CONTROL, Lane.COMMANDS, Lane.LIVE))
 
     @property
     def backfill_waiting(self) -> int:

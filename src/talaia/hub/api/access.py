@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem
-from talaia.hub.errors import StoreDown
+from talaia.hub.errors import HubBusy, StoreDown
 from talaia.hub.policy import BY_SCRIPT, SOCKETS, Need, allows, need_of_route
 from talaia.hub.store.browsers import KNOWN_S
 from talaia.hub.store.tokens import MARK
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.hub.auth.permissions import Who
+    from talaia.hub.live.admission import Admission
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.settings import Settings
     from talaia.hub.store.sessions import Alive, Sessions
@@ -40,6 +41,7 @@ class Access:
         tokens: ApiTokens,
         sites: Sites,
         registry: SiteRegistry,
+        admission: Admission,
         settings: Settings,
     ) -> None:
         """Know people by ``sessions``, scripts by ``tokens`` and gateways by ``registry``."""
@@ -47,6 +49,7 @@ class Access:
         self._tokens = tokens
         self._sites = sites
         self._registry = registry
+        self._admission = admission
         self._tls = settings.tls
         self._life_s = round(settings.life_s)
 
@@ -142,7 +145,11 @@ class Access:
         found = None
         try:
             if need is Need.GATEWAY and kind.lower() == "bearer" and key:
-                found = await self._registry.gateway_of(key.strip())
+                async with self._admission.turn():
+                    found = await self._registry.gateway_of(key.strip())
+        except HubBusy as error:
+            await deny(socket, 503, "busy", str(error))
+            return None
         except StoreDown:
             await deny(socket, 503, "store", STORE_DOWN)
             return None

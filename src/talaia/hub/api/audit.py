@@ -13,16 +13,15 @@ from fastapi.responses import StreamingResponse
 from talaia.hub.api.access import address_of, who_of
 from talaia.hub.api.shapes import AuditAsk, AuditChain, AuditList, AuditPage, AuditRow
 from talaia.hub.store.audit import Entry, Filter
+from talaia.hub.store.visible import safe_cell
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable
 
     from talaia.hub.store.audit import Audit, Row
 
-__all__ = ["AuditPages", "safe_cell"]
+__all__ = ["AuditPages"]
 
-# A spreadsheet takes a cell that begins with one of these for a formula, and works it out.
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _CHUNK = 64 * 1024
 _HEAD = ("id", "time_utc", *Entry._fields)
 
@@ -75,11 +74,6 @@ class AuditPages:
             good=not found.broken,
         )
         return AuditChain(ok=not found.broken, rows=found.rows, broken=found.broken)
-
-
-def safe_cell(text: str) -> str:
-    """Write a text so that a spreadsheet takes it for a text and for nothing else."""
-    return f"'{text}" if text.startswith(_FORMULA) else text
 
 
 def _filter(asked: AuditAsk) -> Filter:

@@ -11,19 +11,20 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from talaia.hub.auth.permissions import Grants
+    from talaia.hub.history.sensors import SensorKind
     from talaia.hub.live.sites import LiveSite
 
-__all__ = ["Asked", "NoChannel", "asked_channels", "may_read"]
+__all__ = ["Asked", "NoChannel", "asked_channels", "former_channel", "may_read"]
 
 # A position's signal has no unit of its own; see `model.site.parts_of`.
 _PART_UNITS = {"x": "m", "y": "m", "yaw": "rad", "lat": "°", "lon": "°", "alt": "m"}
 
 
 class Asked(NamedTuple):
-    """A channel that is asked for, with what its description says of it.
+    """A channel that is asked for, with what its description says, or said, of it.
 
     Attributes:
-        described: the site's description has it; otherwise it had, and there is history.
+        known: what it is, is known; otherwise only that there is history.
 
     """
 
@@ -31,7 +32,7 @@ class Asked(NamedTuple):
     unit: str = ""
     states: tuple[str, ...] = ()
     text: bool = False
-    described: bool = True
+    known: bool = True
 
 
 class NoChannel(Exception):
@@ -47,11 +48,14 @@ class NoChannel(Exception):
 
 
 def asked_channels(
-    live: LiveSite, grants: Grants, addresses: Iterable[str], stored: Callable[[str], bool]
+    live: LiveSite,
+    grants: Grants,
+    addresses: Iterable[str],
+    stored: Callable[[str], Asked | None],
 ) -> list[Asked]:
     """Find channels by their addresses or by those of their signals, each once, in that order.
 
-    ``stored`` tells whether an address has history.
+    ``stored`` gives what an address of a former description is, if it has history.
 
     Raises:
         NoChannel: for the first address that is unknown or not open to the person.
@@ -60,12 +64,23 @@ def asked_channels(
     found: dict[str, Asked] = {}
     for address in addresses:
         some = _described(live, grants, address)
-        if not some and may_read(live, grants, address) and stored(address):
-            some = [Asked(address, described=False)]
+        if not some and may_read(live, grants, address):
+            former = stored(address)
+            some = [] if former is None else [former]
         if not some:
             raise NoChannel(address)
         found.update({each.address: each for each in some})
     return list(found.values())
+
+
+def former_channel(address: str, kind: SensorKind | None) -> Asked:
+    """Say what a channel was that the description no longer has."""
+    if kind is None or not kind.type:
+        return Asked(address, known=False)
+    part = address.partition(".")[2]
+    states = kind.states if kind.type == SignalType.STATE else ()
+    text = kind.type == SignalType.TEXT
+    return Asked(address, _PART_UNITS.get(part, kind.unit), states, text)
 
 
 def may_read(live: LiveSite, grants: Grants, address: str) -> bool:

@@ -64,6 +64,7 @@ def summarise(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
         why=live.why,
         loop_ms=live.loop_ms,
         skew_ms=live.skew_ms,
+        rival_us=live.rival_us,
         devices=sum(sees_device(grants, site, device) for device in site.devices),
         signals=len(seen),
         stale=len(seen - fresh),

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
 from talaia.hub.api.access import live_of, who_of
-from talaia.hub.api.channels import NoChannel, asked_channels, may_read
+from talaia.hub.api.channels import Asked, NoChannel, asked_channels, former_channel, may_read
 from talaia.hub.api.history_shapes import (
     ReadingShape,
     StatisticsList,
@@ -23,11 +23,13 @@ from talaia.hub.api.history_shapes import (
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.shapes import HistoryAnswer
 from talaia.hub.history.errors import HistoryBusy
+from talaia.hub.history.forms import MEDIA_TYPES, SUFFIXES, ExportColumn, FileForm
+from talaia.hub.history.sensors import SensorKind
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Collection
 
-    from talaia.hub.api.channels import Asked
+    from talaia.hub.history.channels import StoredChannel
     from talaia.hub.history.series import Series
     from talaia.hub.history.statistics import Reading, Statistics
     from talaia.hub.ports import History
@@ -36,9 +38,8 @@ __all__ = ["HistoryPages"]
 
 _MOST_SERIES = 100
 _BUSY_S = 5
-_ARROW = "application/vnd.apache.arrow.stream"
-# As in `history.files`, which is read in only when somebody exports: it takes a while.
-_FILES = ("text/csv", "application/vnd.apache.parquet", _ARROW)
+_ARROW = MEDIA_TYPES[FileForm.ARROW]
+_FILES = [kind.partition(";")[0] for kind in MEDIA_TYPES.values()]
 _BYTES: dict[str, object] = {"schema": {"type": "string", "format": "binary"}}
 _Time = Annotated[int, Query(ge=0, le=2**53)]
 _Addresses = Annotated[list[str], Query(max_length=_MOST_SERIES)]
@@ -137,14 +138,18 @@ class HistoryPages:
         found = await self._history.statistics(live_of(request).name, addresses, from_us, to_us)
         return StatisticsList(statistics=[_statistics(each) for each in found])
 
-    async def stored(self, request: Request) -> StoredList:
-        """List what has history and is open to you, also what was renamed or removed since."""
+    async def stored(self, request: Request, former: bool = False) -> StoredList:  # noqa: FBT001, FBT002 - a query's word
+        """List what has history and is open to you, also what was renamed or removed since.
+
+        With ``former``, only what the site's description no longer has.
+        """
         live, grants = live_of(request), who_of(request).grants
         described = {channel.address for channel in live.channels}
+        found = await self._history.channels(live.name, described if former else ())
         return StoredList(
             channels=[
-                StoredShape(described=each.address in described, **each._asdict())
-                for each in await self._history.channels(live.name)
+                _stored(each, self._history.kind_of(live.name, each.address), described)
+                for each in found
                 if may_read(live, grants, each.address)
             ]
         )
@@ -164,8 +169,6 @@ class HistoryPages:
         One row for each time stamp, one column for each channel. With a ``width``, it holds what
         a chart of so many pixels shows; without, every sample.
         """
-        from talaia.hub.history.files import MEDIA_TYPES, SUFFIXES, ExportColumn, FileForm
-
         asked = self._asked(request, [*channel, *signal])
         _check(from_us, to_us)
         site, form = live_of(request).name, FileForm(format)
@@ -191,8 +194,10 @@ class HistoryPages:
             raise ApiProblem(422, "invalid", "name at least one channel or signal")
         live = live_of(request)
 
-        def stored(address: str) -> bool:
-            return self._history.knows(live.name, address)
+        def stored(address: str) -> Asked | None:
+            if not self._history.knows(live.name, address):
+                return None
+            return former_channel(address, self._history.kind_of(live.name, address))
 
         try:
             asked = asked_channels(live, who_of(request).grants, addresses, stored)
@@ -203,7 +208,7 @@ class HistoryPages:
         return asked
 
     async def _is_text(self, site: str, asked: Asked) -> bool:
-        if asked.described:
+        if asked.known:
             return asked.text
         found = await self._history.last(site, [asked.address])
         return any(text for _, _, text in found.values())
@@ -218,6 +223,21 @@ async def _rest(first: bytes, pieces: AsyncIterator[bytes]) -> AsyncIterator[byt
     yield first
     async for piece in pieces:
         yield piece
+
+
+def _stored(
+    channel: StoredChannel, kind: SensorKind | None, described: Collection[str]
+) -> StoredShape:
+    said = SensorKind("", "", "", (), -1) if kind is None else kind
+    return StoredShape(
+        described=channel.address in described,
+        name=said.name,
+        unit=said.unit,
+        type=said.type,
+        states=list(said.states),
+        decimals=said.decimals,
+        **channel._asdict(),
+    )
 
 
 def _series(series: Series) -> dict[str, object]:

@@ -5,10 +5,13 @@ Times ending in ``_us`` are microseconds since the epoch (UTC).
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, ConfigDict
 
 __all__ = [
     "ChannelStorageShape",
+    "OutlookShape",
     "ReadingShape",
     "StatisticsList",
     "StatisticsShape",
@@ -75,9 +78,18 @@ class StatisticsList(_Shape):
 
 
 class StoredShape(_Shape):
-    """A channel that has history; ``described``: the site's description has it still."""
+    """A channel that has history; ``described``: the site's description has it still.
+
+    ``name``, ``unit``, ``type``, ``states`` and ``decimals`` are those of its signal when it was
+    last described; ``type`` is empty where that is not known.
+    """
 
     address: str
+    name: str
+    unit: str
+    type: str
+    states: list[str]
+    decimals: int
     described: bool
     samples: int
     first_us: int
@@ -91,10 +103,16 @@ class StoredList(_Shape):
 
 
 class ChannelStorageShape(_Shape):
-    """What a channel's history takes; ``keep_days`` 0: it is kept for good."""
+    """What a channel's history takes.
+
+    ``name`` is its signal's; ``described``: its site's description has it still. ``day_bytes`` is
+    its growth at the last week's rate; ``keep_days`` 0: it is kept for good.
+    """
 
     site: str
     address: str
+    name: str
+    described: bool
     samples: int
     bytes: int
     day_bytes: int
@@ -106,15 +124,37 @@ class ChannelStorageShape(_Shape):
 class StorageShape(_Shape):
     """What all history takes, and when it will be full.
 
-    ``free_bytes`` is null for a database server, whose disk is not the hub's to know.
-    ``limit_bytes`` 0: no limit, so the disk is. ``day_bytes`` is the growth by the last 24 hours;
-    ``full_us`` is when the limit or the disk is reached at that rate, null if never or not known.
+    ``kind`` is the database's, ``place`` where it is. ``database_bytes`` has all in it;
+    ``spare_bytes`` are free inside a SQLite file. ``free_bytes`` is null, and ``disk_bytes`` 0, for
+    a database server, whose disk is not the hub's to know. ``limit_bytes`` 0: no limit, so the
+    disk is. ``day_bytes`` is the growth at the last week's rate. ``full_us`` is when the limit
+    (``by_limit``) or the disk is reached at that rate, null if never or not known; ``oldest_us`` is
+    the oldest sample's time then. ``kept_days``: with a limit, how far the history reaches back in
+    the long run. ``warn``: see `Warn`; ``trouble``: why nothing can be stored at present.
     """
 
+    kind: str
+    place: str
     database_bytes: int
+    spare_bytes: int
     blocks_bytes: int
     free_bytes: int | None
+    disk_bytes: int
     limit_bytes: int
     day_bytes: int
     full_us: int | None
+    by_limit: bool
+    oldest_us: int | None
+    kept_days: float | None
+    warn: Literal["", "limit", "soon", "full"]
+    trouble: str
     channels: list[ChannelStorageShape]
+
+
+class OutlookShape(_Shape):
+    """Whether there is room for what comes; as in `StorageShape`."""
+
+    trouble: str
+    warn: Literal["", "limit", "soon", "full"]
+    full_us: int | None
+    free_bytes: int | None

@@ -39,6 +39,7 @@ RATES: Mapping[str, Rate] = {
     "/api/sites/{site}/history": HISTORY,
     "/api/sites/{site}/last": HISTORY,
     "/api/sites/{site}/statistics": HISTORY,
+    "/api/sites/{site}/stored": HISTORY,
     "/api/sites/{site}/export": HEAVY,
     "/api/storage": HEAVY,
     "/api/audit/export": HEAVY,

@@ -130,6 +130,7 @@ class SiteSummary(Shape):
     why: str
     loop_ms: float
     skew_ms: float
+    rival_us: int
     devices: int
     signals: int
     stale: int

@@ -1,4 +1,4 @@
-"""The doors of the four sockets: who comes in, and to whom they are led."""
+"""The doors of the five sockets: who comes in, and to whom they are led."""
 
 from __future__ import annotations
 
@@ -76,6 +76,7 @@ class Sockets:
         router.websocket("/ws/media")(self.pictures)
         router.websocket("/gateway/link")(self.link)
         router.websocket("/gateway/media")(self.camera)
+        router.websocket("/gateway/files")(self.files)
         return router
 
     async def room(self, socket: WebSocket) -> None:
@@ -145,6 +146,13 @@ class Sockets:
         if key is not None:
             await socket.accept()
             await self._gateways.serve_media(socket, key)
+
+    async def files(self, socket: WebSocket) -> None:
+        """Take a gateway's recordings."""
+        key = await self._access.admit_gateway(socket)
+        if key is not None:
+            await socket.accept()
+            await self._gateways.serve_files(socket, key)
 
     def _handle(self, browser: Browser, message: FromBrowser) -> None:
         """Lead a message, which the gate has let pass, to its part."""

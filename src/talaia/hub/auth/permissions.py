@@ -99,6 +99,17 @@ class Grants:
             )
         )
 
+    def devices(self, right: Right, site: str) -> frozenset[str] | None:
+        """Name the devices of a site on which a person has ``right``; None is the whole site.
+
+        Those of former descriptions are among them, since a permission outlives what it is for.
+        """
+        if self.may(right, site):
+            return None
+        return frozenset(
+            each.device for each in self.permissions if each.covers(right, site, each.device)
+        )
+
     def rights(self, site: str, device: str) -> list[Right]:
         """List the rights on a device."""
         return [right for right in Right if self.may(right, site, device)]

@@ -9,6 +9,8 @@ from sqlalchemy import func, select
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from sqlalchemy import Engine
 
     from talaia.hub.history.ledger import Ledger
@@ -32,15 +34,18 @@ class StoredChannel(NamedTuple):
     last_us: int
 
 
-def stored_channels(engine: Engine, ledger: Ledger, site: str) -> list[StoredChannel]:
-    """List a site's channels that have samples, by address."""
+def stored_channels(
+    engine: Engine, ledger: Ledger, site: str, without: Collection[str] = ()
+) -> list[StoredChannel]:
+    """List a site's channels that have samples, by address; those in ``without`` are not read."""
+    left_out = frozenset(without)
     names, tails = ledger.names, ledger.tails
     # Memory before the database, as for every reading.
     before = tails.block
     held = {
         address: (channel, tails.snapshot(channel))
         for (owner, address), channel in sorted(names.channels.copy().items())
-        if owner == site
+        if owner == site and address not in left_out
     }
     block = tables.block
     query = (

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
-from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
+
+from talaia.hub.history.forms import FileForm
+from talaia.hub.store.visible import safe_cell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -18,52 +20,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.hub.history.block import Samples
+    from talaia.hub.history.forms import ExportColumn
     from talaia.hub.history.joined import Rows
 
-__all__ = ["MEDIA_TYPES", "SUFFIXES", "ExportColumn", "FileForm", "safe_cell", "written"]
+__all__ = ["written"]
 
 TIME = "time"
 # Rows of a Parquet file that are read together; smaller ones make the file larger.
 _ROW_GROUP = 131_072
-# A spreadsheet takes a cell that begins like this for a formula.
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
-
-
-class FileForm(StrEnum):
-    """What samples can be taken away as."""
-
-    CSV = "csv"
-    PARQUET = "parquet"
-    ARROW = "arrow"
-
-
-MEDIA_TYPES = {
-    FileForm.CSV: "text/csv; charset=utf-8",
-    FileForm.PARQUET: "application/vnd.apache.parquet",
-    FileForm.ARROW: "application/vnd.apache.arrow.stream",
-}
-SUFFIXES = {FileForm.CSV: "csv", FileForm.PARQUET: "parquet", FileForm.ARROW: "arrows"}
-
-
-class ExportColumn(NamedTuple):
-    """A channel as a column of a file.
-
-    Attributes:
-        unit: goes into the column's heading (CSV) or metadata.
-        states: what each whole number means, for a state; it is written as that word.
-        text: the channel holds texts.
-
-    """
-
-    address: str
-    unit: str = ""
-    states: tuple[str, ...] = ()
-    text: bool = False
-
-    @property
-    def worded(self) -> bool:
-        """Whether its cells are words."""
-        return self.text or bool(self.states)
 
 
 def written(form: FileForm, columns: list[ExportColumn], pieces: Iterator[Rows]) -> Iterator[bytes]:
@@ -77,11 +41,6 @@ def written(form: FileForm, columns: list[ExportColumn], pieces: Iterator[Rows])
     writer.close()
     if sink.size:
         yield sink.taken()
-
-
-def safe_cell(text: str) -> str:
-    """Give a text that no spreadsheet takes for a formula."""
-    return "'" + text if text.startswith(_FORMULA) else text
 
 
 class _Writer(Protocol):

@@ -1,9 +1,10 @@
 """What is stored, and how a group of batches becomes one commit.
 
 A batch goes into the journal as it came. When a channel has a block's worth of samples in memory,
-the next commit also writes its block, and when no channel needs a journal row any more, the row is
-deleted. Each channel records up to which row it is done in the same transaction, so after a crash
-at any point the journal and the saved tails give back exactly what was in memory.
+they are made a block after the commit, while nobody waits; the next commit writes it, too. When no
+channel needs a journal row any more, the row is deleted. Each channel records up to which row it
+is done in the same transaction, so after a crash at any point the journal and the saved tails give
+back exactly what was in memory.
 
 Only the writing thread comes here. The file is longer than 300 lines because a group's plan, its
 commit and its reading back after a crash must agree on every column: they are read together.
@@ -13,7 +14,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from sqlalchemy import delete, func, insert, select
@@ -46,6 +47,14 @@ __all__ = ["Ledger"]
 _LOG = logging.getLogger(__name__)
 
 
+class _Plan(NamedTuple):
+    """What of the tails the next commit writes, and the number of the first of its blocks."""
+
+    first_block: int
+    seals: list[Sealed]
+    saves: list[Saved]
+
+
 class _Draft:
     """What the next commit writes."""
 
@@ -76,6 +85,7 @@ class Ledger:
     Attributes:
         names: numbers of channels and boots.
         tails: what is not in blocks; readers look at it too.
+        run: how often all was loaded; from one time to the next no block's number is given twice.
         written: bytes of the last commit's bodies.
 
     """
@@ -87,6 +97,7 @@ class Ledger:
         self._limits = limits
         self.names = Names()
         self.tails = Tails(1, 0, limits.recent)
+        self.run = 0
         self._recent = Recent()
         self._newest: dict[int, Newest] = {}
         self._written_ranges: dict[int, set[int]] = {}
@@ -97,6 +108,8 @@ class Ledger:
         self._next_block = 1
         self._journal: deque[tuple[int, int]] = deque()
         self._in_journal = 0
+        self._plan: _Plan | None = None
+        self._samples = 0
         self.written = 0
 
     def load(self) -> None:
@@ -105,7 +118,8 @@ class Ledger:
         self._newest, self._written_ranges = {}, {}
         self._stored, self._settled, self._changed = {}, {}, set()
         self._journal, self._in_journal = deque(), 0
-        with self._engine.connect() as connection:
+        self._plan = None
+        with self._engine.begin() as connection:
             names.load(connection)
             self._load_ranges(connection)
             last_block = connection.scalar(select(func.max(tables.body.c.block_id))) or 0
@@ -121,7 +135,7 @@ class Ledger:
             self._next_row = done + 1
             self._replay(connection, names, tails)
         # Readers see the old state or the new one, never half of it.
-        self.names, self.tails = names, tails
+        self.names, self.tails, self.run = names, tails, self.run + 1
 
     def store(self, jobs: Sequence[Job]) -> list[HistoryError | int]:
         """Commit a group of jobs and give each one's answer; only `Below`'s number means anything.
@@ -133,12 +147,51 @@ class Ledger:
         draft = _Draft()
         answers = [self._answer(job, draft) for job in jobs]
         if draft:
-            self._plan_seals(draft)
+            if self._plan is not None:
+                draft.seals, draft.saves = self._plan.seals, self._plan.saves
             with self._engine.begin() as connection:
                 last_gone = self._write(connection, draft)
             self._committed(draft, last_gone)
             self.written = draft.size()
         return answers
+
+    def plan(self) -> None:
+        """Choose what of the tails the next commit writes, and compress it.
+
+        It is little at a time, so that no commit is slow, and comes after a commit was answered,
+        so that nobody waits for it who does not send at once.
+        """
+        if self._plan is not None:
+            return
+        tails = self.tails
+        if tails.is_due():
+            tails.deal()
+        enough = self._enough()
+        # Twice as many as come, so that they are never more than a few behind.
+        budget = 1 + self._samples // (enough // 2)
+        self._samples = 0
+        # The fullest first: of channels that run in step, none falls behind for good.
+        sizes = [(tail.size, channel) for channel, tail in tails.items().items()]
+        due = [(size, channel) for size, channel in sizes if size >= enough]
+        chosen = [channel for _, channel in sorted(due, reverse=True)[:budget]]
+        saved: list[int] = []
+        full = self._in_journal > self._limits.journal + 2 * enough * len(tails.items())
+        if full and len(chosen) < budget:
+            waiting = [
+                (tail.oldest_row, channel)
+                for channel, tail in tails.items().items()
+                if tail.oldest_row is not None and channel not in chosen
+            ]
+            for _, channel in sorted(waiting)[: budget - len(chosen)]:
+                full_enough = tails.items()[channel].size >= self._limits.block // 2
+                (chosen if full_enough else saved).append(channel)
+        if chosen or saved:
+            first_block = self._next_block
+            saves = [
+                save(channel, tails.dealt_row, concatenate(tails.items()[channel].parts))
+                for channel in saved
+            ]
+            self._plan = _Plan(first_block, [self._seal(each, enough) for each in chosen], saves)
 
     def _load_ranges(self, connection: Connection) -> None:
         for row in connection.execute(select(tables.stored_range)):
@@ -191,7 +244,10 @@ class Ledger:
                 case Drop():
                     draft.doomed += job.doomed
                 case Show():
-                    self.tails.deal()
+                    if self.tails.deal() and self._plan is not None:
+                        # It is of the tails as they were.
+                        self._next_block = self._plan.first_block
+                        self._plan = None
                     draft.recent = self._recent.rows(self.tails.items())
         except (HistoryError, UnicodeEncodeError) as error:
             # One batch that cannot be kept must not take the others of its commit with it.
@@ -252,34 +308,13 @@ class Ledger:
         )
         self._settled.setdefault(boot, Ranges()).add(job.first, job.last + 1)
 
-    def _plan_seals(self, draft: _Draft) -> None:
-        """Choose what else this commit writes: little at a time, so that no commit is slow."""
-        tails = self.tails
-        if tails.is_due():
-            tails.deal()
-        # Twice as many as come, so that they are never more than a few behind.
-        budget = 1 + draft.samples // (self._limits.block // 2)
-        # The fullest first: of channels that run in step, none falls behind for good.
-        sizes = [(tail.size, channel) for channel, tail in tails.items().items()]
-        due = [(size, channel) for size, channel in sizes if size >= self._limits.block]
-        chosen = [channel for _, channel in sorted(due, reverse=True)[:budget]]
-        full = self._in_journal > self._limits.journal + 2 * self._limits.block * len(tails.items())
-        if full and len(chosen) < budget:
-            waiting = [
-                (tail.oldest_row, channel)
-                for channel, tail in tails.items().items()
-                if tail.oldest_row is not None and channel not in chosen
-            ]
-            for _, channel in sorted(waiting)[: budget - len(chosen)]:
-                if tails.items()[channel].size >= self._limits.block // 2:
-                    chosen.append(channel)
-                else:
-                    parts = concatenate(tails.items()[channel].parts)
-                    draft.saves.append(save(channel, tails.dealt_row, parts))
-        for channel in chosen:
-            draft.seals.append(self._seal(channel))
+    def _enough(self) -> int:
+        """Tell how many samples a channel may hold before it is sealed."""
+        limits = self._limits
+        share = limits.held // max(1, len(self.tails.items()))
+        return max(limits.block, min(limits.largest, share))
 
-    def _seal(self, channel: int) -> Sealed:
+    def _seal(self, channel: int, block: int) -> Sealed:
         tail = self.tails.items()[channel]
         sealed = seal(
             channel,
@@ -287,7 +322,7 @@ class Ledger:
             self._next_block,
             self.names.longest_us[channel],
             concatenate(tail.parts),
-            self._limits.block,
+            block,
             was_saved=tail.saved,
         )
         self._next_block += len(sealed.blocks)
@@ -348,6 +383,8 @@ class Ledger:
         put_rows(connection, table, rows)
 
     def _committed(self, draft: _Draft, last_gone: int) -> None:
+        self._plan = None
+        self._samples += draft.samples
         self.names.written()
         self._newest.update(draft.newest)
         self._written_ranges.update(draft.ranges)

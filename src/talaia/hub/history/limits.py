@@ -11,7 +11,11 @@ class Limits(NamedTuple):
     """Sizes in samples, unless said otherwise.
 
     Attributes:
-        block: a block's size; a channel with so many in memory is sealed.
+        block: a block's size while there are many channels; a channel with so many in memory is
+            sealed.
+        largest: a block's size while there are few. Larger blocks cost less for each sample, in
+            time and in room, but wait in memory and in the journal until they are full.
+        held: blocks are as large as they can be if all channels together hold no more than this.
         recent: committed batches are dealt out to the channels when they hold so many; a reader
             has to look through them.
         journal: what the journal may hold beside two blocks of each channel, before slow
@@ -23,15 +27,19 @@ class Limits(NamedTuple):
         show_s: a reading of each channel is written as a plain row this often (s); 0 is never.
         tidy_s: what is too old or too much is looked for this often (s); 0 is never.
         bytes: blocks may take so many bytes; then the oldest go. 0 sets no limit.
+        cached: of blocks that were read, so many samples are held (16 bytes each).
         texts: of more texts than this the newest are shown, for they have no rollups.
 
     """
 
     block: int = 4_096
+    largest: int = 16_384
+    held: int = 1_048_576
     recent: int = 4_096
     journal: int = 500_000
     delete: int = 256
     raw: int = 250_000
+    cached: int = 1_000_000
     texts: int = 500_000
     linger_s: float = 0.05
     show_s: float = 2.0

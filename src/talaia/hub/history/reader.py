@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sqlalchemy import select, union_all
 
-from talaia.hub.history.block import EMPTY, Samples, concatenate, in_order
+from talaia.hub.history.block import Samples, concatenate, in_order
+from talaia.hub.history.cache import BlockCache
+from talaia.hub.history.columns import columns_of
 from talaia.hub.history.rollup import cover, tier_for
 from talaia.hub.history.rows import to_float
 from talaia.hub.history.series import HistoryGap, Series, empty_series
@@ -20,10 +22,10 @@ from talaia.hub.history.thin import edges_of, extremes, groups, pixel_width, ste
 from talaia.hub.history.window import (
     FARTHEST_US,
     Window,
-    bodies,
-    count_in_blocks,
     gaps_of,
+    kept_bodies,
     outside_rollups,
+    overlapping,
     raw,
     window_of,
 )
@@ -32,6 +34,7 @@ from talaia.hub.store import history_tables as tables
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
+    from numpy.typing import NDArray
     from sqlalchemy import Connection, Engine
 
     from talaia.hub.history.ledger import Ledger
@@ -51,6 +54,7 @@ class Reader:
         self._engine = engine
         self._ledger = ledger
         self._limits = limits
+        self._cache = BlockCache(limits.cached)
 
     def read(
         self,
@@ -90,7 +94,7 @@ class Reader:
                     continue
                 window, held = known
                 tail = in_order(held).between(window.from_us, window.to_us)
-                both = concatenate([*_newest_blocks(connection, window, tail), tail])
+                both = concatenate([*_newest_blocks(connection, self._cache, window, tail), tail])
                 if not both.time_us.size:
                     continue
                 # Of equal times the one that came last; the tail came after the blocks.
@@ -110,16 +114,22 @@ class Reader:
         steps: bool,  # noqa: FBT001 - one of many, and never written as a literal
     ) -> Series:
         tail = in_order(held).between(window.from_us, window.to_us)
-        many = count_in_blocks(connection, window) > max(self._limits.raw, 2 * width)
         span_us = window.to_us - window.from_us + 1
-        tier = tier_for(pixel_width(span_us, width) or span_us) if many else 0
+        most = max(self._limits.raw, 2 * width)
+        blocks = overlapping(connection, window, most)
+        tier = 0
+        if blocks is None:
+            tier = tier_for(pixel_width(span_us, width) or span_us)
         if tier:
             pixel_us = pixel_width(span_us, width, tier)
-            rolled = _rolled(connection, window, tier, pixel_us, _STEPS if steps else _LINES)
+            names = _STEPS if steps else _LINES
+            rolled = _rolled(connection, self._cache, window, tier, pixel_us, names)
             if not rolled.texts and not tail.texts:
                 points = in_order(concatenate([rolled, tail]))
                 return _drawn(address, points, pixel_us, gaps, steps)
-        samples, unread = raw(connection, window, self._limits.texts)
+        if blocks is None:
+            blocks = overlapping(connection, window, FARTHEST_US) or ()
+        samples, unread = raw(connection, blocks, window, self._limits.texts, self._cache)
         gaps = [*gaps, *unread]
         samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
         if samples.time_us.size <= 2 * width:
@@ -154,7 +164,12 @@ _STEPS = (*_LINES, "last_us", "last")
 
 
 def _rolled(
-    connection: Connection, window: Window, tier: int, pixel_us: int, names: Sequence[str]
+    connection: Connection,
+    cache: BlockCache,
+    window: Window,
+    tier: int,
+    pixel_us: int,
+    names: Sequence[str],
 ) -> Samples:
     """Give points that hold the extremes of each pixel: of rollups, and of what is in none."""
     pieces = cover(window.from_us, window.to_us + 1, tier)
@@ -163,7 +178,8 @@ def _rolled(
     if wide:
         table = tables.rollup
         query = select(*(table.c[name] for name in names))
-        rows = connection.execute(
+        columns = columns_of(
+            connection,
             union_all(
                 *(
                     query.where(
@@ -174,9 +190,10 @@ def _rolled(
                     )
                     for piece in wide
                 )
-            )
-        ).all()
-        parts.append(_points(rows))
+            ),
+        )
+        if columns:
+            parts.append(_points(columns[0::2], columns[1::2]))
     inside: list[Any] = []
     cut: list[tuple[int, Piece]] = []
     for number, row in outside_rollups(connection, window, pieces):
@@ -187,8 +204,11 @@ def _rolled(
             inside.append([getattr(row, name) for name in names])
         else:
             cut.append((row.id, piece))
-    read = bodies(connection, sorted({number for number, _ in cut}))
-    parts.append(_points(inside))
+    read = kept_bodies(connection, sorted({number for number, _ in cut}), window.run, cache)
+    if inside:
+        listed = list(zip(*inside, strict=True))
+        values = [to_float(column) for column in listed[1::2]]
+        parts.append(_points([np.array(each, np.int64) for each in listed[0::2]], values))
     parts += [
         read[number].between(piece.from_us, piece.past_us - 1)
         for number, piece in cut
@@ -197,15 +217,15 @@ def _rolled(
     return concatenate(parts)
 
 
-def _points(rows: Sequence[Sequence[Any]]) -> Samples:
-    """Make points of rows of times and values in turn."""
-    if not rows:
-        return EMPTY
-    columns = list(zip(*rows, strict=True))
-    return Samples(np.array(sum(columns[0::2], ()), np.int64), to_float(sum(columns[1::2], ())), {})
+def _points(
+    times_us: Sequence[NDArray[np.int64]], values: Sequence[NDArray[np.float64]]
+) -> Samples:
+    return Samples(np.concatenate(times_us), np.concatenate(values), {})
 
 
-def _newest_blocks(connection: Connection, window: Window, tail: Samples) -> list[Samples]:
+def _newest_blocks(
+    connection: Connection, cache: BlockCache, window: Window, tail: Samples
+) -> list[Samples]:
     """Read what may hold the newest sample of a window, unless the tail's newest is newer."""
     columns = (_block.c.id, _block.c.first_us, _block.c.last_us)
     order = (_block.c.last_us.desc(), _block.c.id.desc())
@@ -223,6 +243,6 @@ def _newest_blocks(connection: Connection, window: Window, tail: Samples) -> lis
     found = [*cut, whole] if whole is not None else cut
     if tail.time_us.size and all(row.last_us <= tail.time_us[-1] for row in found):
         return []
-    read = bodies(connection, sorted({row.id for row in found}))
+    read = kept_bodies(connection, sorted({row.id for row in found}), window.run, cache)
     # In the order of their numbers, which is that in which they came.
     return [in_order(read[i]).between(window.from_us, window.to_us) for i in sorted(read)]

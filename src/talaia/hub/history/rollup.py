@@ -36,8 +36,11 @@ WIDTHS = tuple(s * SECOND for s in (5, 30, 120, 600, 3_600, 21_600, 86_400))
 # A row costs about as much as 40 compressed samples: with fewer a bucket, reading the samples
 # themselves is as quick, and the rows would be most of the disk.
 WORTH = 64
-# How much wider than asked for a pixel may become so that it holds whole buckets.
-COARSER = 1.2
+# How much wider than asked for a pixel may become so that it holds whole buckets. It is that much
+# only where a pixel is little wider than the narrowest buckets, and at most 1.5 elsewhere.
+COARSER = 2.0
+# Buckets a pixel may be made of: more of them make it fit better, and take longer to read.
+_MOST_BUCKETS = 9
 
 
 class Cells(NamedTuple):
@@ -162,9 +165,15 @@ def finest_width(time_us: NDArray[np.int64]) -> int:
 
 
 def tier_for(pixel_us: int) -> int:
-    """Give the widest buckets a pixel of this width can be made of; 0 if they are all too wide."""
-    fitting = (w for w in reversed(WIDTHS) if -(-pixel_us // w) * w <= COARSER * pixel_us)
-    return next(fitting, 0)
+    """Give the width of the buckets that fit a pixel best; 0 if they make it too wide."""
+    fitting = []
+    for width_us in WIDTHS:
+        buckets = -(-pixel_us // width_us)
+        if buckets <= _MOST_BUCKETS or width_us == WIDTHS[-1]:
+            # Of two that fit as well, the one that has fewer rows.
+            fitting.append((buckets * width_us, -width_us))
+    wide_us, width_us = min(fitting)
+    return -width_us if wide_us <= COARSER * pixel_us else 0
 
 
 class Piece(NamedTuple):

@@ -48,7 +48,7 @@ def rows_to_cells(rows: Sequence[Sequence[Any]]) -> Cells:
     return Cells(*arrays)
 
 
-def to_float(column: Sequence[float | None]) -> NDArray[np.float64]:
+def to_float(column: Sequence[float | None] | NDArray[np.float64]) -> NDArray[np.float64]:
     """Read values as they stand in a row: NULL is NaN, the greatest number is infinity."""
     value = np.array(column, np.float64)
     value[value >= _MAX] = np.inf

@@ -1,64 +1,154 @@
-"""Keeps the sensors' views in step with the site descriptions."""
+"""Keeps what each sensor is, and its view, in step with the site descriptions."""
 
 from __future__ import annotations
 
 import hashlib
+import json
 import logging
-from typing import TYPE_CHECKING
+import time
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import delete, insert, inspect, select
+from sqlalchemy import delete, insert, inspect, select, update
 
 from talaia.hub.history.views import CreateView, DropView, view_name
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
-    from sqlalchemy import Connection, Engine
+    from collections.abc import Callable
+
+    from sqlalchemy import Connection, Engine, Row
 
     from talaia.hub.history.views import Sensor
 
-__all__ = ["show_sensors"]
+__all__ = ["SensorKind", "kinds_of", "read_kinds", "remember_sensors", "show_sensors"]
 
 _LOG = logging.getLogger(__name__)
 # A view that is made otherwise than before is made anew.
 _VERSION = "1"
 _sensor = tables.sensor
+# Every view makes the database's own list of what it holds longer, which each connection reads
+# whole: at ten thousand, one more takes longer than a second.
+MOST_VIEWS = 1000
+# So many views are made, and so many sensors written down, in one transaction: others write in
+# between.
+_AT_ONCE = 20
+_ROWS_AT_ONCE = 500
+_BETWEEN_S = 0.02
+_LONGEST_NAME = 200
 
 
-def show_sensors(engine: Engine, site: str, sensors: list[Sensor]) -> int:
-    """Make a view for each sensor that has none, or another than it should have.
+class SensorKind(NamedTuple):
+    """What a signal was when it was last described.
 
-    A sensor that is no longer described keeps its view, as it keeps its history.
+    Attributes:
+        type: a word of `SignalType`; empty if it was described by a version that kept none.
+        decimals: as in the description.
+
+    """
+
+    name: str
+    unit: str
+    type: str
+    states: tuple[str, ...]
+    decimals: int
+
+
+def kinds_of(sensors: list[Sensor]) -> dict[str, SensorKind]:
+    """Give what signals are, by their addresses."""
+    return {
+        each.address: SensorKind(
+            each.shown[:_LONGEST_NAME], each.unit, each.type.value, each.states, each.decimals
+        )
+        for each in sensors
+    }
+
+
+def read_kinds(engine: Engine) -> dict[tuple[str, str], SensorKind]:
+    """Give what all signals of all times were, by site and address."""
+    with engine.begin() as connection:
+        rows = connection.execute(select(_sensor)).all()
+    return {(row.site, row.address): _kind(row) for row in rows}
+
+
+def remember_sensors(engine: Engine, site: str, sensors: list[Sensor]) -> list[Sensor]:
+    """Write down what each sensor is; one that is no longer described stays as it was.
+
+    Returns:
+        Those that need a view made, or made anew.
+
+    """
+    with engine.begin() as connection:
+        rows = connection.execute(select(_sensor).where(_sensor.c.site == site)).all()
+    known = {row.address: row for row in rows}
+    kinds = kinds_of(sensors)
+    other = [
+        each
+        for each in sensors
+        if each.address not in known or _kind(known[each.address]) != kinds[each.address]
+    ]
+    for first in range(0, len(other), _ROWS_AT_ONCE):
+        with engine.begin() as connection:
+            taken = set(inspect(connection).get_table_names())
+            taken |= set(connection.scalars(select(_sensor.c.view_name)))
+            for each in other[first : first + _ROWS_AT_ONCE]:
+                name = known[each.address].view_name if each.address in known else ""
+                if not name:
+                    name = view_name(site, each.address, each.channels[0], taken)
+                    taken.add(name)
+                _remember(connection, site, each, name)
+    return [
+        each
+        for each in sensors
+        if each.address not in known or known[each.address].made_of != _made_of(each)
+    ]
+
+
+def show_sensors(
+    engine: Engine, site: str, sensors: list[Sensor], ended: Callable[[], bool] = lambda: False
+) -> int:
+    """Make the views of sensors that are remembered and need one.
+
+    A sensor that is no longer described keeps its view, as it keeps its history. A site has at
+    most `MOST_VIEWS` of them; ``ended`` is asked now and then.
 
     Returns:
         How many views were made.
 
     """
-    with engine.connect() as connection:
-        known = {
-            row.address: (row.view_name, row.made_of)
-            for row in connection.execute(select(_sensor).where(_sensor.c.site == site))
-        }
-        missing = [
-            each for each in sensors if known.get(each.address, ("", ""))[1] != _made_of(each)
-        ]
-    if not missing:
+    if not sensors:
         return 0
-    with engine.begin() as connection:
-        taken = set(inspect(connection).get_table_names())
-        taken |= set(connection.scalars(select(_sensor.c.view_name)))
-        for each in missing:
-            name = known.get(each.address, ("", ""))[0]
-            if not name:
-                name = view_name(site, each.address, each.channels[0], frozenset(taken))
-                taken.add(name)
-            _show(connection, site, each, name)
-    _LOG.info("%d sensors of %s have their views", len(missing), site)
-    return len(missing)
+    with engine.connect() as connection:
+        rows = connection.execute(select(_sensor).where(_sensor.c.site == site)).all()
+    names = {row.address: row.view_name for row in rows}
+    made = {row.address for row in rows if row.made_of}
+    room = max(0, MOST_VIEWS - len(made - {each.address for each in sensors}))
+    if len(sensors) > room:
+        _LOG.warning("%s has many signals; of each further one there is no view for SQL", site)
+    wanted = sensors[:room]
+    for first in range(0, len(wanted), _AT_ONCE):
+        if ended():
+            return first
+        if first:
+            # There is one connection that writes; whoever waits for it gets it now.
+            time.sleep(_BETWEEN_S)
+        with engine.begin() as connection:
+            for each in wanted[first : first + _AT_ONCE]:
+                _show(connection, site, each, names[each.address])
+    _LOG.info("%d sensors of %s have their views", len(wanted), site)
+    return len(wanted)
 
 
 def _show(connection: Connection, site: str, sensor: Sensor, name: str) -> None:
     connection.execute(DropView(name))
     connection.execute(CreateView(name, sensor))
+    connection.execute(
+        update(_sensor)
+        .where(_sensor.c.site == site, _sensor.c.address == sensor.address)
+        .values(made_of=_made_of(sensor))
+    )
+
+
+def _remember(connection: Connection, site: str, sensor: Sensor, name: str) -> None:
     same = (_sensor.c.site == site, _sensor.c.address == sensor.address)
     connection.execute(delete(_sensor).where(*same))
     connection.execute(
@@ -67,10 +157,23 @@ def _show(connection: Connection, site: str, sensor: Sensor, name: str) -> None:
             "site": site,
             "address": sensor.address,
             "view_name": name,
-            "shown_name": sensor.shown[:200],
+            "shown_name": sensor.shown[:_LONGEST_NAME],
             "unit": sensor.unit,
-            "made_of": _made_of(sensor),
+            "made_of": "",
+            "type": sensor.type.value,
+            "states": json.dumps(sensor.states),
+            "decimals": sensor.decimals,
         },
+    )
+
+
+def _kind(row: Row[Any]) -> SensorKind:
+    return SensorKind(
+        row.shown_name,
+        row.unit,
+        row.type or "",
+        tuple(json.loads(row.states or "[]")),
+        -1 if row.decimals is None else row.decimals,
     )
 
 

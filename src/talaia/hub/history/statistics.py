@@ -13,9 +13,9 @@ from talaia.hub.history.rollup import WIDTHS, Cells, cover, join, merge, summari
 from talaia.hub.history.rows import rows_to_cells, summary_of
 from talaia.hub.history.window import (
     bodies,
-    count_in_blocks,
     gaps_of,
     outside_rollups,
+    overlapping,
     raw,
     window_of,
 )
@@ -111,8 +111,9 @@ def _of_window(
     connection: Connection, address: str, window: Window, held: Samples, most: int, gap_us: int
 ) -> Statistics:
     tail = in_order(held).between(window.from_us, window.to_us)
-    if count_in_blocks(connection, window) <= most:
-        samples, _ = raw(connection, window, most)
+    blocks = overlapping(connection, window, most)
+    if blocks is not None:
+        samples, _ = raw(connection, blocks, window, most)
         samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
         cells = summarise(samples.time_us, samples.value, 0)
         ends = samples

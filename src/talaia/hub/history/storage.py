@@ -1,4 +1,4 @@
-"""How much room the history takes, signal by signal, and when it will be full."""
+"""How much room the history takes, signal by signal."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import case, func, select
 
+from talaia.hub.history.forecast import WEEK_US
 from talaia.hub.history.retention import BLOCK_BYTES
 from talaia.hub.store import history_tables as tables
 
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ChannelStorage", "Storage", "read_storage"]
 
-DAY_US = 86_400_000_000
 _block = tables.block
 
 
@@ -24,9 +24,9 @@ class ChannelStorage(NamedTuple):
     """What one channel takes.
 
     Attributes:
-        samples: in blocks; the newest few thousand are not there yet.
+        samples: in blocks; the newest, up to some ten thousand, are not there yet.
         bytes: of its blocks.
-        day_bytes: of its blocks of the last 24 hours.
+        week_bytes: of its blocks of the last seven days.
 
     """
 
@@ -36,31 +36,37 @@ class ChannelStorage(NamedTuple):
     bytes: int
     first_us: int
     last_us: int
-    day_bytes: int
+    week_bytes: int
 
 
 class Storage(NamedTuple):
-    """What all of it takes.
+    """What all of it takes, in bytes.
 
     Attributes:
+        kind: which database it is, and its version.
+        place: where it is: a file, or a server and a name.
         database_bytes: the whole database, with indices and rollups; 0 if it does not tell.
+        spare_bytes: in a SQLite file, free for what comes next; it has not gone to the disk.
         free_bytes: on the disk of a SQLite database; None for a server, whose disk is not ours.
+        disk_bytes: that disk's size; 0 for a server.
         blocks_bytes: of all blocks.
-        day_bytes: how much a day the database grows, by the last 24 hours; 0 if it does not.
 
     """
 
+    kind: str
+    place: str
     database_bytes: int
+    spare_bytes: int
     free_bytes: int | None
+    disk_bytes: int
     blocks_bytes: int
-    day_bytes: int
     channels: list[ChannelStorage]
 
 
 def read_storage(engine: Engine, now_us: int) -> Storage:
     """Look through the list of blocks; the blocks themselves are not read."""
     channel = tables.channel
-    lately = case((_block.c.last_us >= now_us - DAY_US, BLOCK_BYTES), else_=0)
+    lately = case((_block.c.last_us >= now_us - WEEK_US, BLOCK_BYTES), else_=0)
     query = (
         select(
             channel.c.site,
@@ -77,26 +83,45 @@ def read_storage(engine: Engine, now_us: int) -> Storage:
     )
     with engine.begin() as connection:
         rows = connection.execute(query).all()
-        total = _database_bytes(connection)
+        total, spare = _sizes(connection)
+        kind = _kind(connection)
     # MariaDB and PostgreSQL give sums as decimals.
     channels = [
         ChannelStorage(site, address, *(int(number) for number in numbers))
         for site, address, *numbers in rows
     ]
     blocks = sum(each.bytes for each in channels)
-    lately_bytes = sum(each.day_bytes for each in channels)
-    # Rollups and indices grow with the blocks.
-    share = max(1.0, total / blocks) if blocks else 1.0
-    return Storage(total, _free(engine), blocks, round(lately_bytes * share), channels)
+    place = _place(engine)
+    free, size = _disk(engine)
+    return Storage(kind, place, total, spare, free, size, blocks, channels)
 
 
-def _database_bytes(connection: Connection) -> int:
+def _kind(connection: Connection) -> str:
+    dialect = connection.dialect
+    name = {"sqlite": "SQLite", "postgresql": "PostgreSQL"}.get(dialect.name)
+    if name is None:
+        name = "MariaDB" if getattr(dialect, "is_mariadb", False) else "MySQL"
+    version = dialect.server_version_info or ()
+    # PostgreSQL and SQLite say more than anybody wants to know.
+    return f"{name} {'.'.join(str(part) for part in version[:3])}".strip()
+
+
+def _place(engine: Engine) -> str:
+    url = engine.url
+    if engine.dialect.name == "sqlite":
+        return str(url.database or "")
+    port = f":{url.port}" if url.port else ""
+    return f"{url.database} on {url.host or 'this machine'}{port}"
+
+
+def _sizes(connection: Connection) -> tuple[int, int]:
+    """Give the database's size and what is free inside of it (bytes)."""
     match connection.dialect.name:
         case "sqlite":
             pages = connection.exec_driver_sql("PRAGMA page_count").scalar() or 0
             spare = connection.exec_driver_sql("PRAGMA freelist_count").scalar() or 0
             size = connection.exec_driver_sql("PRAGMA page_size").scalar() or 0
-            return int((pages - spare) * size)
+            return int((pages - spare) * size), int(spare * size)
         case "postgresql":
             found = connection.exec_driver_sql("SELECT pg_database_size(current_database())")
         case _:
@@ -104,10 +129,11 @@ def _database_bytes(connection: Connection) -> int:
                 "SELECT SUM(data_length + index_length) FROM information_schema.tables"
                 " WHERE table_schema = DATABASE()"
             )
-    return int(found.scalar() or 0)
+    return int(found.scalar() or 0), 0
 
 
-def _free(engine: Engine) -> int | None:
+def _disk(engine: Engine) -> tuple[int | None, int]:
     if engine.dialect.name != "sqlite" or not engine.url.database:
-        return None
-    return shutil.disk_usage(Path(engine.url.database).parent).free
+        return None, 0
+    usage = shutil.disk_usage(Path(engine.url.database).parent)
+    return usage.free, usage.total

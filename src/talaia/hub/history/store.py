@@ -18,16 +18,17 @@ from talaia.hub.history.channels import stored_channels
 from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_engine
 from talaia.hub.history.errors import HistoryBusy, HistoryError
 from talaia.hub.history.flow import Stretch, flow
+from talaia.hub.history.forecast import DAY_US
 from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Show
 from talaia.hub.history.joined import joined
 from talaia.hub.history.ledger import Ledger
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.reader import Reader
 from talaia.hub.history.retention import too_much, too_old
-from talaia.hub.history.sensors import show_sensors
+from talaia.hub.history.sensors import kinds_of, read_kinds, remember_sensors, show_sensors
 from talaia.hub.history.statistics import read_statistics
-from talaia.hub.history.storage import DAY_US, read_storage
-from talaia.hub.history.views import sensors_of
+from talaia.hub.history.storage import read_storage
+from talaia.hub.history.views import Sensor, sensors_of
 from talaia.hub.history.window import FARTHEST_US
 from talaia.hub.history.writer import Writer
 from talaia.hub.store.history_tables import HISTORY_TABLES
@@ -39,7 +40,8 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.history.channels import StoredChannel
-    from talaia.hub.history.files import ExportColumn, FileForm
+    from talaia.hub.history.forms import ExportColumn, FileForm
+    from talaia.hub.history.sensors import SensorKind
     from talaia.hub.history.series import Series
     from talaia.hub.history.statistics import Statistics
     from talaia.hub.history.storage import Storage
@@ -54,6 +56,8 @@ __all__ = ["HistoryStore"]
 _LOG = logging.getLogger(__name__)
 # Exports that may go on at once; each holds a few megabytes.
 _EXPORTS = 4
+# So long a description waits for the views of its sensors; the rest are made behind it.
+_VIEWS_S = 1.0
 
 
 class HistoryStore:
@@ -86,7 +90,12 @@ class HistoryStore:
         self._clock = clock
         # How long each channel is kept (µs); those that are not here are kept for good.
         self._kept_us: dict[tuple[str, str], int] = {}
+        # What each signal is, or was when it was last described.
+        self._kinds: dict[tuple[str, str], SensorKind] = {}
         self._tasks: list[asyncio.Task[None]] = []
+        self._showing: set[asyncio.Task[None]] = set()
+        self._one_site = asyncio.Lock()
+        self._closing = False
 
     async def create_tables(self) -> None:
         """Make the history's tables where no migration does, for tools and tests."""
@@ -101,6 +110,7 @@ class HistoryStore:
 
         """
         await self._writer.start()
+        self._kinds = await self._in_thread(read_kinds, self._reading)
         for every_s, work in ((self._limits.show_s, self.show), (self._limits.tidy_s, self.tidy)):
             if every_s:
                 self._tasks.append(asyncio.create_task(_every(every_s, work)))
@@ -109,7 +119,8 @@ class HistoryStore:
         """Store what waits, and let go of the database."""
         for task in self._tasks:
             task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        self._closing = True
+        await asyncio.gather(*self._tasks, *self._showing, return_exceptions=True)
         await self._writer.stop()
         await asyncio.to_thread(self._end)
 
@@ -170,10 +181,23 @@ class HistoryStore:
         await self._writer.do(Describe(site.site, channels))
         self._keep(site)
         sensors = sensors_of(site, self._ledger.names.channels)
-        try:
-            await self._in_thread(show_sensors, self._writing, site.site, sensors)
-        except HistoryError as error:
-            _LOG.warning("the sensors of %s have no views for SQL: %s", site.site, error)
+        missing = await self._in_thread(remember_sensors, self._writing, site.site, sensors)
+        for address, kind in kinds_of(sensors).items():
+            self._kinds[site.site, address] = kind
+        task = asyncio.create_task(self._show_sensors(site.site, missing))
+        self._showing.add(task)
+        task.add_done_callback(self._showing.discard)
+        # The views of many sensors take a while: the gateway's samples do not wait for them.
+        await asyncio.wait({task}, timeout=_VIEWS_S)
+
+    async def _show_sensors(self, site: str, sensors: list[Sensor]) -> None:
+        async with self._one_site:
+            try:
+                await self._in_thread(
+                    show_sensors, self._writing, site, sensors, lambda: self._closing
+                )
+            except HistoryError as error:
+                _LOG.warning("the sensors of %s have no views for SQL: %s", site, error)
 
     async def show(self) -> None:
         """Write the newest reading of each channel where the views show it.
@@ -224,6 +248,11 @@ class HistoryStore:
         return await self._in_thread(read_storage, self._reading, self._clock.wall_ns() // 1000)
 
     @property
+    def trouble(self) -> str:
+        """Why nothing can be stored at present; empty while all is well."""
+        return self._writer.trouble
+
+    @property
     def most_bytes(self) -> int:
         """What blocks may take (bytes); 0 if there is no limit."""
         return self._limits.bytes
@@ -235,6 +264,10 @@ class HistoryStore:
     def knows(self, site: str, address: str) -> bool:
         """Tell whether a channel has ever had a sample."""
         return (site, address) in self._ledger.names.channels
+
+    def kind_of(self, site: str, address: str) -> SensorKind | None:
+        """Give what a channel's signal is, or was when it was last described; None: not known."""
+        return self._kinds.get((site, address.partition(".")[0]))
 
     async def read(
         self,
@@ -289,14 +322,16 @@ class HistoryStore:
             site, addresses, from_us, to_us,
         )  # fmt: skip
 
-    async def channels(self, site: str) -> list[StoredChannel]:
+    async def channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
         """List every channel of a site that has history, those of former descriptions too.
+
+        Those that are named in ``without`` are left out, and cost nothing.
 
         Raises:
             HistoryError: the database cannot be read.
 
         """
-        return await self._in_thread(stored_channels, self._reading, self._ledger, site)
+        return await self._in_thread(stored_channels, self._reading, self._ledger, site, without)
 
     async def export(
         self,

@@ -120,11 +120,11 @@ class Tails:
         tail.add(samples)
         tail.saved = True
 
-    def deal(self) -> None:
-        """Take the waiting batches apart, by channel."""
+    def deal(self) -> bool:
+        """Take the waiting batches apart, by channel; tell whether there were any."""
         chunks = self._recent
         if not chunks:
-            return
+            return False
         dealt = _deal(chunks)
         with self._lock:
             for channel, row, samples in dealt:
@@ -134,6 +134,7 @@ class Tails:
                     tail.oldest_row = row
             self._recent, self._waiting = [], 0
             self.dealt_row = chunks[-1].row
+        return True
 
     def sealed(self, channels: list[int], block: int) -> None:
         """Forget the tails of these channels: they are in blocks below ``block`` now."""
@@ -168,6 +169,9 @@ def _deal(chunks: list[Chunk]) -> list[tuple[int, int, Samples]]:
     if not ids.size:  # after a start, all of it may have been in blocks already
         return []
     together = concatenate([Samples(c.time_us, c.value, c.texts) for c in chunks])
+    if bool((ids == ids[0]).all()):
+        first = next(chunk.row for chunk in chunks if chunk.time_us.size)
+        return [(int(ids[0]), first, together if len(chunks) > 1 else _own(together))]
     sizes = [chunk.time_us.size for chunk in chunks]
     rows = np.repeat(np.array([chunk.row for chunk in chunks], np.int64), sizes)
     order = np.argsort(ids, kind="stable")

@@ -30,7 +30,7 @@ from talaia.hub.store import history_tables as tables
 from talaia.model.site import SignalType, parts_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from sqlalchemy import CompoundSelect
     from sqlalchemy.sql.compiler import SQLCompiler
@@ -58,6 +58,7 @@ class Sensor(NamedTuple):
     unit: str
     type: SignalType
     states: tuple[str, ...]
+    decimals: int
     parts: tuple[str, ...]
     channels: tuple[int, ...]
 
@@ -77,10 +78,12 @@ def _sensor(
     parts = parts_of(signal)
     ids = tuple(channels[site, address + (f".{part}" if part else "")] for part in parts)
     names = tuple(part or "value" for part in parts)
-    return Sensor(address, signal.name, signal.unit, signal.type, signal.states, names, ids)
+    return Sensor(
+        address, signal.name, signal.unit, signal.type, signal.states, signal.decimals, names, ids
+    )
 
 
-def view_name(site: str, address: str, channel: int, taken: frozenset[str]) -> str:
+def view_name(site: str, address: str, channel: int, taken: Collection[str]) -> str:
     """Give a view's name: readable without quotes, of no table's beginning, not ``taken``."""
     word = re.sub(r"[^a-z0-9]+", "_", f"{site}_{address}".lower()).strip("_")
     name = f"sensor_{word[:_LONGEST].strip('_')}"

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import ColumnElement, Connection
 
+    from talaia.hub.history.cache import BlockCache
     from talaia.hub.history.ledger import Ledger
     from talaia.hub.history.rollup import Piece
 
@@ -27,7 +28,9 @@ __all__ = [
     "bodies",
     "count_in_blocks",
     "gaps_of",
+    "kept_bodies",
     "outside_rollups",
+    "overlapping",
     "raw",
     "window_of",
 ]
@@ -35,17 +38,22 @@ __all__ = [
 _LOG = logging.getLogger(__name__)
 FARTHEST_US = 2**62
 _BODIES_AT_ONCE = 200
+_FEW = 200
 _block = tables.block
 
 
 class Window(NamedTuple):
-    """One channel and one stretch of time, both ends included."""
+    """One channel and one stretch of time, both ends included.
+
+    ``run`` counts the ledger's loads; `BlockCache` needs it.
+    """
 
     channel: int
     from_us: int
     to_us: int
     longest_us: int
     before_block: int
+    run: int
 
     def blocks(self) -> list[ColumnElement[bool]]:
         """Tell the blocks that overlap it."""
@@ -67,7 +75,7 @@ def window_of(
     snapshot, and its blocks stay out of the window. The other way round, samples could be in
     neither.
     """
-    names, tails = ledger.names, ledger.tails
+    run, names, tails = ledger.run, ledger.names, ledger.tails
     channel = names.channels.get((site, address))
     # A driver would take numpy's whole numbers for something else.
     from_us = max(-FARTHEST_US, min(FARTHEST_US, int(from_us)))
@@ -75,7 +83,8 @@ def window_of(
     if channel is None or from_us > to_us:
         return None
     samples, before = tails.snapshot(channel)
-    return Window(channel, from_us, to_us, names.longest_us[channel], before), samples
+    window = Window(channel, from_us, to_us, names.longest_us[channel], before, run)
+    return window, samples
 
 
 def count_in_blocks(connection: Connection, window: Window) -> int:
@@ -84,23 +93,41 @@ def count_in_blocks(connection: Connection, window: Window) -> int:
     return int(connection.scalar(query) or 0)
 
 
+def overlapping(connection: Connection, window: Window, most: int) -> Sequence[Any] | None:
+    """List the blocks that overlap a window; None if they hold more than ``most`` samples."""
+    query = (
+        select(_block.c.id, _block.c.first_us, _block.c.last_us, _block.c.samples)
+        .where(*window.blocks())
+        .order_by(_block.c.first_us, _block.c.id)
+    )
+    # Of a long window the first few tell that there are too many.
+    rows = connection.execute(query.limit(_FEW)).all()
+    if sum(row.samples for row in rows) > most:
+        return None
+    if len(rows) < _FEW:
+        return rows
+    return connection.execute(query).all() if count_in_blocks(connection, window) <= most else None
+
+
 def raw(
-    connection: Connection, window: Window, most_texts: int
+    connection: Connection,
+    found: Sequence[Any],
+    window: Window,
+    most_texts: int,
+    cache: BlockCache | None = None,
 ) -> tuple[Samples, list[HistoryGap]]:
-    """Read all blocks of a window, and tell which stretches could not be read, and why.
+    """Read blocks that overlap a window, and tell which stretches could not be read, and why.
 
     Samples come in the order of their blocks, which is that in which they came.
     """
-    columns = (_block.c.id, _block.c.first_us, _block.c.last_us)
-    query = select(*columns).where(*window.blocks()).order_by(_block.c.last_us)
-    blocks = list(connection.execute(query))
+    blocks = sorted(found, key=lambda row: row.last_us)
     read: dict[int, Samples] = {}
     unread: list[HistoryGap] = []
     size = 0
     while blocks and (size < most_texts or not any(part.texts for part in read.values())):
         some = blocks[-_BODIES_AT_ONCE:]
         del blocks[-_BODIES_AT_ONCE:]
-        read.update(bodies(connection, [row.id for row in some]))
+        read.update(kept_bodies(connection, [row.id for row in some], window.run, cache))
         size = sum(part.time_us.size for part in read.values())
         unread += [
             HistoryGap(row.first_us, row.last_us, "a part of the database is damaged")
@@ -111,6 +138,20 @@ def raw(
         why = "too many texts to show at once"
         unread.append(HistoryGap(window.from_us, blocks[-1].last_us, why))
     return concatenate([read[number] for number in sorted(read)]), unread
+
+
+def kept_bodies(
+    connection: Connection, ids: Sequence[int], run: int, cache: BlockCache | None
+) -> dict[int, Samples]:
+    """Read blocks by their numbers, those that a cache holds from there; see `bodies`."""
+    if cache is None:
+        return bodies(connection, ids)
+    found = cache.found(run, ids)
+    if len(found) < len(ids):
+        read = bodies(connection, [number for number in ids if number not in found])
+        cache.keep(run, read)
+        found.update(read)
+    return found
 
 
 def bodies(connection: Connection, ids: Sequence[int]) -> dict[int, Samples]:

@@ -57,7 +57,8 @@ class Writer:
         self._queue: deque[_Waiting] = deque()
         self._samples = 0
         self._ending = False
-        self._lost = False
+        # Why the last commit failed; empty when it did not.
+        self.trouble = ""
         self._loop: asyncio.AbstractEventLoop | None = None
         self._thread: threading.Thread | None = None
 
@@ -113,11 +114,28 @@ class Writer:
         began = self._clock.monotonic_ns() - SECOND
         while group := self._next_group(began):
             began = self._clock.monotonic_ns()
-            answers = self._store([each.job for each in group])
+            answers = self._answers([each.job for each in group])
             if self._loop is not None and not self._loop.is_closed():
                 self._loop.call_soon_threadsafe(_tell, group, answers)
-            self._checkpoints.after_commit(self._ledger.written)
-            self._ledger.written = 0
+            try:
+                self._checkpoints.after_commit(self._ledger.written)
+                self._ledger.written = 0
+                self._plan()
+            except Exception:  # noqa: BLE001 - told below, with its trace
+                # Without this thread nothing would be stored and everybody would wait for ever.
+                _LOG.exception("what follows a commit failed; storing goes on")
+
+    def _answers(self, jobs: Sequence[Job]) -> Sequence[Answer]:
+        """Store, and have an answer for each job whatever happens."""
+        try:
+            return self._store(jobs)
+        except Exception as error:  # noqa: BLE001 - told to those who wait
+            _LOG.exception("storing failed in a way nobody foresaw; it goes on")
+            self.trouble = _reason(error)
+            refusal = HistoryError(
+                f"nothing can be stored: {error!r}", "it is tried again with the next batch"
+            )
+            return [refusal] * len(jobs)
 
     def _next_group(self, began: int) -> list[_Waiting]:
         with self._changed:
@@ -139,21 +157,31 @@ class Writer:
 
     def _store(self, jobs: Sequence[Job]) -> Sequence[Answer]:
         try:
-            if self._lost:
+            if self.trouble:
                 self._ledger.load()
             answers = self._ledger.store(jobs)
         except Exception as error:  # noqa: BLE001 - told to those who wait; the thread goes on
             return self._failed(jobs, error)
-        if self._lost:
+        if self.trouble:
             _LOG.warning("history is stored again")
-        self._lost = False
+        self.trouble = ""
         return answers
+
+    def _plan(self) -> None:
+        if self.trouble:
+            return
+        try:
+            self._ledger.plan()
+        except Exception as error:  # noqa: BLE001 - what is committed is safe; the thread goes on
+            _LOG.error("samples cannot be made blocks; it is tried again: %r", error)
+            # Read anew before the next commit: what is planned in memory may be half of it.
+            self.trouble = _reason(error)
 
     def _failed(self, jobs: Sequence[Job], error: Exception) -> Sequence[Answer]:
         reason = getattr(error, "orig", None) or error
-        if not self._lost:
+        if not self.trouble:
             _LOG.error("history cannot be stored; it waits at the gateways: %r", reason)
-        self._lost = True
+        self.trouble = _reason(error)
         if len(jobs) == 1 or isinstance(error, OperationalError):
             refusal = HistoryError(
                 f"nothing can be stored: {reason}", "it is tried again with the next batch"
@@ -161,6 +189,12 @@ class Writer:
             return [refusal] * len(jobs)
         # One of them is refused by the database; let the others not suffer for it.
         return [self._store([job])[0] for job in jobs]
+
+
+def _reason(error: Exception) -> str:
+    """Say why, for people; never empty."""
+    reason = getattr(error, "orig", None) or error
+    return str(reason) or type(reason).__name__
 
 
 def _tell(group: Sequence[_Waiting], answers: Sequence[Answer]) -> None:

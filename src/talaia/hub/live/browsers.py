@@ -15,6 +15,7 @@ from talaia.wire.browser import (
     TO_BROWSER,
     Command,
     CommandNews,
+    DeviceNews,
     Drive,
     DriveNews,
     Ended,
@@ -84,15 +85,22 @@ class Browser:
         """Write a message in the form this browser reads."""
         return TO_BROWSER.encode_text(message) if self.text else TO_BROWSER.encode(message)
 
-    def tell(self, message: ToBrowser) -> None:
-        """Send a message if this person may get it; never waits."""
+    def tell(self, message: ToBrowser, encoded: dict[bool, Frame] | None = None) -> None:
+        """Send a message if this person may get it; never waits.
+
+        ``encoded`` keeps its bytes, by form, for others who get the same.
+        """
         if self._over.is_set() or not self._gate.may_get(self.who.grants, message):
             return
+        encoded = {} if encoded is None else encoded
+        frame = encoded.get(self.text)
+        if frame is None:
+            frame = encoded[self.text] = self.encode(message)
         key = _state_key(message)
         if key is None:
-            self._outbox.note(self.encode(message))
+            self._outbox.note(frame)
         else:
-            self._outbox.state(key, self.encode(message))
+            self._outbox.state(key, frame)
         self._wake.set()
 
     def values(self, sub: int, columns: Columns, frame: Frame | None) -> None:
@@ -209,8 +217,9 @@ class Browsers:
 
     def tell(self, message: ToBrowser) -> None:
         """Send a message to everyone who may get it."""
+        encoded: dict[bool, Frame] = {}
         for browser in self:
-            browser.tell(message)
+            browser.tell(message, encoded)
 
 
 def _by_hand(message: FromBrowser) -> bool:
@@ -231,7 +240,7 @@ def _state_key(message: ToBrowser) -> Hashable | None:
     match message:
         case SiteNews() | TickNews():
             return type(message), message.site
-        case DriveNews() | LeaseNews(refused=""):
+        case DeviceNews() | DriveNews() | LeaseNews(refused=""):
             return type(message), message.site, message.device
         case InterlockNews():
             return InterlockNews, message.site, message.interlock

@@ -6,7 +6,7 @@ Long, because a link's whole life is told here in its order, from the hello to t
 from __future__ import annotations
 
 import asyncio
-import contextlib
+import hashlib
 import logging
 from typing import TYPE_CHECKING
 
@@ -15,10 +15,12 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia import __version__
 from talaia.errors import TalaiaError
+from talaia.hub.errors import HubBusy
 from talaia.hub.live.cameras import GatewayCamera
 from talaia.hub.live.ingest import Batch, Ingest
 from talaia.hub.live.link import GONE, GatewayLink
 from talaia.hub.live.race import until_first
+from talaia.hub.live.recordings import GatewayFiles
 from talaia.hub.live.reporting import site_news
 from talaia.hub.live.rivals import KEPT_OUT, Rivals
 from talaia.model.check import raise_first
@@ -35,18 +37,21 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.clock import Clock
+    from talaia.hub.live.admission import Admission
     from talaia.hub.live.browsers import Browsers
     from talaia.hub.live.fanout import Fanout
     from talaia.hub.live.links import Links
     from talaia.hub.live.media import Media
+    from talaia.hub.live.recordings import Recordings
     from talaia.hub.live.reporting import Reporting
     from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.live.uploads import Upload, Uploads
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
     from talaia.hub.store.sites import GatewayKey, SiteRegistry
     from talaia.model.site import Site
 
-__all__ = ["Gateways"]
+__all__ = ["Gateways", "told_by"]
 
 _LOG = logging.getLogger(__name__)
 _MISSED_BEATS = 3
@@ -71,10 +76,15 @@ class Gateways:
         history: History,
         registry: SiteRegistry,
         links: Links,
+        uploads: Uploads,
+        recordings: Recordings,
+        admission: Admission,
         settings: Settings,
         clock: Clock,
     ) -> None:
         """Take the parts that a gateway's words go to."""
+        self._uploads = uploads
+        self._recordings = recordings
         self._sites = sites
         self._browsers = browsers
         self._fanout = fanout
@@ -84,9 +94,11 @@ class Gateways:
         self._history = history
         self._registry = registry
         self._links = links
+        self._admission = admission
         self._settings = settings
         self._clock = clock
         self._cameras: dict[str, GatewayCamera] = {}
+        self._parting = asyncio.Lock()
 
     async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
         """Serve the link of a gateway until it ends."""
@@ -107,15 +119,23 @@ class Gateways:
             return
         if hello is None or description is None:
             return
+        told = told_by(hello.description, hello.catalogue)
         if self._rivals.keeps_out(self._sites.get(site), hello.boot):
             await link.farewell(KEPT_OUT, REPLACED)
             return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
-            await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
-            await self._registry.linked(key.id, hello.version, address)
-            await self._history.describe(description)
-            acked = await ingest.start(hello.boot)
+            async with self._admission.turn():
+                live = self._sites.get(site)
+                if live is None or live.told != told:
+                    await self._registry.said_hello(
+                        site, hello.description, hello.catalogue, hello.version
+                    )
+                    await self._history.describe(description)
+                acked = await ingest.start(hello.boot)
+        except HubBusy as error:
+            await link.farewell(str(error), TRY_LATER)
+            return
         except _STORE_FAILS as error:
             _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
             await link.farewell("the hub cannot store anything now; try again later", TRY_LATER)
@@ -127,6 +147,9 @@ class Gateways:
             frames.Welcome(version=__version__, acked=acked, time_us=self._clock.wall_ns() // 1000)
         )
         live = self._attach(link, hello, description)
+        live.told = told
+        attendance = self._registry.attendance
+        attendance.linked(key.id, site, hello.version, address)
         storing = asyncio.create_task(ingest.run())
         try:
             await self._run(link, live, ingest)
@@ -136,9 +159,7 @@ class Gateways:
             await asyncio.wait({storing}, timeout=_FINISH_S)
             storing.cancel()
             await asyncio.gather(storing, return_exceptions=True)
-            with contextlib.suppress(*_STORE_FAILS):
-                await self._registry.seen(site)
-                await self._registry.heard(key.id)
+            attendance.left(key.id, site)
 
     async def serve_media(self, socket: WebSocket, key: GatewayKey) -> None:
         """Take pictures of a site until its gateway hangs up or a newer one comes."""
@@ -162,6 +183,12 @@ class Gateways:
 
         return take
 
+    async def serve_files(self, socket: WebSocket, key: GatewayKey) -> None:
+        """Take a gateway's recordings until it has handed over all."""
+        files = GatewayFiles(socket)
+        with self._links.opened(key.id, files):
+            await files.serve(self._recordings, key.site)
+
     async def _hello(self, link: GatewayLink, site: str) -> tuple[frames.Hello | None, Site | None]:
         async with asyncio.timeout(self._settings.hello_s):
             hello = await link.receive()
@@ -173,6 +200,10 @@ class Gateways:
             raise PeerError(f"protocol {hello.protocol} is not spoken here; update", REFUSED)
         if hello.site != site:
             raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
+        live = self._sites.get(site)
+        if live is not None and live.told == told_by(hello.description, hello.catalogue):
+            # Word for word what it said before: there is nothing to read.
+            return hello, live.description
         # A large description takes a while to read: not in the way of the others.
         description = await asyncio.to_thread(_read, hello.description)
         if description.site != site:
@@ -195,6 +226,7 @@ class Gateways:
         live.since_us = self._clock.wall_ns() // 1000
         live.why = ""
         live.stops.clear()
+        live.recorder = None
         if hello.time_us:
             live.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
         if changed:
@@ -213,6 +245,7 @@ class Gateways:
         if live.link is not link:
             return
         live.link = None
+        live.rival_us = 0
         live.since_us = live.last_seen_us = self._clock.wall_ns() // 1000
         live.why = "the connection to its gateway was lost"
         self._reporting.link_lost(live)
@@ -221,8 +254,10 @@ class Gateways:
         _LOG.warning("the gateway of %s is gone", live.name)
 
     async def _run(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
+        upload = self._uploads.of(live.name, link.send)
         results = await until_first(
-            self._read_all(link, live, ingest),
+            self._read_all(link, live, ingest, upload),
+            upload.run(),
             self._beat(link, live),
             link.write(),
             link.dismissed(),
@@ -238,7 +273,9 @@ class Gateways:
                 raise result
         await link.farewell(said, code)
 
-    async def _read_all(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
+    async def _read_all(
+        self, link: GatewayLink, live: LiveSite, ingest: Ingest, upload: Upload
+    ) -> None:
         addresses = tuple(channel.address for channel in live.channels)
         catalogue = live.catalogue
         while (message := await link.receive()) is not None:
@@ -260,12 +297,17 @@ class Gateways:
                 case frames.BeatReply():
                     link.offset.beat(message.mono_us, self._now_us(), message.peer_us)
                     live.loop_ms = round(link.offset.loop_us / 1000, 2)
+                case frames.UploadOffer() | frames.UploadPart():
+                    upload.put(message)
                 case frames.Bye():
                     return
                 case frames.Hello():
                     raise PeerError("hello is said once, at the beginning")
                 case _:
                     self._reporting.tell(live, message)
+        # When a switch dies, hundreds go at one blow: one by one, and the loop's turn in between.
+        async with self._parting:
+            await asyncio.sleep(0)
 
     async def _beat(self, link: GatewayLink, live: LiveSite) -> None:
         sent = 0
@@ -276,11 +318,17 @@ class Gateways:
             if sent - heard > _MISSED_BEATS:
                 link.dismiss("it has not answered for three beats")
             if sent % _NEWS_EVERY == 0:
+                self._reporting.forget_rival(live)
                 self._browsers.tell(site_news(live))
             await asyncio.sleep(self._settings.beat_s)
 
     def _now_us(self) -> int:
         return self._clock.monotonic_ns() // 1000
+
+
+def told_by(description: str, catalogue: str) -> tuple[bytes, str]:
+    """Give what `LiveSite.told` is for a hello with this description."""
+    return hashlib.sha256(description.encode()).digest(), catalogue
 
 
 def _read(text: str) -> Site:

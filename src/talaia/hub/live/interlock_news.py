@@ -35,6 +35,9 @@ def interlock_news(
     state, heard_ns = live.interlocks[name]
     # Reasons name values and people: only for those who may view the whole site.
     views = grants.may(Right.VIEW, live.name)
+    seen = [
+        each for each in rule.refuse if sees_device(grants, live.description, each.split("/", 1)[0])
+    ]
     passed_ms = (mono_ns - heard_ns) // MS
     since_us = (wall_ns // MS - state.for_ms - passed_ms) * 1000
     return InterlockNews(
@@ -46,11 +49,9 @@ def interlock_news(
         why=state.why if views else "",
         since_us=since_us if state.locked else 0,
         clears_ms=max(0, state.clears_ms - passed_ms),
-        refuses=[
-            _named(live.description, each)
-            for each in rule.refuse
-            if sees_device(grants, live.description, each.split("/", 1)[0])
-        ],
+        refuses=[_named(live.description, each) for each in seen],
+        targets=seen,
+        overridable=rule.longest_override > 0,
         overridden_by=state.overridden_by if views or not state.overridden_by else "an admin",
         reason=state.reason if views else "",
         override_ms=max(0, state.override_ms - passed_ms),

@@ -1,4 +1,7 @@
-"""What a robot's gateway says, told to every page that may know, and written down."""
+"""What a robot's gateway says, told to every page that may know, and written down.
+
+Long, because each message of a gateway has its telling and its writing here, in one place.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Reporting", "site_news"]
 
+# One that is kept out dials again at least this often (µs), and then some.
+RIVAL_US = 120_000_000
 _FINAL = frozenset(
     {
         CommandPhase.SUCCEEDED,
@@ -35,6 +40,8 @@ Told = (
     | frames.ResetToken
     | frames.CommandState
     | frames.InterlockState
+    | frames.RecordState
+    | frames.DeviceState
     | frames.Event
 )
 
@@ -61,6 +68,8 @@ class Reporting:
                 browser.tell(_drive_news(live, drive))
             for name in live.interlocks:
                 self._tell_interlock(live, name, browser)
+            for device in live.unreached:
+                browser.tell(self._device_news(live, device))
 
     def tell(self, live: LiveSite, told: Told) -> None:
         """Pass on what a gateway says, to each page that may know."""
@@ -95,6 +104,10 @@ class Reporting:
                 live.interlocks[told.interlock] = (told, self._clock.monotonic_ns())
                 for browser in self._browsers:
                     self._tell_interlock(live, told.interlock, browser)
+            case frames.RecordState():
+                live.recorder = told
+            case frames.DeviceState():
+                self._device_state(live, told)
             case frames.Event():
                 self.event(
                     live, told.kind, told.device, told.message, told.who, good=told.good,
@@ -128,6 +141,16 @@ class Reporting:
             )
         )
 
+    def rival_seen(self, live: LiveSite) -> None:
+        """Show people that another gateway has this one's key, for as long as it goes on."""
+        live.rival_us = self._clock.wall_ns() // 1000
+        self._browsers.tell(site_news(live))
+
+    def forget_rival(self, live: LiveSite) -> None:
+        """Show it no more once the other gateway has not been there for a while."""
+        if live.rival_us and self._clock.wall_ns() // 1000 - live.rival_us > RIVAL_US:
+            live.rival_us = 0
+
     def link_lost(self, live: LiveSite) -> None:
         """Show all leases as free and every command under way as unknown."""
         for device in list(live.leases):
@@ -135,6 +158,8 @@ class Reporting:
         live.leases.clear()
         live.drives.clear()
         live.interlocks.clear()
+        # A page takes all of a site that is away as not known anyway.
+        live.unreached.clear()
         for pending in list(live.pending.values()):
             self._command_state(
                 live,
@@ -147,6 +172,23 @@ class Reporting:
                     who=pending.who,
                 ),
             )
+
+    def _device_state(self, live: LiveSite, state: frames.DeviceState) -> None:
+        if state.device not in live.description.devices:
+            return
+        if state.reached:
+            live.unreached.pop(state.device, None)
+        else:
+            since_us = self._clock.wall_ns() // 1000 - state.for_ms * 1000
+            live.unreached[state.device] = (state.why, since_us)
+        self._browsers.tell(self._device_news(live, state.device))
+
+    def _device_news(self, live: LiveSite, device: str) -> page.DeviceNews:
+        why, since_us = live.unreached.get(device, ("", 0))
+        reached = device not in live.unreached
+        return page.DeviceNews(
+            site=live.name, device=device, reached=reached, why=why, since_us=since_us
+        )
 
     def _tell_interlock(self, live: LiveSite, name: str, browser: Browser) -> None:
         now = (self._clock.monotonic_ns(), self._clock.wall_ns())
@@ -242,6 +284,7 @@ def site_news(live: LiveSite) -> page.SiteNews:
         loop_ms=live.loop_ms,
         skew_ms=live.skew_ms,
         why=live.why,
+        rival_us=live.rival_us,
     )
 
 

@@ -38,6 +38,7 @@ class Rivals:
             self._tell(live, live.boot, "the one that was started later was taken")
 
     def _tell(self, live: LiveSite, boot: str, message: str) -> None:
+        self._reporting.rival_seen(live)
         if boot in live.rivals:
             return
         if len(live.rivals) >= _MOST_KEPT:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         FromHub,
         InterlockState,
         LeaseState,
+        RecordState,
         StopState,
     )
 
@@ -53,10 +54,14 @@ class LiveSite:
         loop_ms: hub to gateway and back, by the last beat.
         skew_ms: how far the gateway's wall clock is ahead of ours.
         link: the way down; None while the gateway is away.
+        told: hash of the description's text as it came, and its catalogue; empty before the
+            first hello is kept.
         boot: the run of the gateway that is or was linked; see `Gateways`.
         rivals: runs of other gateways with this identity, of which people were told.
+        rival_us: when the last of them was there (UTC); 0 when none has been for a while.
         leases: by device, with the moment it was heard (monotonic ns).
         interlocks: by name, with the moment it was heard (monotonic ns).
+        unreached: devices that the gateway does not reach: why, and since when (µs, UTC).
 
     """
 
@@ -70,13 +75,17 @@ class LiveSite:
     loop_ms: float = 0.0
     skew_ms: float = 0.0
     link: SiteLink | None = None
+    told: tuple[bytes, str] = (b"", "")
     boot: str = ""
     rivals: set[str] = field(default_factory=set)
+    rival_us: int = 0
     leases: dict[str, tuple[LeaseState, int]] = field(default_factory=dict)
     stops: dict[str, StopState] = field(default_factory=dict)
     drives: dict[str, DriveState] = field(default_factory=dict)
     interlocks: dict[str, tuple[InterlockState, int]] = field(default_factory=dict)
+    unreached: dict[str, tuple[str, int]] = field(default_factory=dict)
     pending: dict[str, Pending] = field(default_factory=dict)
+    recorder: RecordState | None = None
 
     @property
     def name(self) -> str:

@@ -24,7 +24,7 @@ from talaia.hub.store.tables import audit, audit_head
 from talaia.hub.store.visible import visible
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Collection
 
     from sqlalchemy import ColumnElement
     from sqlalchemy.ext.asyncio import AsyncConnection
@@ -199,16 +199,24 @@ class Audit:
         await self._written.wait()
 
     async def recent(
-        self, site: str, limit: int, from_us: int = 0, to_us: int = 2**53
+        self,
+        site: str,
+        limit: int,
+        from_us: int = 0,
+        to_us: int = 2**53,
+        devices: Collection[str] | None = None,
     ) -> list[Entry]:
-        """List the newest entries of a site within a window (µs), newest first."""
+        """List the newest entries of a site within a window (µs), newest first.
+
+        With ``devices``, only those about one of them; None: also those about the whole site.
+        """
+        query = select(*_COLUMNS).where(
+            audit.c.site == site, audit.c.time_us.between(from_us, to_us)
+        )
+        if devices is not None:
+            query = query.where(audit.c.device.in_(sorted(devices)))
         async with self._database.read() as connection:
-            rows = await connection.execute(
-                select(*_COLUMNS)
-                .where(audit.c.site == site, audit.c.time_us.between(from_us, to_us))
-                .order_by(audit.c.id.desc())
-                .limit(limit)
-            )
+            rows = await connection.execute(query.order_by(audit.c.id.desc()).limit(limit))
             return [Entry(*row) for row in rows]
 
     async def find(self, wanted: Filter, limit: int) -> tuple[list[Row], bool]:

@@ -21,6 +21,7 @@ from sqlalchemy import create_engine, inspect, make_url, select
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.hub.errors import StoreError
+from talaia.hub.lock import LOCK
 from talaia.hub.store.dump import VERSION_TABLE, copy_tables, open_plain
 from talaia.hub.store.tables import metadata
 
@@ -35,6 +36,8 @@ _LOG = logging.getLogger(__name__)
 DATABASE = "talaia.db"
 WAITING = "restore"
 _MANIFEST = "backup.json"
+# Not copied: the lock of who runs now, and imports on their way, whose files people still have.
+_NOT_KEPT = frozenset((LOCK, "import"))
 _FORM = 1
 
 
@@ -198,12 +201,21 @@ def _version(connection: Connection) -> str:
 def _copy_rest(data: Path, target: Path) -> None:
     for each in sorted(data.iterdir()):
         ours = each.name.startswith((DATABASE, WAITING, "before-restore-"))
+        ours = ours or each.name in _NOT_KEPT
         if ours or each.resolve() in {target.resolve(), *target.resolve().parents}:
             continue
         if each.is_dir():
-            shutil.copytree(each, target / each.name)
+            shutil.copytree(each, target / each.name, copy_function=_copy)
         elif each.is_file():
             shutil.copy2(each, target / each.name)
+
+
+def _copy(source: str, target: str) -> str:
+    try:
+        return shutil.copy2(source, target)
+    except FileNotFoundError:
+        # The hub runs: a recording that was deleted meanwhile is none to keep.
+        return target
 
 
 def _check(source: Path) -> None:

@@ -196,7 +196,9 @@ recent = Table(
     sqlite_with_rowid=False,
 )
 
-# Which view shows which sensor; `made_of` tells when it has to be made anew.
+# What each sensor was when it was last described, and which view shows it. `made_of` tells when
+# the view has to be made anew; it is empty while there is none. `states` is a JSON list; `type`,
+# `states` and `decimals` are NULL in rows that were written before there were such columns.
 sensor = Table(
     "history_sensor",
     metadata,
@@ -206,6 +208,9 @@ sensor = Table(
     Column("shown_name", _Name, nullable=False),
     Column("unit", _Name, nullable=False),
     Column("made_of", String(32), nullable=False),
+    Column("type", String(20)),
+    Column("states", _Reason),
+    Column("decimals", Integer),
     UniqueConstraint("view_name"),
 )
 

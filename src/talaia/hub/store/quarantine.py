@@ -16,17 +16,26 @@ if TYPE_CHECKING:
 __all__ = ["set_aside_if_damaged"]
 
 _LOG = logging.getLogger(__name__)
-# A larger file takes too long to be read through at each start; its head and its list of tables
-# are looked at in any case.
+# A larger file takes too long to be read through at each start. Of it all but these tables is
+# looked at: without the rest nothing works, while what is damaged in these is a part of the
+# samples or of the log, and the others are still to be had.
 _READ_THROUGH = 64 * 1024 * 1024
+_BULKY = frozenset(
+    {"audit", "history_block", "history_body", "history_hot", "history_recent", "history_rollup"}
+)
 # "malformed" and "not a database"; anything else (no right, no room) is not the file's fault.
 _DAMAGED = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
 
 
-def set_aside_if_damaged(url: str, clock: Clock) -> Path | None:
+def set_aside_if_damaged(url: str, clock: Clock, read_through: int = _READ_THROUGH) -> Path | None:
     """Rename a damaged SQLite database, so that the hub can start with a new one.
 
     Nothing else is touched: what stands beside it (recordings, backups) is as it was.
+
+    Args:
+        url: the database's.
+        clock: stamps the new name.
+        read_through: a file of so many bytes is looked at as a whole.
 
     Returns:
         Where it is now; None if it is sound, not there, or on a server.
@@ -38,7 +47,7 @@ def set_aside_if_damaged(url: str, clock: Clock) -> Path | None:
     path = Path(parsed.database)
     if not path.is_file():
         return None
-    problem = _problem(path)
+    problem = _problem(path, read_through)
     if not problem:
         return None
     aside = path.with_name(f"{path.name}.damaged-{clock.wall_ns() // 1_000_000_000}")
@@ -54,14 +63,25 @@ def set_aside_if_damaged(url: str, clock: Clock) -> Path | None:
     return aside
 
 
-def _problem(path: Path) -> str:
+def _problem(path: Path, read_through: int) -> str:
     try:
         with closing(sqlite3.connect(path)) as database:
-            database.execute("SELECT count(*) FROM sqlite_master").fetchone()
-            if path.stat().st_size <= _READ_THROUGH:
-                (said,) = database.execute("PRAGMA quick_check(1)").fetchone()
-                return "" if said == "ok" else str(said).replace("\n", " ")
+            listed = database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
+            tables = sorted({name for (name,) in listed} - _BULKY)
+            if path.stat().st_size <= read_through:
+                return _said(database, "1")
+            for table in tables:
+                if problem := _said(database, f"'{table.replace(chr(39), chr(39) * 2)}'"):
+                    return problem
     except sqlite3.DatabaseError as error:
         # The low byte of an extended code is its kind.
         return str(error) if error.sqlite_errorcode & 0xFF in _DAMAGED else ""
+    return ""
+
+
+def _said(database: sqlite3.Connection, about: str) -> str:
+    """Check a table, or with ``1`` all of it up to the first mistake; empty when it is sound."""
+    for (said,) in database.execute(f"PRAGMA quick_check({about})"):
+        if said != "ok":
+            return str(said).replace("\n", " ")
     return ""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from sqlalchemy import insert, select, update
 
 from talaia.hub.auth.tokens import hash_token, new_token
+from talaia.hub.store.attendance import Attendance
 from talaia.hub.store.tables import gateways, sites
 
 if TYPE_CHECKING:
@@ -57,12 +58,18 @@ class KnownGateway(NamedTuple):
 
 
 class SiteRegistry:
-    """Which gateway may speak for which site, and what each site said it is."""
+    """Which gateway may speak for which site, and what each site said it is.
+
+    Attributes:
+        attendance: when each was there; what it remembers is part of every answer here.
+
+    """
 
     def __init__(self, database: Database, clock: Clock) -> None:
         """Work on ``database``; ``clock`` stamps what is added."""
         self._database = database
         self._clock = clock
+        self.attendance = Attendance(database, clock)
 
     async def new_key(self, site: str, name: str = "") -> str:
         """Make a key for a site's gateway; the keys it had before are revoked."""
@@ -88,7 +95,7 @@ class SiteRegistry:
             rows = await connection.execute(
                 select(*columns).order_by(gateways.c.site, gateways.c.id.desc())
             )
-            return [KnownGateway(*row) for row in rows]
+            return [self._known(KnownGateway(*row)) for row in rows]
 
     async def gateway(self, number: int) -> KnownGateway | None:
         """Find one gateway."""
@@ -96,7 +103,7 @@ class SiteRegistry:
         async with self._database.read() as connection:
             rows = await connection.execute(select(*columns).where(gateways.c.id == number))
             row = rows.first()
-        return None if row is None else KnownGateway(*row)
+        return None if row is None else self._known(KnownGateway(*row))
 
     async def revoke(self, number: int) -> bool:
         """Make a gateway's key void; False when it was void already, or there is none."""
@@ -116,21 +123,8 @@ class SiteRegistry:
             )
             return set(rows.scalars())
 
-    async def linked(self, number: int, version: str, address: str) -> None:
-        """Keep that a gateway has linked."""
-        await self._keep(number, version=version[:200], address=address[:200])
-
-    async def heard(self, number: int) -> None:
-        """Keep that a gateway was there until now."""
-        await self._keep(number)
-
-    async def _keep(self, number: int, **said: str) -> None:
-        async with self._database.write() as connection:
-            await connection.execute(
-                update(gateways)
-                .where(gateways.c.id == number)
-                .values(seen_us=self._now_us(), **said)
-            )
+    def _known(self, row: KnownGateway) -> KnownGateway:
+        return row._replace(**self.attendance.of(row.id))
 
     async def all(self) -> list[KnownSite]:
         """List every site that has ever said hello."""
@@ -157,13 +151,6 @@ class SiteRegistry:
                 await connection.execute(insert(sites).values(site=site, first_seen_us=now, **said))
             else:
                 await connection.execute(update(sites).where(sites.c.site == site).values(**said))
-
-    async def seen(self, site: str) -> None:
-        """Keep that a site was there until now."""
-        async with self._database.write() as connection:
-            await connection.execute(
-                update(sites).where(sites.c.site == site).values(last_seen_us=self._now_us())
-            )
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000

@@ -9,7 +9,9 @@ from sqlalchemy import (
     BigInteger,
     Boolean,
     Column,
+    Double,
     ForeignKey,
+    Index,
     Integer,
     MetaData,
     String,
@@ -23,10 +25,12 @@ __all__ = [
     "audit",
     "audit_head",
     "enrolment_codes",
+    "frames",
     "gateways",
     "known_browsers",
     "metadata",
     "permissions",
+    "recordings",
     "recovery_codes",
     "role_permissions",
     "roles",
@@ -215,6 +219,25 @@ sites = Table(
     Column("last_seen_us", BigInteger, nullable=False),
 )
 
+# The files are in the data folder. ``topics`` is a JSON list.
+recordings = Table(
+    "recordings",
+    metadata,
+    Column("site", String(_NAME), primary_key=True),
+    Column("id", String(64), primary_key=True),
+    Column("state", String(16), nullable=False),
+    Column("why", String(2000), nullable=False),
+    Column("who", String(2000), nullable=False),
+    Column("note", String(2000), nullable=False),
+    Column("begin_us", BigInteger, nullable=False, index=True),
+    Column("end_us", BigInteger, nullable=False),
+    Column("size", BigInteger, nullable=False),
+    Column("have", BigInteger, nullable=False),
+    Column("messages", BigInteger, nullable=False),
+    Column("digest", String(_HASH), nullable=False),
+    Column("topics", _Long, nullable=False),
+)
+
 audit = Table(
     "audit",
     metadata,
@@ -239,4 +262,34 @@ audit_head = Table(
     Column("id", _Id, primary_key=True, autoincrement=False),
     Column("row_id", _Id, nullable=False),
     Column("hash", String(_HASH), nullable=False),
+)
+
+# The archive: one row for each picture that is kept.
+frames = Table(
+    "frames",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("site", String(_NAME), nullable=False),
+    Column("device", String(_NAME), nullable=False),
+    # Local date at which its night began.
+    Column("night", String(10), nullable=False),
+    Column("name", String(_NAME), nullable=False),
+    Column("time_us", BigInteger, nullable=False),
+    Column("target", String(_NAME), nullable=False),
+    # As it is searched: without case.
+    Column("target_key", String(2 * _NAME), nullable=False),
+    Column("filter", String(_NAME), nullable=False),
+    Column("kind", String(_NAME), nullable=False),
+    Column("exposure_s", Double, nullable=True),
+    Column("ra_deg", Double, nullable=True),
+    Column("dec_deg", Double, nullable=True),
+    Column("width", Integer, nullable=False),
+    Column("height", Integer, nullable=False),
+    Column("bytes", BigInteger, nullable=False),
+    Column("digest", String(_HASH), nullable=False),
+    # What the verification found, a line each.
+    Column("problems", Text, nullable=False),
+    UniqueConstraint("site", "digest", name="uq_frames_site"),
+    Index("ix_frames_site_time_us", "site", "time_us"),
+    Index("ix_frames_site_night", "site", "night"),
 )

@@ -1,20 +1,27 @@
-"""Text that came from outside, made harmless to read: one line, and nothing hidden in it. Pure."""
+"""Text that came from outside, made harmless to read and to open in a spreadsheet. Pure."""
 
 from __future__ import annotations
 
 import unicodedata
 
-__all__ = ["visible"]
+__all__ = ["safe_cell", "visible"]
 
 # Control, format (they turn the direction of writing), surrogate, line and paragraph ends.
 _UNSEEN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
+# A spreadsheet takes a cell that begins with one of these for a formula, and works it out.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def visible(text: str, longest: int) -> str:
-    """Write what cannot be seen as escapes, a new line too, and cut to ``longest``."""
+    """Give one line with nothing hidden in it: escapes stand for it; cut to ``longest``."""
     if text.isascii() and text.isprintable():
         return text[:longest]
     return "".join(map(_shown, text[:longest]))[:longest]
+
+
+def safe_cell(text: str) -> str:
+    """Write a text so that a spreadsheet takes it for a text and for nothing else."""
+    return f"'{text}" if text.startswith(_FORMULA) else text
 
 
 def _shown(character: str) -> str:

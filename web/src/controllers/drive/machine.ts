@@ -53,10 +53,11 @@ export type Halt =
   | "freed"
   | "lease lost"
   | "offline"
-  | "stop";
+  | "stop"
+  | "interlock";
 
 /** While one of these stands, no press counts. */
-export type Bar = "offline" | "stop" | "hidden" | "dialog";
+export type Bar = "offline" | "stop" | "hidden" | "dialog" | "interlock";
 
 /**
  * idle: no lease; ready: may drive, nothing is held; driving: something is held;

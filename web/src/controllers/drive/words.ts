@@ -15,6 +15,7 @@ const HALTS: Readonly<Record<Halt, string>> = {
   "lease lost": "Halted: control is no longer yours.",
   offline: "Not connected. The gateway brings the vehicle to rest by itself.",
   stop: "Halted: STOP is on.",
+  interlock: "Halted: an interlock locks driving.",
 };
 
 /** Why driving ended; empty where there is nothing to explain. */

@@ -32,6 +32,19 @@ declare global {
   }
 }
 
+/** Properties that change the picture. */
+const DRAWN: readonly (keyof Chart)[] = [
+  "series",
+  "marks",
+  "span",
+  "follow",
+  "axis",
+  "painter",
+  "zone",
+  "axisWidth",
+  "manyAxes",
+  "indent",
+];
 const NO_AXIS: Axis = { limits: { minimum: null, maximum: null }, least: 0 };
 /** The cursor finds a value within so many pixels. */
 const REACH = 14;
@@ -51,7 +64,7 @@ export class Chart extends LitElement implements Paintable {
   /** Where something happened, in ascending time. */
   @property({ attribute: false }) marks: readonly ChartMark[] = [];
   /** The window of a chart that stands still. */
-  @property({ attribute: false }) span: Span | null = null;
+  @property({ attribute: false, hasChanged: isOther }) span: Span | null = null;
   /** Gives the window of a chart that moves; it wins over `span`. */
   @property({ attribute: false }) follow: Follow | null = null;
   @property({ attribute: false }) axis: Axis = NO_AXIS;
@@ -154,9 +167,10 @@ export class Chart extends LitElement implements Paintable {
     if (other && this.view !== null) this.remake();
   }
 
-  protected override updated(): void {
-    this.dirty = true;
-    this.painter?.wake();
+  protected override updated(changed: PropertyValues<this>): void {
+    // The cursor lies over the picture: what is below it need not be drawn again.
+    if (DRAWN.some((name) => changed.has(name))) this.touch();
+    else if (changed.has("cursorUs")) this.placeCursor();
   }
 
   /** Time of one column of what is drawn now (µs); 0 before the first picture. */
@@ -363,6 +377,11 @@ export class Chart extends LitElement implements Paintable {
       this.spoken.textContent = this.readText(us, this.shown).replaceAll("\n", ", ");
     }, 300);
   }
+}
+
+/** Windows are made anew with every render; it is their ends that matter. */
+function isOther(span: Span | null, before: Span | null | undefined): boolean {
+  return span?.fromUs !== before?.fromUs || span?.toUs !== before?.toUs;
 }
 
 declare global {

@@ -24,6 +24,9 @@ const LINE = 1.6;
 const BAND = 0.3;
 const OUTLINE = 0.6;
 const DOT = 2.6;
+/** So many columns, on average no further apart than this (canvas pixels), are drawn pixel by pixel. */
+const DENSE = 64;
+const DENSE_APART = 2.5;
 
 export function xOf(plot: Plot, us: number): number {
   return plot.left + ((us - plot.span.fromUs) / lengthOf(plot.span)) * plot.width;
@@ -61,27 +64,37 @@ export function drawTrace(plot: Plot, columns: Columns, colour: string, options:
   const first = Math.max(0, columns.firstFrom(plot.span.fromUs) - 1);
   const line = new Path2D();
   const band = new Path2D();
+  const outline = new Path2D();
+  const faint = options.faint ?? 1;
   let last = first;
   let thick = false;
+  let dense = false;
+  ctx.fillStyle = colour;
+  ctx.globalAlpha = BAND * faint;
   for (let i = first; i < columns.length; i = last) {
     last = runEnd(columns, i, plot.span.toUs);
     traceLine(plot, columns, i, last, line);
-    thick = traceBand(plot, columns, i, last, band) || thick;
+    if (isThick(columns, i, last)) {
+      thick = true;
+      traceBand(plot, columns, i, last, outline);
+      if (isDense(plot, columns, i, last)) {
+        dense = true;
+        fillDense(plot, columns, i, last);
+      } else traceBand(plot, columns, i, last, band);
+    }
     if (last < columns.length && columns.time(last) > plot.span.toUs) break;
   }
-  const faint = options.faint ?? 1;
   if (thick) {
-    ctx.globalAlpha = BAND * faint;
-    ctx.fillStyle = colour;
     ctx.fill(band);
     ctx.globalAlpha = OUTLINE * faint;
     ctx.strokeStyle = colour;
     ctx.lineWidth = plot.ratio;
-    if (options.outlined) ctx.stroke(band);
+    if (options.outlined) ctx.stroke(outline);
   }
   ctx.globalAlpha = faint;
   ctx.strokeStyle = colour;
-  ctx.lineWidth = LINE * plot.ratio;
+  // Through a band that changes with every pixel a broad line takes ten times as long, and hides it.
+  ctx.lineWidth = (dense ? 1 : LINE) * plot.ratio;
   ctx.lineJoin = "bevel";
   ctx.lineCap = "round";
   ctx.setLineDash(options.dash.map((pixels) => pixels * plot.ratio));
@@ -106,20 +119,46 @@ function traceLine(plot: Plot, columns: Columns, from: number, to: number, path:
   for (let i = from + 1; i < to; i += 1) path.lineTo(xOf(plot, columns.time(i)), yOf(plot, columns.mean(i)));
 }
 
-function traceBand(plot: Plot, columns: Columns, from: number, to: number, path: Path2D): boolean {
-  let thick = false;
-  for (let i = from; i < to && !thick; i += 1) thick = columns.max(i) - columns.min(i) > 0;
-  if (!thick) return false;
+function isThick(columns: Columns, from: number, to: number): boolean {
+  for (let i = from; i < to; i += 1) if (columns.max(i) > columns.min(i)) return true;
+  return false;
+}
+
+/** Whether there is a column for about every pixel. */
+function isDense(plot: Plot, columns: Columns, from: number, to: number): boolean {
+  return to - from > DENSE && to - from > (xOf(plot, columns.time(to - 1)) - xOf(plot, columns.time(from))) / DENSE_APART;
+}
+
+/** A band pixel by pixel: one shape with thousands of corners would take several times as long. */
+function fillDense(plot: Plot, columns: Columns, from: number, to: number): void {
+  const { ctx } = plot;
+  let left = Math.floor(xOf(plot, columns.time(from)));
+  let top = Infinity;
+  let bottom = -Infinity;
+  for (let i = from; i < to; i += 1) {
+    const x = Math.floor(xOf(plot, columns.time(i)));
+    if (x > left) {
+      ctx.fillRect(left, top, x - left, bottom - top);
+      left = x;
+      top = Infinity;
+      bottom = -Infinity;
+    }
+    top = Math.min(top, yOf(plot, columns.max(i)));
+    bottom = Math.max(bottom, yOf(plot, columns.min(i)));
+  }
+  ctx.fillRect(left, top, 1, bottom - top);
+}
+
+function traceBand(plot: Plot, columns: Columns, from: number, to: number, path: Path2D): void {
   if (to === from + 1) {
     const x = xOf(plot, columns.time(from));
     path.rect(x - plot.ratio / 2, yOf(plot, columns.max(from)), plot.ratio, yOf(plot, columns.min(from)) - yOf(plot, columns.max(from)));
-    return true;
+    return;
   }
   path.moveTo(xOf(plot, columns.time(from)), yOf(plot, columns.max(from)));
   for (let i = from + 1; i < to; i += 1) path.lineTo(xOf(plot, columns.time(i)), yOf(plot, columns.max(i)));
   for (let i = to - 1; i >= from; i -= 1) path.lineTo(xOf(plot, columns.time(i)), yOf(plot, columns.min(i)));
   path.closePath();
-  return true;
 }
 
 function drawDot(plot: Plot, columns: Columns, colour: string): void {

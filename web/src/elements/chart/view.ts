@@ -86,7 +86,9 @@ export class ChartView {
     this.ranges = ranges;
     this.drawInside = inside;
     const step = timeStep(lengthOf(span), this.box.width / TICK_APART);
-    if (step !== this.step) this.ticks.clear();
+    // Another width alone moves no scale: the engine would keep the ticks of the old one.
+    const others = step !== this.step;
+    if (others) this.ticks.clear();
     this.step = step;
     this.plot.batch(() => {
       this.plot.setScale("x", { min: span.fromUs, max: span.toUs });
@@ -94,7 +96,7 @@ export class ChartView {
         this.plot.setScale(scaleOf(i), { min: low, max: high });
       });
       // A change of colour alone moves no scale, but must be drawn.
-      this.plot.redraw(false, false);
+      this.plot.redraw(false, others);
     });
   }
 

@@ -8,6 +8,7 @@ import { base } from "../base.js";
 import "../button.js";
 import "../dialog.js";
 import "../field.js";
+import "../icon.js";
 import "../status.js";
 import type { StatusKind } from "../status.js";
 import { checkArgument, limitWords, startOf, type ArgumentValue } from "./arguments.js";
@@ -115,6 +116,10 @@ export class CommandForm extends LitElement {
         gap: var(--t-space-1);
         flex: 1 1 12rem;
       }
+      .locked {
+        color: var(--t-warn);
+        font-size: var(--t-size-s);
+      }
       progress {
         inline-size: 100%;
         block-size: 0.5rem;
@@ -140,6 +145,9 @@ export class CommandForm extends LitElement {
   /** This person may use the device. */
   @property({ type: Boolean }) allowed = true;
 
+  /** Why it cannot be asked now and who can help; empty when it can. */
+  @property() locked = "";
+
   @state() private confirming: Readonly<Record<string, ArgumentValue>> | null = null;
   @state() private errors: Readonly<Record<string, string>> = {};
   @state() private typed: Readonly<Record<string, string>> = {};
@@ -158,7 +166,7 @@ export class CommandForm extends LitElement {
           ${repeat(command.arguments, (argument) => argument.id, (argument) => this.field(argument))}
         </div>
         <div class="do">
-          <t-button type="submit" ?disabled=${!this.online || !this.allowed} ?busy=${busy}>
+          <t-button type="submit" ?disabled=${!this.may} ?busy=${busy}>
             ${command.confirm ? "Send…" : "Send"}
           </t-button>
           ${command.cancellable && (this.asked?.phase === "accepted" || this.asked?.phase === "running")
@@ -174,6 +182,10 @@ export class CommandForm extends LitElement {
         <t-button slot="actions" kind="primary" @click=${this.confirmed}>Send</t-button>
       </t-dialog>
     `;
+  }
+
+  private get may(): boolean {
+    return this.online && this.allowed && this.locked === "";
   }
 
   private field(argument: ArgumentInfo): TemplateResult {
@@ -207,6 +219,8 @@ export class CommandForm extends LitElement {
 
   private outcome(): unknown {
     if (!this.allowed) return html`<span class="muted">You may look, but not send this.</span>`;
+    const lock = this.locked === "" || !this.online ? nothing : html`<span class="locked"><t-icon name="lock"></t-icon> ${this.locked}</span>`;
+    if (!this.asked && lock !== nothing) return lock;
     if (!this.asked) return this.online ? nothing : html`<t-status kind="offline" word="not connected"></t-status>`;
     const { phase, message, progress } = this.asked;
     const { kind, word } = PHASES[phase];
@@ -215,7 +229,7 @@ export class CommandForm extends LitElement {
       ${phase === "running" && progress > 0
         ? html`<progress max="1" .value=${progress} aria-label="Progress"></progress>`
         : nothing}
-      ${message === "" ? nothing : html`<span>${message}</span>`}
+      ${message === "" ? nothing : html`<span>${message}</span>`} ${lock}
     `;
   }
 
@@ -253,7 +267,7 @@ export class CommandForm extends LitElement {
 
   private readonly submitted = (event: Event): void => {
     event.preventDefault();
-    if (!this.online || !this.allowed) return;
+    if (!this.may) return;
     const values = this.check();
     if (!values) return;
     if (this.command?.confirm === true) this.confirming = values;
@@ -263,7 +277,8 @@ export class CommandForm extends LitElement {
   private readonly confirmed = (): void => {
     const values = this.confirming;
     this.confirming = null;
-    if (values) this.ask(values);
+    // What was asked for a moment ago may be locked by now.
+    if (values && this.may) this.ask(values);
   };
 
   private readonly calledOff = (): void => {

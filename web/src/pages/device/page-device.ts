@@ -12,9 +12,10 @@ import { base } from "../../elements/base.js";
 import { Painter } from "../../elements/chart/painter.js";
 import { sheets } from "../../elements/sheets.js";
 import { adviceFor } from "../../format/problem.js";
+import { formatClock } from "../../format/time.js";
 import { MINUTE_US } from "../../series/zone.js";
-import { apiContext, sitesContext } from "../../state/contexts.js";
-import { sitePath } from "../../state/router.js";
+import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
+import { archivePath, sitePath } from "../../state/router.js";
 import { ChartFeed } from "../../tiles/chart/feed.js";
 import type { DeviceInfo, SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
@@ -83,6 +84,7 @@ export class PageDevice extends LitElement {
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
   private readonly painter = new Painter();
   private readonly sites = new StoreController(this, sitesContext);
+  private readonly reach = new StoreController(this, reachContext);
   private readonly link = new LinkController(this);
   private readonly detail = new LoadController<SiteDetail>(this);
   private feed: ChartFeed | null = null;
@@ -123,7 +125,7 @@ export class PageDevice extends LitElement {
           <p class="muted"><a href="/devices">Devices</a> · ${detail.name}</p>
           <h1>${device.name}</h1>
           <div class="where">
-            <t-status kind=${this.online(detail) ? "online" : "offline"}></t-status>
+            ${this.standing(detail, device)}
             <t-clock zone=${detail.zone}></t-clock>
             <span class="muted">${rightsWords(device)}</span>
           </div>
@@ -134,10 +136,22 @@ export class PageDevice extends LitElement {
                 ><t-icon name="drive"></t-icon>${device.rights.includes("use") ? "Drive it" : "See it drive, or stop it"}</a
               >`
             : nothing}
+          ${device.kind === "camera" && device.rights.includes("view")
+            ? html`<a href=${archivePath(this.site, this.device)}><t-icon name="camera"></t-icon>Archive</a>`
+            : nothing}
           <a href=${this.historyPath(device)}><t-icon name="history"></t-icon>History</a>
         </nav>
       </div>
       ${this.trouble()} ${this.signals(device, detail)} ${this.cameras(device, detail)} ${this.deeds(device, detail)}`;
+  }
+
+  private standing(detail: SiteDetail, device: DeviceInfo): TemplateResult {
+    const away = this.reach.store?.of(this.site, device.id);
+    if (away === undefined || !this.online(detail)) {
+      return html`<t-status kind=${this.online(detail) ? "online" : "offline"}></t-status>`;
+    }
+    return html`<t-status kind="unknown" word="not reached"></t-status>
+      <span class="muted">since ${formatClock(away.since_us, detail.zone)}: ${away.why}</span>`;
   }
 
   private trouble(): unknown {

@@ -11,7 +11,7 @@ import { base } from "../../elements/base.js";
 import type { Option } from "../../elements/choice.js";
 import { sheets } from "../../elements/sheets.js";
 import { adviceFor } from "../../format/problem.js";
-import { apiContext, sitesContext } from "../../state/contexts.js";
+import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
 import type { DeviceRow } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
@@ -31,6 +31,7 @@ const STANDINGS: readonly Option[] = [
   { id: "", label: "All" },
   { id: "online", label: "Online" },
   { id: "stale", label: "Stale" },
+  { id: "unreached", label: "Not reached" },
   { id: "offline", label: "Offline" },
 ];
 
@@ -108,6 +109,7 @@ export class PageDevices extends LitElement {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new StoreController(this, sitesContext);
+  private readonly reach = new StoreController(this, reachContext);
   private readonly rows = new LoadController<readonly DeviceRow[]>(this);
 
   constructor() {
@@ -154,7 +156,7 @@ export class PageDevices extends LitElement {
         <p>A device appears here once its gateway has connected, and it is public or your role may view it.</p>
       </t-empty>`;
     }
-    const shown = rows.filter((row) => isShown(row, this.words, this.chosen));
+    const shown = rows.filter((row) => isShown(row, this.words, this.chosen, this.away(row)));
     if (shown.length === 0) {
       return html`<t-empty heading="No device fits" icon="devices">
         <p>${String(rows.length)} devices are open to you, and none of them is like this.</p>
@@ -176,12 +178,16 @@ export class PageDevices extends LitElement {
     );
   }
 
+  private away(row: DeviceRow): boolean {
+    return this.reach.store?.of(row.site, row.device) !== undefined;
+  }
+
   private card(row: DeviceRow): TemplateResult {
-    const how = standing(row);
+    const how = standing(row, this.away(row));
     return html`<a class="device" href=${devicePath(row.site, row.device)}>
       <div class="top">
         <h3>${row.name}</h3>
-        <t-status kind=${how} word=${STANDING_WORDS[how](row)}></t-status>
+        <t-status kind=${how === "unreached" ? "unknown" : how} word=${STANDING_WORDS[how](row)}></t-status>
       </div>
       <div class="facts">
         <span>${row.kind}</span>

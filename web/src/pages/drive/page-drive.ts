@@ -110,7 +110,7 @@ export class PageDrive extends LitElement {
           None of the devices that you may see can be driven. An admin can give you the right to see more of this site.
         </p>
       </t-empty>
-      <t-commands class="commands" .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
+      <t-commands class="commands" .site=${this.site} .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
     </div>`;
   }
 
@@ -153,7 +153,7 @@ export class PageDrive extends LitElement {
           : this.onlooker(device)}
         <t-map class="map" .site=${this.site} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-map>
       </div>
-      <t-commands class="commands" .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
+      <t-commands class="commands" .site=${this.site} .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
     </div>`;
   }
 

@@ -124,13 +124,13 @@ const WORDS = signal({ name: "Last message", type: "text", max_age: 86_400 });
 
 const DEVICE: DeviceInfo = { id: "base", name: "Vehicle base", kind: "vehicle", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "", rights: [] };
 const ROWS: readonly Row[] = [
-  { address: "base/speed", device: DEVICE, name: "Speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true },
-  { address: "base/other", device: DEVICE, name: "Other speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true },
+  { address: "base/speed", device: DEVICE, name: "Speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },
+  { address: "base/other", device: DEVICE, name: "Other speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },
 ];
 const GROUP: Together = { key: "m/s", title: "m/s", type: "number", rows: ROWS };
 
 const TEXT_ROW: Row = {
-  address: "base/said", device: DEVICE, name: "Last message", type: "text", unit: "", decimals: -1, states: [], maxAge: 60, primary: true,
+  address: "base/said", device: DEVICE, name: "Last message", type: "text", unit: "", decimals: -1, states: [], maxAge: 60, primary: true, former: false,
 };
 const TEXT_GROUP: Together = { key: "said", title: "Last message", type: "text", rows: [TEXT_ROW] };
 const NUMBERS: ReadonlyMap<string, StatisticsInfo> = new Map(

@@ -78,7 +78,7 @@ const LOCK: InterlockNews = {
   why: "Wind is above 12 m/s",
   since_us: NOON_US,
   clears_ms: 0,
-  refuses: ["Dome: Open", "Telescope: Slew"],
+  refuses: ["Dome: Open", "Telescope: Slew"], targets: [], overridable: true,
   overridden_by: "",
   reason: "",
   override_ms: 0,
@@ -278,6 +278,13 @@ export const entries: readonly GalleryEntry[] = [
       asked("unknown", "No answer. It may or may not have been done: look at the device before you ask again."),
       asked("offline", "Not connected. Nothing was sent."),
       { name: "not allowed", show: () => html`<t-command .command=${WANDER} .allowed=${false}></t-command>` },
+      {
+        name: "locked by an interlock",
+        show: () => html`<t-command
+          .command=${WANDER}
+          .locked=${"Locked by Bad weather: Wind is above 12 m/s. An admin can override it."}
+        ></t-command>`,
+      },
     ],
   },
 ];

@@ -53,6 +53,7 @@ export const entries: readonly GalleryEntry[] = [
       { name: "word", show: () => html`<t-value text="wandering"></t-value>` },
       { name: "stale", show: () => html`<t-value .value=${21.46} unit="°C" state="stale" .age=${72}></t-value>` },
       { name: "unknown", show: () => html`<t-value state="unknown" unit="V"></t-value>` },
+      { name: "not reached", show: () => html`<t-value state="unreached" unit="V"></t-value>` },
       { name: "forbidden", show: () => html`<t-value state="forbidden"></t-value>` },
       { name: "no number", show: () => html`<t-value .value=${Number.NaN} unit="m"></t-value>` },
       { name: "large", show: () => html`<t-value size="l" .value=${74.25} unit="%"></t-value>` },

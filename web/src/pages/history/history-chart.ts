@@ -122,7 +122,7 @@ export class HistoryChart extends LitElement {
     const series = this.series.find(({ address }) => address === row.address);
     const swatch = row.type === "number" ? html`<span class="swatch c${(index % 8) + 1}"></span>` : nothing;
     return html`<tr>
-      <th scope="row">${swatch}${row.name} <span class="muted">${row.device.name}</span></th>
+      <th scope="row">${swatch}${row.name} <span class="muted">${row.device.name}${row.former ? ", no longer in the description" : ""}</span></th>
       <td class="at">${series === undefined ? NOTHING : html`${this.valueAt(series)} ${this.valueThen(series)}`}</td>
       ${statisticsCells(row, this.numbers.get(row.address), series && this.drawn(series))}
     </tr>`;

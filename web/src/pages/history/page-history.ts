@@ -20,7 +20,7 @@ import { Pace } from "../../series/pace.js";
 import { DAY_US, clockOf, type ZoneClock } from "../../series/zone.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
-import type { EventList, SiteDetail } from "../../wire/api.js";
+import type { EventList, SiteDetail, StoredInfo } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
 import { axesFor } from "./axes-for.js";
 import { marksOf, type Mark, type MarkKind } from "./marks.js";
@@ -74,6 +74,7 @@ export class PageHistory extends LitElement {
   private readonly painter = new Painter(new Pace(16, 1, 16));
   private readonly wide = matchMedia("(min-width: 60.01rem)");
   private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly former = new LoadController<readonly StoredInfo[]>(this);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly window = new WindowController(this, {
     search: () => this.router.store?.search ?? "",
@@ -106,12 +107,16 @@ export class PageHistory extends LitElement {
     const sites = this.sites.store;
     if (changed.has("site")) this.data?.close();
     if (sites === undefined || this.api === undefined || !this.isConnected) return;
-    this.detail.ask(this.site, () => sites.detail(this.site));
+    const { api, site } = this;
+    // A gateway that comes back with another description has other signals.
+    const described = [site, sites.catalogueOf(site)].join("\n");
+    this.detail.ask(described, () => sites.detail(site));
+    this.former.ask(described, () => api.former(site));
     const detail = this.detail.value;
     if (detail === undefined) return;
-    this.rows = rowsOf(detail);
+    this.rows = rowsOf(detail, this.former.value);
     this.clock = clockOf(knownZone(detail.zone));
-    this.data ??= new WindowData(this.api, () => {
+    this.data ??= new WindowData(api, () => {
       this.requestUpdate();
     });
     this.group();
@@ -151,6 +156,7 @@ export class PageHistory extends LitElement {
     const link = (shown: HistoryView["shown"]): string =>
       new URL(sitePath(this.site, "history") + writeView({ ...view, channels, shown }), location.href).href;
     return html`<div class="menus">
+      <a class="way" href=${sitePath(this.site, "recordings")}>Recordings</a>
       <t-share-menu fixed=${link(span)} live=${"last" in view.shown ? link(view.shown) : ""}></t-share-menu>
       <t-export-menu site=${this.site} .channels=${channels} .span=${span} width=${this.width}></t-export-menu>
     </div>`;
@@ -164,12 +170,13 @@ export class PageHistory extends LitElement {
       <div class="body">
         <details class="pick" ?open=${this.wide.matches}>
           <summary>Signals <span class="count">${chosen.length}</span></summary>
-          <t-signal-picker .rows=${this.rows} .chosen=${chosen} @t-pick=${this.pick}></t-signal-picker>
+          <t-signal-picker .rows=${this.rows} .chosen=${chosen} ?incomplete=${this.former.result.state === "failed"} @t-pick=${this.pick}></t-signal-picker>
         </details>
         <div class="charts" aria-busy=${this.data?.now.state === "loading" ? "true" : "false"}>
           <t-view-options .view=${view} .span=${span} zone=${detail.zone} @t-view=${this.viewChanged}></t-view-options>
           ${this.trouble(this.data?.now, "the history of these signals", this.again)}
-          ${this.data === null || chosen.length === 0 ? nothingChosen(this.rows) : this.chartList(detail, this.data)}
+          ${this.absent(chosen.length === 0)}
+          ${this.data === null || chosen.length === 0 ? nothing : this.chartList(detail, this.data)}
         </div>
       </div>
     `;
@@ -236,6 +243,17 @@ export class PageHistory extends LitElement {
 
   // ── what is shown ───────────────────────────────────────────────────────────────────────
 
+  /** What the address asks for and is not here; what to do when nothing is chosen at all. @param empty nothing of it is here */
+  private absent(empty: boolean): unknown {
+    const known = new Set(this.rows.map(({ address }) => address));
+    const absent = (this.window.view.channels ?? []).filter((address) => !known.has(address));
+    if (absent.length === 0) return empty ? nothingChosen(this.rows) : nothing;
+    const { state } = this.former.result;
+    if (state === "idle" || state === "loading") return empty ? html`<t-loading what="Looking for signals of before"></t-loading>` : nothing;
+    const said = html`<p class="hint">Not at this site, or not open to you: ${absent.join(", ")}</p>`;
+    return empty ? html`<t-empty heading="No such signal" icon="history">${said}</t-empty>` : said;
+  }
+
   private chosen(): string[] {
     const { channels } = this.window.view;
     if (channels === null) return firstChoice(this.rows);
@@ -246,10 +264,12 @@ export class PageHistory extends LitElement {
   private group(): void {
     const chosen = this.chosen();
     const { most, axisWidth } = axesFor(this.window.view.joined, this.width);
-    const key = `${this.detail.value?.catalogue ?? ""} ${String(most)}\n${chosen.join("\n")}`;
+    const rows = this.rows.filter(({ address }) => chosen.includes(address));
+    const kinds = rows.map(({ address, former }) => `${address}${former ? " -" : ""}`);
+    const key = `${this.detail.value?.catalogue ?? ""} ${String(most)}\n${kinds.join("\n")}`;
     if (key === this.groupsKey) return;
     this.groupsKey = key;
-    this.groups = together(this.rows.filter(({ address }) => chosen.includes(address)), most);
+    this.groups = together(rows, most);
     this.axisWidth = axisWidth;
     this.indent = indentOf(Math.max(1, ...this.groups.map(({ rows }) => unitsOf(rows).length)), axisWidth);
   }
@@ -275,7 +295,8 @@ export class PageHistory extends LitElement {
   private silent(): string[] {
     const loader = this.data?.now;
     if (loader?.state !== "ready") return [];
-    return this.chosen().filter((address) => loader.data.get(address)?.count === 0);
+    const live = new Set(this.rows.filter(({ former }) => !former).map(({ address }) => address));
+    return this.chosen().filter((address) => live.has(address) && loader.data.get(address)?.count === 0);
   }
 
   private readonly showAnother = (event: CustomEvent<HistoryView["shown"]>): void => {

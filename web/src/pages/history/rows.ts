@@ -1,11 +1,11 @@
 /** The channels of a site that have a history, and how they share charts. */
 
-import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api.js";
+import type { DeviceInfo, SignalInfo, SiteDetail, StoredInfo } from "../../wire/api.js";
 
 /** One channel that can be chosen. */
 export interface Row {
   readonly address: string;
-  readonly device: DeviceInfo;
+  readonly device: Pick<DeviceInfo, "id" | "name">;
   readonly name: string;
   readonly type: "number" | "state" | "text";
   readonly unit: string;
@@ -14,6 +14,8 @@ export interface Row {
   /** s */
   readonly maxAge: number;
   readonly primary: boolean;
+  /** The site's description had it once, and has it no longer. */
+  readonly former: boolean;
 }
 
 /** Rows that are drawn in one chart: numbers of a unit or a few, or one state, or one text. */
@@ -24,13 +26,30 @@ export interface Together {
   readonly rows: readonly Row[];
 }
 
+const TYPES = ["number", "state", "text", "position"] as const satisfies readonly SignalInfo["type"][];
 const PART_UNITS: Readonly<Record<string, string>> = { x: "m", y: "m", yaw: "rad", lat: "°", lon: "°", alt: "m" };
 const DEGREE_DIGITS = 6;
+/** Of a former signal its limit of age (s) is not known: what descriptions take when they say nothing. */
+const FORMER_AGE = 5;
 /** Chosen when the address chooses nothing. */
 const FIRST_CHOICE = 2;
 
-export function rowsOf(detail: SiteDetail): Row[] {
-  return detail.devices.flatMap((device) => device.signals.flatMap((signal) => signal.channels.map((channel) => rowOf(device, signal, channel))));
+/** @param former channels that have history and are no longer described; they come last */
+export function rowsOf(detail: SiteDetail, former: readonly StoredInfo[] = []): Row[] {
+  const rows = detail.devices.flatMap((device) =>
+    device.signals.flatMap((signal) => signal.channels.map((channel) => rowOf(device, signal, channel))),
+  );
+  // What has come back since they were asked for stands under its device.
+  const described = new Set(rows.map(({ address }) => address));
+  return [...rows, ...former.filter(({ address }) => !described.has(address)).map((stored) => formerRow(detail, stored))];
+}
+
+function formerRow({ devices }: SiteDetail, { address, name, unit, type, states, decimals }: StoredInfo): Row {
+  const id = address.split("/")[0] ?? "";
+  const device = devices.find((one) => one.id === id) ?? { id, name: id };
+  const kind = TYPES.find((known) => known === type) ?? "number";
+  const signal = { name: name || address, type: kind, unit, states, decimals, max_age: FORMER_AGE, primary: false };
+  return { ...rowOf(device, signal, address), former: true };
 }
 
 /** What to show to somebody who has not chosen: the first main numbers. */
@@ -74,8 +93,10 @@ function joined(groups: readonly Together[], axes: number): Together[] {
   return [...charts, ...groups.filter(({ type }) => type !== "number")];
 }
 
-function rowOf(device: DeviceInfo, signal: SignalInfo, channel: string): Row {
-  const plain = { address: channel, device, states: [], maxAge: signal.max_age, primary: signal.primary } as const;
+type Described = Pick<SignalInfo, "name" | "type" | "unit" | "states" | "decimals" | "max_age" | "primary">;
+
+function rowOf(device: Row["device"], signal: Described, channel: string): Row {
+  const plain = { address: channel, device, states: [], maxAge: signal.max_age, primary: signal.primary, former: false } as const;
   if (signal.type !== "position") {
     return { ...plain, name: signal.name, type: signal.type, unit: signal.unit, decimals: signal.decimals, states: signal.states };
   }

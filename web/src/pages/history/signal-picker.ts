@@ -1,6 +1,6 @@
 /** Which channels are shown: check boxes by device. */
 
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base.js";
@@ -61,6 +61,13 @@ export class SignalPicker extends LitElement {
         text-overflow: ellipsis;
         white-space: nowrap;
       }
+      .former {
+        padding-block-start: var(--t-space-3);
+        border-block-start: 1px solid var(--t-line);
+      }
+      p {
+        font-size: var(--t-size-s);
+      }
       .unit {
         color: var(--t-muted);
         font-size: var(--t-size-s);
@@ -81,6 +88,8 @@ export class SignalPicker extends LitElement {
 
   @property({ attribute: false }) rows: readonly Row[] = [];
   @property({ attribute: false }) chosen: readonly string[] = [];
+  /** What is no longer described could not be listed. */
+  @property({ type: Boolean }) incomplete = false;
 
   @state() private filter = "";
 
@@ -90,7 +99,9 @@ export class SignalPicker extends LitElement {
       const text = `${device.name} ${name} ${address}`.toLowerCase();
       return words.every((word) => text.includes(word));
     });
-    const devices = [...new Set(fits.map(({ device }) => device))];
+    const described = fits.filter(({ former }) => !former);
+    const former = fits.filter((row) => row.former);
+    const devices = [...new Set(described.map(({ device }) => device))];
     return html`
       <div class="head">
         <input type="search" placeholder="Filter" aria-label="Filter signals" @input=${this.typed} />
@@ -101,18 +112,30 @@ export class SignalPicker extends LitElement {
         (device) => device.id,
         (device) => html`<fieldset @change=${this.toggled}>
           <legend>${device.name}</legend>
-          ${repeat(
-            fits.filter((row) => row.device === device),
-            (row) => row.address,
-            (row) => html`<label title=${row.address}
-              ><input type="checkbox" .value=${row.address} .checked=${this.chosen.includes(row.address)} /><span class="name"
-                >${row.name}</span
-              ><span class="unit">${row.type === "number" ? row.unit : row.type}</span></label
-            >`,
-          )}
+          ${this.boxes(described.filter((row) => row.device === device))}
         </fieldset>`,
       )}
+      ${former.length === 0
+        ? nothing
+        : html`<fieldset class="former" @change=${this.toggled}>
+            <legend>No longer in the description</legend>
+            ${this.boxes(former)}
+          </fieldset>`}
+      ${this.incomplete ? html`<p class="muted">What is no longer described cannot be listed now.</p>` : nothing}
+      ${fits.length === 0 && this.rows.length > 0 ? html`<p class="muted">No signal is called like this.</p>` : nothing}
     `;
+  }
+
+  private boxes(rows: readonly Row[]): unknown {
+    return repeat(
+      rows,
+      (row) => row.address,
+      (row) => html`<label title=${row.address}
+        ><input type="checkbox" .value=${row.address} .checked=${this.chosen.includes(row.address)} /><span class="name"
+          >${row.name}${row.former ? html` <span class="unit">${row.device.name}</span>` : nothing}</span
+        ><span class="unit">${row.type === "number" ? row.unit : row.type}</span></label
+      >`,
+    );
   }
 
   private readonly typed = (event: Event): void => {

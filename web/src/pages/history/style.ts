@@ -24,6 +24,17 @@ export const historyStyle = css`
     margin-inline-start: auto;
     font-weight: var(--t-weight-strong);
   }
+  .menus .way {
+    display: inline-flex;
+    align-items: center;
+    min-block-size: var(--t-touch);
+    padding-inline: var(--t-space-3);
+    color: var(--t-text);
+    text-decoration: none;
+  }
+  .menus .way:hover {
+    text-decoration: underline;
+  }
   .then {
     color: var(--t-muted);
     font-size: var(--t-size-s);

@@ -2,9 +2,10 @@
 
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, query, state } from "lit/decorators.js";
+import { customElement, state } from "lit/decorators.js";
 import { base } from "../../elements/base.js";
 import { doorway } from "../../elements/doorway.js";
+import { passwordRules, passwordTrouble } from "../../format/password.js";
 import { adviceFor, type Advice } from "../../format/problem.js";
 import { apiContext, routerContext, sessionContext } from "../../state/contexts.js";
 import type { Router } from "../../state/router.js";
@@ -13,9 +14,9 @@ import { Refused, type HubApi } from "../../wire/http.js";
 import "../../elements/button.js";
 import "../../elements/field.js";
 import "../../elements/problem.js";
+import "../../elements/rules.js";
 
-const SHORTEST = 8;
-const NO_ERRORS = { name: "", password: "", again: "" } as const;
+const NO_ERRORS = { name: "", password: "" } as const;
 
 @customElement("t-page-setup")
 export class PageSetup extends LitElement {
@@ -24,11 +25,10 @@ export class PageSetup extends LitElement {
   @state() private busy = false;
   @state() private done = false;
   @state() private advice: Advice | null = null;
-  @state() private errors: Readonly<Record<"name" | "password" | "again", string>> = NO_ERRORS;
-
-  @query("#name") private readonly name!: HTMLInputElement;
-  @query("#password") private readonly password!: HTMLInputElement;
-  @query("#again") private readonly again!: HTMLInputElement;
+  @state() private errors: Readonly<Record<"name" | "password", string>> = NO_ERRORS;
+  @state() private name = "";
+  @state() private password = "";
+  @state() private again = "";
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   @consume({ context: sessionContext }) private readonly session!: Session;
@@ -47,14 +47,15 @@ export class PageSetup extends LitElement {
           ? nothing
           : html`<t-problem what=${this.advice.what} how=${this.advice.how}></t-problem>`}
         <t-field label="Name" error=${this.errors.name}>
-          <input id="name" autocomplete="username" autocapitalize="none" spellcheck="false" required />
+          <input id="name" autocomplete="username" autocapitalize="none" spellcheck="false" required @input=${this.typed} />
         </t-field>
-        <t-field label="Password" hint="At least 8 characters; 15 or more are better." error=${this.errors.password}>
-          <input id="password" type="password" autocomplete="new-password" required />
+        <t-field label="Password" error=${this.errors.password}>
+          <input id="password" type="password" autocomplete="new-password" required @input=${this.typed} />
         </t-field>
-        <t-field label="Password, once more" error=${this.errors.again}>
-          <input id="again" type="password" autocomplete="new-password" required />
+        <t-field label="Password, once more">
+          <input id="again" type="password" autocomplete="new-password" required @input=${this.typed} />
         </t-field>
+        <t-rules .rules=${this.rules()}></t-rules>
         <t-button type="submit" kind="primary" ?busy=${this.busy}>Make this admin</t-button>
       </form>
     `;
@@ -86,17 +87,25 @@ export class PageSetup extends LitElement {
     this.router.replace("/login");
   };
 
+  private rules(): ReturnType<typeof passwordRules> {
+    return passwordRules(this.password, this.name, this.again);
+  }
+
+  private readonly typed = (event: Event): void => {
+    if (!(event.target instanceof HTMLInputElement)) return;
+    const { id, value } = event.target;
+    if (id === "name") this.name = value;
+    else if (id === "password") this.password = value;
+    else this.again = value;
+    this.errors = NO_ERRORS;
+  };
+
   private readonly submit = (event: SubmitEvent): void => {
     event.preventDefault();
     if (this.busy) return;
-    const name = this.name.value.trim();
-    const password = this.password.value;
-    this.errors = {
-      name: name === "" ? "Enter a name." : "",
-      password: Array.from(password).length < SHORTEST ? `It needs ${String(SHORTEST)} characters at least.` : "",
-      again: this.again.value === password ? "" : "The two are not the same.",
-    };
-    if (Object.values(this.errors).every((error) => error === "")) void this.make(name, password);
+    const name = this.name.trim();
+    this.errors = { name: name === "" ? "Enter a name." : "", password: passwordTrouble(this.rules()) };
+    if (Object.values(this.errors).every((error) => error === "")) void this.make(name, this.password);
   };
 
   private async make(name: string, password: string): Promise<void> {

@@ -8,6 +8,7 @@ import {
   connectionContext,
   interlocksContext,
   liveContext,
+  reachContext,
   robotNewsContext,
   routerContext,
   sessionContext,
@@ -16,6 +17,7 @@ import {
 } from "../../state/contexts.js";
 import { Interlocks } from "../../state/interlocks.js";
 import { LiveValues } from "../../state/live.js";
+import { Reach } from "../../state/reach.js";
 import { RobotNews } from "../../state/robot-news.js";
 import { Router } from "../../state/router.js";
 import { Session } from "../../state/session.js";
@@ -43,6 +45,7 @@ export class App extends LitElement {
   });
   private readonly interlocks = new Interlocks(this.connection);
   private readonly live = new LiveValues(this.connection);
+  private readonly reach = new Reach(this.connection);
   private readonly robotNews = new RobotNews(this.connection);
   private readonly router = new Router(window);
   private readonly session = new Session(this.api, storage());
@@ -59,6 +62,7 @@ export class App extends LitElement {
     new ContextProvider(this, { context: connectionContext, initialValue: this.connection });
     new ContextProvider(this, { context: interlocksContext, initialValue: this.interlocks });
     new ContextProvider(this, { context: liveContext, initialValue: this.live });
+    new ContextProvider(this, { context: reachContext, initialValue: this.reach });
     new ContextProvider(this, { context: robotNewsContext, initialValue: this.robotNews });
     new ContextProvider(this, { context: routerContext, initialValue: this.router });
     new ContextProvider(this, { context: sessionContext, initialValue: this.session });

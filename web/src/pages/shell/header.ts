@@ -47,6 +47,7 @@ const WAYS: readonly (readonly [PageName, string])[] = [
   ["people", "/admin/people"],
   ["roles", "/admin/roles"],
   ["gateways", "/admin/gateways"],
+  ["storage", "/admin/storage"],
   ["audit", "/admin/audit"],
 ];
 
@@ -278,7 +279,7 @@ export class Header extends LitElement {
   private readonly chooseSite = (event: Event): void => {
     if (!(event.target instanceof HTMLSelectElement)) return;
     const page = this.router.route.page;
-    const kept = page === "live" || page === "history" || page === "drive" ? page : "live";
+    const kept = page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" ? page : "live";
     this.router.go(sitePath(event.target.value, kept));
   };
 

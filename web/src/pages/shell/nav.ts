@@ -152,7 +152,11 @@ export class Nav extends LitElement {
 
   private isHere(page: Place["page"]): boolean {
     if (page === "people") return ADMIN_PAGES.includes(this.page);
-    return page === this.page || (page === "devices" && this.page === "device");
+    return (
+      page === this.page ||
+      (page === "devices" && this.page === "device") ||
+      (page === "history" && this.page === "recordings")
+    );
   }
 
   /** Null when there is no site to go to. */

@@ -2,13 +2,14 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
 import { LinkController } from "../../controllers/link.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
 import { routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { ADMIN_PAGES, localPath } from "../../state/router.js";
-import type { SiteDetail } from "../../wire/api.js";
+import type { SiteDetail, SiteRow } from "../../wire/api.js";
 import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/banner.js";
 import "../../elements/empty.js";
@@ -19,6 +20,7 @@ import "./header.js";
 import "./interlocks.js";
 import "./nav.js";
 import "./session-end.js";
+import "./storage-warning.js";
 
 @customElement("t-shell")
 export class Shell extends LitElement {
@@ -154,6 +156,7 @@ export class Shell extends LitElement {
         </t-header>
         ${this.banner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
         ${inside ? html`<t-interlocks></t-interlocks>` : nothing}
+        ${inside && person.admin ? html`<t-storage-warning></t-storage-warning>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.content()}</main>
       ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person} ?actuable=${actuable}></t-nav>` : nothing}
@@ -194,6 +197,11 @@ export class Shell extends LitElement {
         >No connection to the hub. What you see is old; it is tried again by itself.</t-banner
       >`;
     }
+    const rivals = this.sites.store?.list.filter((each) => each.rival_us > 0) ?? [];
+    return html`${repeat(rivals, ({ site }) => site, rivalry)} ${this.away()}`;
+  }
+
+  private away(): unknown {
     const row = this.sites.store?.row(this.router.store?.route.site ?? "");
     if (row === undefined || row.online) return nothing;
     return html`<t-banner kind="warn"
@@ -259,6 +267,15 @@ export class Shell extends LitElement {
     event.preventDefault();
     this.router.store?.go(path);
   };
+}
+
+/** Two gateways with one identity: a copied key, or a machine that was forgotten. */
+function rivalry(row: SiteRow): TemplateResult {
+  return html`<t-banner kind="bad"
+    >A second gateway uses the key of ${row.name}; it was last there at
+    <t-time .us=${row.rival_us} .zone=${row.zone}></t-time>. Only the one that was started last is linked and can drive.
+    Switch the other one off, or enrol one of them anew.</t-banner
+  >`;
 }
 
 declare global {

@@ -3,6 +3,8 @@
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { deviceOf } from "../../controllers/live-values.js";
+import { StoreController } from "../../controllers/store.js";
 import { TickController } from "../../controllers/tick.js";
 import { base } from "../../elements/base.js";
 import type { Chart } from "../../elements/chart/chart.js";
@@ -15,6 +17,7 @@ import { stateWord } from "../../format/reading.js";
 import { formatClock } from "../../format/time.js";
 import { summary } from "../../series/columns.js";
 import { lengthOf, type Span } from "../../series/window.js";
+import { reachContext } from "../../state/contexts.js";
 import type { SignalInfo } from "../../wire/api.js";
 import "../../elements/button.js";
 import "../../elements/chart/chart.js";
@@ -54,6 +57,8 @@ export class ChartTile extends LitElement {
   private series: ChartSeries | null = null;
   private axis: Axis | null = null;
 
+  private readonly reach = new StoreController(this, reachContext);
+
   constructor() {
     super();
     new TickController(this, REFRESH_MS);
@@ -74,7 +79,7 @@ export class ChartTile extends LitElement {
   override render(): TemplateResult | null {
     const { signal, feed } = this;
     if (signal === null || feed === null) return null;
-    this.toggleAttribute("stale", this.freshness() === "stale");
+    this.toggleAttribute("stale", ["stale", "unreached"].includes(this.freshness()));
     return html`
       <div class="head">
         <h3 title=${signal.address}>${signal.name}</h3>
@@ -87,6 +92,7 @@ export class ChartTile extends LitElement {
 
   private freshness(): ValueState {
     if (this.forbidden) return "forbidden";
+    if (this.reach.store?.of(this.feed?.site ?? "", deviceOf(this.signal?.address ?? "")) !== undefined) return "unreached";
     const age = this.feed?.ageOf(this.signal?.channels[0] ?? "") ?? NaN;
     if (Number.isNaN(age)) return "unknown";
     return this.cut || age > (this.signal?.max_age ?? 0) ? "stale" : "live";
@@ -101,6 +107,8 @@ export class ChartTile extends LitElement {
         return html`<t-status kind="stale" word="stale, ${formatAge(age)}"></t-status>`;
       case "unknown":
         return html`<t-status kind="unknown" word="no data yet"></t-status>`;
+      case "unreached":
+        return html`<t-status kind="unknown" word="not reached"></t-status>`;
       case "forbidden":
         return html`<t-status kind="unknown" word="not yours to see"></t-status>`;
     }
@@ -135,7 +143,7 @@ export class ChartTile extends LitElement {
           })}
         </dl>`;
       case "text":
-        return html`<p class="text">${one.text ?? "–"}</p>
+        return html`<p class="text">${freshness === "unreached" ? "–" : (one.text ?? "–")}</p>
           <p class="range">${Number.isNaN(one.timeUs) ? nothing : `at ${formatClock(one.timeUs, this.zone)}`}</p>`;
       case "state":
         return html`<t-value bare size="xl" .state=${freshness} .text=${stateWord(signal.states, one.trace.newest)}></t-value>`;

@@ -4,9 +4,12 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import type { Arguments, CommandLine } from "../../controllers/drive/command-line.js";
+import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
 import "../../elements/card.js";
 import "../../elements/command/command.js";
+import { lockWords } from "../../format/interlock.js";
+import { interlocksContext } from "../../state/contexts.js";
 import type { CommandInfo, DeviceInfo } from "../../wire/api.js";
 
 @customElement("t-commands")
@@ -38,10 +41,12 @@ export class Commands extends LitElement {
     `,
   ];
 
+  @property() site = "";
   @property({ attribute: false }) devices: readonly DeviceInfo[] = [];
   @property({ attribute: false }) line: CommandLine | null = null;
   @property({ type: Boolean }) online = true;
 
+  private readonly interlocks = new StoreController(this, interlocksContext);
   private watched: CommandLine | null = null;
   private stop: (() => void) | null = null;
 
@@ -104,12 +109,14 @@ export class Commands extends LitElement {
     const cancel = (): void => {
       this.line?.cancel(device.id, command.id);
     };
+    const lock = this.interlocks.store?.lockOf(this.site, device.id, command.id) ?? null;
     return html`<t-card>
       <span class="device">${device.name}</span>
       <t-command
         .command=${command}
         .asked=${asked}
         .online=${this.online}
+        .locked=${lock ? lockWords(lock) : ""}
         .allowed=${device.rights.includes("use")}
         @t-ask=${ask}
         @t-cancel=${cancel}

@@ -12,9 +12,12 @@ import type { Motion } from "../../elements/drive/drive-readout.js";
 import "../../elements/drive/lease.js";
 import "../../elements/drive/pad.js";
 import "../../elements/drive/speed-limit.js";
+import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
 import { formatMs } from "../../format/duration.js";
+import { lockWords } from "../../format/interlock.js";
 import type { Hold } from "../../elements/drive/hold.js";
+import { interlocksContext } from "../../state/contexts.js";
 import type { DeviceInfo, SignalInfo } from "../../wire/api.js";
 
 const DRAW_EVERY_MS = 200;
@@ -76,6 +79,9 @@ export class DrivePad extends LitElement {
   /** Age of the picture (ms); negative: none. */
   @property({ attribute: false }) pictureAge: () => number = () => -1;
 
+  private readonly interlocks = new StoreController(this, interlocksContext, () => {
+    this.followLock();
+  });
   private readonly live = new LiveValuesController(this);
   private stop: (() => void) | null = null;
   private watched: DriveSeat | null = null;
@@ -99,6 +105,7 @@ export class DrivePad extends LitElement {
 
   override willUpdate(): void {
     this.watch();
+    this.followLock();
     const channels = [this.signal("m/s"), this.signal("rad/s")].flatMap((signal) => signal?.channels ?? []);
     this.live.observe(this.site, channels);
   }
@@ -129,7 +136,7 @@ export class DrivePad extends LitElement {
         <t-pad ?disabled=${idle} .stickOf=${padStick}></t-pad>
         <t-arrows ?disabled=${idle}></t-arrows>
       </div>
-      <p class="trouble" role="alert">${seat.trouble}</p>
+      <p class="trouble" role="alert">${this.locked || seat.trouble}</p>
       <t-speed-limit
         .level=${machine.level}
         .speed=${limits.max_speed}
@@ -156,6 +163,21 @@ export class DrivePad extends LitElement {
       >
       </div>
     `;
+  }
+
+  /** Why an interlock refuses driving now; empty when none does. */
+  private get locked(): string {
+    const lock = this.device && this.interlocks.store?.lockOf(this.site, this.device.id, "drive");
+    return lock ? lockWords(lock) : "";
+  }
+
+  /** No press counts while driving is locked, and what is held is let go in the same turn. */
+  private followLock(): void {
+    const { seat } = this;
+    if (!seat) return;
+    const barred = seat.machine.barred("interlock");
+    if (this.locked === "" && barred) seat.lift("interlock");
+    else if (this.locked !== "" && !barred) seat.bar("interlock");
   }
 
   private cap(): string {

@@ -19,7 +19,7 @@ function stopNews(more: Partial<StopNews> = {}): StopNews {
   return { t: "stop_news", ...AT, latched: true, confirmed: false, who: "Ada", time_us: 1, id: "", ...more };
 }
 function siteNews(online: boolean): Parameters<FakeLine["say"]>[0] {
-  return { t: "site", site: "agv", online, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "" };
+  return { t: "site", site: "agv", online, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 };
 }
 
 let line: FakeLine;

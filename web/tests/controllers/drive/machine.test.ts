@@ -177,7 +177,7 @@ describe("letting go", () => {
     expect(pass(1000)).toEqual([]);
   });
 
-  test.each(["blur", "cancelled", "gamepad lost", "dialog", "stop key", "stop"] as const)(
+  test.each(["blur", "cancelled", "gamepad lost", "dialog", "stop key", "stop", "interlock"] as const)(
     "%s brings it to rest, and what is still held does not start again",
     (why) => {
       ready();

@@ -5,7 +5,7 @@ import { firstChoice, rowsOf, together } from "../../../src/pages/history/rows.j
 import { textBand } from "../../../src/pages/history/text-band.js";
 import { runs } from "../../../src/series/runs.js";
 import { ZoneClock } from "../../../src/series/zone.js";
-import type { SignalInfo, SiteDetail } from "../../../src/wire/api.js";
+import type { SignalInfo, SiteDetail, StoredInfo } from "../../../src/wire/api.js";
 
 const madrid = new ZoneClock("Europe/Madrid");
 const NOW = Date.parse("2026-11-21T10:00:00Z") * 1000;
@@ -83,6 +83,24 @@ describe("rows of the history page", () => {
       ["mode", ["base/mode"]],
     ]);
     expect(groups(2).map(([title]) => title)).toEqual(["m, V", "rad, no unit", "mode"]);
+  });
+
+  it("show last what is no longer described, as what it was, and nothing twice", () => {
+    const was = { described: false, samples: 3, first_us: 1, last_us: 3, decimals: -1 };
+    const former: StoredInfo[] = [
+      { ...was, address: "base/left", name: "left", type: "number", unit: "m", states: [] },
+      { ...was, address: "base/gear", name: "Gear", type: "state", unit: "", states: ["low", "high"] },
+      { ...was, address: "arm/place.yaw", name: "Place", type: "position", unit: "", states: [] },
+      { ...was, address: "arm/old", name: "", type: "", unit: "", states: [] },
+    ];
+    const rows = rowsOf(DETAIL, former);
+    expect(rows.filter((row) => row.former).map(({ address, name, type, unit, device }) => [address, name, type, unit, device.name])).toEqual([
+      ["base/gear", "Gear", "state", "", "Base"],
+      ["arm/place.yaw", "Place, yaw", "number", "rad", "arm"],
+      ["arm/old", "arm/old", "number", "", "arm"],
+    ]);
+    expect(rows.filter(({ address }) => address === "base/left")).toHaveLength(1);
+    expect(firstChoice(rows)).toEqual(["base/left", "base/right"]);
   });
 
   it("begin with the first main numbers", () => {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 import simplejpeg
@@ -105,10 +105,10 @@ class PictureStream:
         self,
         address: str,
         stream: Stream,
-        decode: Callable[[bytes], object],
+        decode: Callable[[Any], object],
         tell: Callable[[str, str], None],
     ) -> None:
-        """Take how to decode raw bytes, and who is told (address, problem) once."""
+        """Take how to decode what `PictureWorker.offer` is given, and who is told problems once."""
         self.address = address
         self._stream = stream
         self._decode = decode
@@ -127,7 +127,7 @@ class PictureStream:
         self._due_ns = (self._due_ns if late < self._period_ns else mono_ns) + self._period_ns
         return True
 
-    def picture(self, raw: bytes, time_us: int, mono_us: int) -> Picture | None:
+    def picture(self, raw: object, time_us: int, mono_us: int) -> Picture | None:
         """Make a picture of raw bytes, or none when they are not understood."""
         try:
             message = self._decode(raw)
@@ -159,7 +159,7 @@ class PictureWorker:
         """Take where pictures go; `start` begins."""
         self._sink = sink
         self._clock = clock
-        self._waiting: dict[str, tuple[PictureStream, bytes, int, int]] = {}
+        self._waiting: dict[str, tuple[PictureStream, object, int, int]] = {}
         self._turn = threading.Condition()
         self._ended = False
         self._thread = threading.Thread(target=self._run, name="talaia-pictures", daemon=True)
@@ -168,7 +168,7 @@ class PictureWorker:
         """Begin."""
         self._thread.start()
 
-    def offer(self, stream: PictureStream, raw: bytes) -> None:
+    def offer(self, stream: PictureStream, raw: object) -> None:
         """Take the newest raw picture of a stream; stamped now."""
         mono_ns = self._clock.monotonic_ns()
         if not stream.is_due(mono_ns):

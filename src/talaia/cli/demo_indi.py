@@ -1,0 +1,117 @@
+"""``talaia demo-indi``: INDI's own simulators, a gateway, the hub and the dashboard, in one go."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import os
+import shutil
+import socket
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from talaia.cli.demonstration import example, folder, greet, make_logins
+from talaia.cli.errors import CliError
+from talaia.cli.parts import Part, run_together, start, start_program
+from talaia.cli.places import free_port, has_screen, open_page
+from talaia.hub import accounts
+from talaia.hub.settings import Settings
+from talaia.model.load import dump_site, read_site
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.model.site import Site
+
+__all__ = ["main"]
+
+EXAMPLE = "indi"
+DRIVERS = tuple(
+    f"indi_simulator_{each}"
+    for each in ("telescope", "dome", "ccd", "weather", "focus", "wheel", "rotator")
+)
+# The weather station measures so often (s); its own default is a minute.
+PERIOD_S = 5
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run until Ctrl-C; everything it started is ended and removed again."""
+    options = _options(argv)
+    missing = [each for each in ("indiserver", "indi_setprop", *DRIVERS) if not shutil.which(each)]
+    if missing:
+        raise CliError(f"{', '.join(missing)} missing; run: apt install indi-bin")
+    began = time.monotonic()
+    with folder(options.data, "talaia-demo-indi-") as data:
+        asyncio.run(run_together(lambda parts: _start(options, data, parts, began)))
+    return 0
+
+
+def _options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        "talaia demo-indi",
+        description="Start INDI's own simulators of an observatory, a gateway, the hub and the "
+        "dashboard.",
+    )
+    parser.add_argument("--port", type=int, default=0, help="of the dashboard (default: a free)")
+    parser.add_argument("--data", type=Path, help="keep accounts, history and pictures here")
+    parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    return parser.parse_args(argv)
+
+
+async def _start(options: argparse.Namespace, data: Path, parts: list[Part], began: float) -> None:
+    port, indi = free_port(options.port), _any_port()
+    # Drivers keep their settings in a home of their own, gone with the demo.
+    home = data / "indi"
+    home.mkdir(exist_ok=True)
+    # indiserver knows no other address than all of them: on a shared network, fence it.
+    words = ["indiserver", "-v", "-p", str(indi), "-u", str(home / "socket"), *DRIVERS]
+    parts.append(await start_program("INDI server", words, data / "indi.log", {"HOME": str(home)}))
+    await parts[0].says("listening to port", 30)
+    settings = Settings(
+        data=data, host="127.0.0.1", port=port, plain=True, database_url=Settings.url_from()
+    )
+    logins = await make_logins(settings)
+    site = data / "site.yaml"
+    site.write_text(dump_site(_at_port(read_site(example(EXAMPLE)), indi)))
+    key = data / "gateway.key"
+    key.write_text(await accounts.create_gateway(settings, EXAMPLE))
+    key.chmod(0o600)
+    hub = ["hub", "--data", str(data), "--host", "127.0.0.1", "--port", str(port), "--plain"]
+    gateway = [
+        "gateway", str(site), "--hub", f"ws://127.0.0.1:{port}", "--key-file", str(key),
+        "--allow-plain", "--data", str(data / "gateway"),
+    ]  # fmt: skip
+    parts.append(await start("hub", hub, data / "hub.log"))
+    parts.append(await start("gateway", gateway, data / "gateway.log"))
+    await _hasten(indi)
+    await asyncio.gather(parts[1].says("ready", 60), parts[2].says("linked to", 60))
+    greet(f"http://localhost:{port}", logins, data, time.monotonic() - began)
+    if not options.no_browser and has_screen():
+        await asyncio.to_thread(open_page, f"http://localhost:{port}")
+
+
+def _at_port(site: Site, port: int) -> Site:
+    from msgspec.structs import replace
+
+    connections = {name: replace(each, port=port) for name, each in site.connections.items()}
+    return replace(site, connections=connections)
+
+
+def _any_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+async def _hasten(port: int) -> None:
+    """Let the weather station measure often; a minute is long to wait for in a demo."""
+    for words in ("CONNECTION.CONNECT=On", f"WEATHER_UPDATE.PERIOD={PERIOD_S}"):
+        process = await asyncio.create_subprocess_exec(
+            "indi_setprop", "-p", str(port), f"Weather Simulator.{words}",
+            stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.DEVNULL,
+            env={**os.environ},
+        )  # fmt: skip
+        await process.wait()
+        # Its other properties come when it is connected.
+        await asyncio.sleep(0.5)

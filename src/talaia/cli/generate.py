@@ -1,0 +1,98 @@
+"""``talaia generate``: a folder that runs a site for good, in containers or by systemd."""
+
+from __future__ import annotations
+
+import argparse
+import secrets
+import shutil
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from talaia import __version__
+from talaia.cli.errors import CliError
+from talaia.deploy.containers import DatabaseKind
+from talaia.deploy.project import Choice, File, project
+from talaia.model.check import raise_first
+from talaia.model.load import read_site
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["main"]
+
+_KEPT = "secrets/"
+
+
+def main(argv: Sequence[str]) -> int:
+    """Write the folder; nothing is written when anything is wrong."""
+    options = _options(argv)
+    site = raise_first(read_site(options.site))
+    for where, path in (("--program", options.program), ("--ros-setup", options.ros_setup)):
+        if path and not path.startswith("/"):
+            raise CliError(f"{where}: expected an absolute path, found {path!r}")
+    if not 1 <= options.port <= 65535:
+        raise CliError(f"--port: expected 1 to 65535, found {options.port}")
+    if options.wheel is not None and not options.wheel.is_file():
+        raise CliError(f"--wheel {options.wheel}: there is no such file")
+    choice = Choice(
+        database=DatabaseKind(options.database),
+        port=options.port,
+        hosts=tuple(options.allow_host),
+        version=__version__,
+        program=options.program,
+        setup=options.ros_setup,
+    )
+    files = project(site, options.site.read_text(), choice, lambda: secrets.token_urlsafe(24))
+    _write(options.to, files, force=options.force)
+    if options.wheel is not None:
+        shutil.copy(options.wheel, options.to / "wheels")
+    print(f"{options.to}: {len(files)} files; README.md there says how to start", file=sys.stderr)
+    return 0
+
+
+def _options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        "talaia generate",
+        description="Write a folder that runs a site for good: a compose project (hub, database, "
+        "gateway), systemd units for a robot's own computer, and how to start them.",
+    )
+    parser.add_argument("site", type=Path, help="site description (YAML)")
+    parser.add_argument("--to", type=Path, required=True, metavar="DIR", help="the folder")
+    parser.add_argument(
+        "--database",
+        choices=[each.value for each in DatabaseKind],
+        default=DatabaseKind.MARIADB.value,
+        help="where accounts and history are kept (mariadb, with phpMyAdmin)",
+    )
+    parser.add_argument("--port", type=int, default=8443, help="of the dashboard (8443)")
+    parser.add_argument(
+        "--allow-host", action="append", default=[], metavar="NAME",
+        help="a name under which the dashboard is reached; may repeat",
+    )  # fmt: skip
+    parser.add_argument("--program", default="/opt/talaia/bin/talaia", metavar="FILE",
+                        help="talaia on the robot's computer (/opt/talaia/bin/talaia)")  # fmt: skip
+    parser.add_argument("--ros-setup", default="", metavar="FILE",
+                        help="setup.bash of the ROS installation there")  # fmt: skip
+    parser.add_argument("--wheel", type=Path, help="Talaia's own wheel, to build the images from")
+    parser.add_argument("--force", action="store_true",
+                        help="write over files of before; secrets are kept")  # fmt: skip
+    return parser.parse_args(argv)
+
+
+def _write(folder: Path, files: dict[str, File], *, force: bool) -> None:
+    there = [name for name in files if (folder / name).exists()]
+    if there and not force:
+        raise CliError(f"{folder} holds {there[0]} already; choose another folder, or --force")
+    try:
+        for name, file in files.items():
+            path = folder / name
+            if name.startswith(_KEPT) and path.exists():
+                continue  # the database knows the password of before
+            secret = name.startswith(_KEPT)
+            path.parent.mkdir(parents=True, exist_ok=True, mode=0o700 if secret else 0o755)
+            path.touch(mode=file.mode)
+            path.chmod(file.mode)
+            path.write_text(file.text)
+    except OSError as error:
+        raise CliError(f"{error.filename or folder} cannot be written: {error.strerror}") from error

@@ -1,0 +1,1 @@
+"""``talaia import``: recordings and tables into a site's history."""

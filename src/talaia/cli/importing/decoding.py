@@ -1,0 +1,93 @@
+"""Messages by the definitions that their file carries: ROS 1, ROS 2 (CDR) and JSON."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosbags.typesys import (
+    Stores,
+    TypesysError,
+    get_types_from_idl,
+    get_types_from_msg,
+    get_typestore,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosbags.interfaces.typing import Typesdict
+
+__all__ = ["Definition", "Undecodable", "decoder_of", "ros_type"]
+
+_KNOWN = get_typestore(Stores.LATEST)
+_RULE = "=" * 80 + "\n"
+
+
+class Undecodable(Exception):
+    """Messages of a topic cannot be read; the text says why."""
+
+
+class Definition(NamedTuple):
+    """How a topic's messages are written.
+
+    Attributes:
+        encoding: ``cdr``, ``ros1`` or ``json``.
+        type_name: ``package/msg/Name``.
+        form: ``msg``, ``idl``, or empty where the file has no definition.
+        text: the definition with all that it is made of.
+
+    """
+
+    encoding: str
+    type_name: str
+    form: str
+    text: str
+
+
+def ros_type(name: str) -> str:
+    """Give a type's name with its ``/msg/``, as ROS 2 writes it."""
+    parts = name.split("/")
+    return f"{parts[0]}/msg/{parts[1]}" if len(parts) == 2 else name
+
+
+def decoder_of(definition: Definition) -> Callable[[bytes], object]:
+    """Give what turns a message's bytes into an object with its fields.
+
+    Raises:
+        Undecodable: nobody knows how.
+
+    """
+    name = definition.type_name
+    if definition.encoding == "json":
+        return _json
+    if definition.encoding not in ("cdr", "ros1"):
+        raise Undecodable(f"its messages are {definition.encoding or 'raw bytes'}")
+    store = get_typestore(Stores.EMPTY)
+    try:
+        store.register(_types(definition))
+    except (TypesysError, AssertionError, ValueError, KeyError) as error:
+        raise Undecodable(f"its definition of {name} cannot be read: {error}") from error
+    read = store.deserialize_ros1 if definition.encoding == "ros1" else store.deserialize_cdr
+    return lambda data: read(data, name)
+
+
+def _types(definition: Definition) -> Typesdict:
+    name = definition.type_name
+    if definition.form == "msg":
+        return get_types_from_msg(definition.text, name)
+    if definition.form == "idl":
+        if not definition.text.startswith(f"{_RULE}IDL: "):
+            return get_types_from_idl(definition.text)
+        found: Typesdict = {}
+        for part in definition.text.split(_RULE)[1:]:
+            found.update(get_types_from_idl(part.split("\n", 1)[1]))
+        return found
+    if name not in _KNOWN.fielddefs:
+        raise Undecodable(f"the file has no definition of {name}, and it is none of ROS's own")
+    return dict(_KNOWN.fielddefs)
+
+
+def _json(data: bytes) -> object:
+    return json.loads(data, object_hook=lambda found: SimpleNamespace(**found))

@@ -1,0 +1,113 @@
+"""Parcels on their way into the history: to the hub that runs, or past it when none does."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from typing import TYPE_CHECKING
+
+from talaia.cli.errors import CliError
+from talaia.clock import SystemClock
+from talaia.hub.accounts import note
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.limits import Limits
+from talaia.hub.history.store import HistoryStore
+from talaia.hub.live.inbox import Inbox, Taken, answer_of
+from talaia.hub.lock import HubRuns, hub_lock
+from talaia.hub.store.database import Database
+from talaia.hub.store.sites import SiteRegistry
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from talaia.hub.history.parcel import Head
+    from talaia.hub.settings import Settings
+
+__all__ = ["deliver", "described"]
+
+_LOOK_S = 0.2
+
+
+def deliver(settings: Settings, paths: Sequence[Path], say: Callable[[str], None]) -> list[Taken]:
+    """Wait until parcels are in the history, or bring them there when no hub runs.
+
+    Raises:
+        HubError: the database cannot be opened, or does not take them; they stay where they are.
+
+    """
+    told = False
+    while True:
+        try:
+            with hub_lock(settings.data):
+                return asyncio.run(_bring(settings, paths))
+        except HistoryError as error:
+            raise CliError(
+                f"{error}; what is to be imported waits in {paths[0].parent}, and the hub takes it"
+                " over when it is started"
+            ) from error
+        except HubRuns:
+            if not told:
+                say("the hub runs and takes it over")
+            told = True
+        taken = _fetch(paths)
+        if taken is not None:
+            return taken
+        time.sleep(_LOOK_S)
+
+
+def described(settings: Settings, site: str) -> str | None:
+    """Give the description by which the hub knows a site.
+
+    Raises:
+        HubError: the database cannot be opened.
+
+    """
+
+    async def look() -> str | None:
+        database = Database(settings.url)
+        try:
+            await database.migrate()
+            known = await SiteRegistry(database, SystemClock()).all()
+        finally:
+            await database.close()
+        return next((each.description for each in known if each.site == site), None)
+
+    return asyncio.run(look())
+
+
+def _fetch(paths: Sequence[Path]) -> list[Taken] | None:
+    """Give the hub's answers, once there is one to each parcel."""
+    if any(path.exists() for path in paths):
+        return None
+    return [answer_of(path) or Taken(0, 0) for path in paths]
+
+
+async def _bring(settings: Settings, paths: Sequence[Path]) -> list[Taken]:
+    clock = SystemClock()
+    database = Database(settings.url)
+    history = HistoryStore(settings.url, clock, Limits(show_s=0, tidy_s=0))
+    registry = SiteRegistry(database, clock)
+
+    async def taken(head: Head, how: Taken) -> None:
+        if head.site not in {each.site for each in await registry.all()}:
+            await registry.said_hello(head.site, head.description, "", "")
+        message = f"{head.file}: {how.stored} samples, {how.there} were there already"
+        await note(database, "history imported", message, head.site)
+
+    answers = []
+    try:
+        await database.migrate()
+        await history.open()
+        try:
+            inbox = Inbox(history, settings.data, taken)
+            for path in paths:
+                # A hub that ended meanwhile may have taken some of them.
+                if path.exists():
+                    await inbox.take(path)
+                answers.append(answer_of(path) or Taken(0, 0))
+        finally:
+            await history.close()
+    finally:
+        await database.close()
+    return answers

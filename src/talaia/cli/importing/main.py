@@ -1,0 +1,279 @@
+"""``talaia import``: read files, say what is in them, and bring it into a site's history."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import datetime as dt
+import hashlib
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+from talaia.cli.errors import BadFile, CliError
+from talaia.cli.importing.delivery import deliver, described
+from talaia.cli.importing.messages import Messages
+from talaia.cli.importing.staging import Staging
+from talaia.cli.importing.table import Table
+from talaia.cli.importing.times import TimeReader, TimeUnit
+from talaia.hub.history.parcel import FOLDER, Head, ParcelWriter, sweep
+from talaia.hub.settings import Settings
+from talaia.model.check import raise_first
+from talaia.model.load import dump_site, load_site, read_site
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from talaia.cli.importing.source import Findings, Source
+    from talaia.cli.importing.staging import Tally
+    from talaia.hub.live.inbox import Taken
+    from talaia.model.site import Site
+
+__all__ = ["main"]
+
+_DAY_US = 86_400_000_000
+_TELL_S = 5.0
+_MOST_SAID = 40
+
+
+class _Read(NamedTuple):
+    path: Path
+    tallies: list[Tally]
+    findings: Findings
+
+
+def main(argv: Sequence[str]) -> int:
+    """Import each file, or none of them."""
+    options = _options(argv)
+    settings = Settings(data=options.data, database_url=Settings.url_from())
+    site = _site(options.site, settings)
+    named = _named(options.column)
+    reads: list[_Read] = []
+    folder = settings.data / FOLDER
+    if not options.dry_run:
+        _check_data(settings.data)
+        sweep(folder)
+    with contextlib.ExitStack() as stack:
+        writers: list[ParcelWriter] = []
+        for path in options.file:
+            times = TimeReader(_zone(options.zone), TimeUnit(options.time_unit))
+            with contextlib.closing(_open(path, site, named, options.time, times)) as source:
+                writer = None
+                if not options.dry_run:
+                    head = Head(
+                        site=site.site,
+                        file=path.name[:200],
+                        digest=_digest(path),
+                        description=dump_site(site),
+                    )
+                    writer = stack.enter_context(_writer(folder, head))
+                    writers.append(writer)
+                reads.append(_Read(path, _read(path, source, site, writer), source.findings))
+            _tell(site, reads[-1], source.kind)
+        if options.dry_run:
+            print("nothing was written (--dry-run)")
+            return 0
+        # Only now that all of them are read; until here nothing has happened.
+        ready = [writer.publish() for writer in writers]
+    for read, how in zip(reads, deliver(settings, ready, _say), strict=True):
+        print(f"{read.path}: {_result(how)}")
+    return 0
+
+
+def _options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        "talaia import",
+        description="Bring recordings (rosbag 1, rosbag 2, MCAP) and tables (CSV) into a site's"
+        " history. The hub may run. What is in the history already changes nothing. A server's"
+        " database is named by TALAIA_DATABASE_URL, as for the hub.",
+    )
+    parser.add_argument("file", type=Path, nargs="+", help="a file, or a rosbag 2 folder")
+    parser.add_argument(
+        "--site", required=True, help="a site description (YAML), or the short name of a known site"
+    )
+    parser.add_argument(
+        "--data", type=Path, default=Path("talaia-data"), help="the hub's data folder (talaia-data)"
+    )
+    parser.add_argument(
+        "--dry-run", action="store_true", help="say what would be imported, and write nothing"
+    )
+    parser.add_argument(
+        "--column", action="append", default=[], metavar="HEADING=ADDRESS",
+        help="CSV: this column is that channel, as base/speed or base/pose.x; may repeat",
+    )  # fmt: skip
+    parser.add_argument("--time", default="", metavar="HEADING", help="CSV: the column of times")
+    parser.add_argument(
+        "--time-unit", default="auto", choices=[each.value for each in TimeUnit],
+        help="CSV: how times are written (auto: by the first of them)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--zone", default="", help="CSV: the zone of times that say none, as Europe/Madrid"
+    )
+    return parser.parse_args(argv)
+
+
+def _check_data(data: Path) -> None:
+    if not data.is_dir():
+        raise CliError(
+            f"there is no data folder {data}; name the hub's with --data, or start the hub once"
+        )
+
+
+def _site(asked: str, settings: Settings) -> Site:
+    path = Path(asked)
+    if path.suffix in (".yaml", ".yml") or path.is_file():
+        return raise_first(read_site(path))
+    _check_data(settings.data)
+    text = described(settings, asked)
+    if text is None:
+        raise CliError(f"the hub knows no site {asked!r}; name the file of its description instead")
+    return load_site(text)
+
+
+def _named(columns: Sequence[str]) -> dict[str, str]:
+    named = {}
+    for each in columns:
+        heading, found, address = each.rpartition("=")
+        if not found or not heading or not address:
+            raise CliError(f"--column {each}: expected HEADING=ADDRESS, as temp=dome/temperature")
+        named[heading] = address
+    return named
+
+
+def _zone(name: str) -> ZoneInfo | None:
+    if not name:
+        return None
+    try:
+        return ZoneInfo(name)
+    except (ZoneInfoNotFoundError, ValueError, OSError) as error:
+        raise CliError(f"--zone {name}: no such time zone; write it as Europe/Madrid") from error
+
+
+def _kind(path: Path) -> str:
+    """Tell what a file is by how it begins."""
+    try:
+        if path.is_dir():
+            if (path / "metadata.yaml").is_file():
+                return "rosbag 2"
+            raise BadFile(
+                str(path), "", "a folder without metadata.yaml is no rosbag 2",
+                "`ros2 bag reindex` makes it anew",
+            )  # fmt: skip
+        with path.open("rb") as file:
+            start = file.read(16)
+    except OSError as error:
+        raise BadFile(str(path), "", f"it cannot be opened: {error.strerror}") from error
+    if start.startswith(b"#ROSBAG"):
+        return "rosbag 1"
+    if start.startswith(b"\x89MCAP"):
+        return "MCAP"
+    if start.startswith(b"SQLite format 3"):
+        return "rosbag 2"
+    if not start:
+        raise BadFile(str(path), "", "it is empty")
+    if b"\0" in start or path.suffix.lower() in (".bag", ".mcap", ".db3"):
+        raise BadFile(
+            str(path), "byte 0", "it begins like none of rosbag 1, rosbag 2, MCAP and CSV"
+        )
+    return "CSV"
+
+
+def _open(
+    path: Path, site: Site, named: dict[str, str], time_column: str, times: TimeReader
+) -> Source:
+    kind = _kind(path)
+    if kind == "CSV":
+        return Table(path, site, named, time_column, times)
+    return Messages(path, kind, site)
+
+
+def _digest(path: Path) -> str:
+    """Give the SHA-256 of a file, or of a folder's files with their names."""
+    total = hashlib.sha256()
+    for file in sorted(path.iterdir()) if path.is_dir() else [path]:
+        if path.is_dir():
+            total.update(f"{file.name}\n".encode())
+        if file.is_file():
+            with file.open("rb") as opened:
+                total.update(hashlib.file_digest(opened, "sha256").digest())
+    return total.hexdigest()
+
+
+@contextlib.contextmanager
+def _writer(folder: Path, head: Head) -> Iterator[ParcelWriter]:
+    try:
+        with ParcelWriter(folder, head) as writer:
+            yield writer
+    except OSError as error:
+        raise CliError(f"{folder} cannot be written: {error}; nothing was imported") from error
+
+
+def _read(path: Path, source: Source, site: Site, writer: ParcelWriter | None) -> list[Tally]:
+    staging = Staging([each.address for each in site.channels()], writer)
+    told = time.monotonic()
+    for piece in source.pieces():
+        staging.add(piece.columns)
+        if time.monotonic() - told > _TELL_S:
+            told = time.monotonic()
+            _say(f"{path}: {piece.done:.0%} read, {staging.samples:,} samples")
+    staging.finish()
+    tallies = staging.tallies()
+    signals = {each.address for each in tallies}
+    for channel in site.channels():
+        if channel.address not in signals:
+            source.findings.absent.setdefault(channel.address, "no message in the file holds it")
+    return tallies
+
+
+def _tell(site: Site, read: _Read, kind: str) -> None:
+    print(f"{read.path} ({kind})")
+    width = max((len(each.address) for each in read.tallies), default=0)
+    for each in read.tallies:
+        span = f"{_time(each.first_us)} to {_time(each.last_us)}"
+        print(f"  {each.address:<{width}}  {each.samples:>12,} samples  {span}")
+    if not read.tallies:
+        print("  nothing in it belongs to this site")
+    _list("not in the file", read.findings.absent)
+    _list("not read", read.findings.unread)
+    notes = [*read.findings.notes, *_old(site, read.tallies)]
+    for note in notes:
+        print(f"  note: {note}")
+
+
+def _list(title: str, reasons: dict[str, str]) -> None:
+    for at, (name, reason) in enumerate(reasons.items()):
+        if at == _MOST_SAID:
+            print(f"  {title}: {len(reasons) - at} more")
+            return
+        print(f"  {title}: {name}" + (f" ({reason})" if reason else ""))
+
+
+def _old(site: Site, tallies: Sequence[Tally]) -> Iterator[str]:
+    now_us = time.time_ns() // 1000
+    channels = {each.address: each for each in site.channels()}
+    for each in tallies:
+        channel = channels[each.address]
+        keep = site.devices[channel.device].signals[channel.signal].keep
+        if keep > 0 and each.last_us < now_us - keep * _DAY_US:
+            yield f"{each.address} is kept for {keep:g} days only, and will be dropped soon"
+
+
+def _time(time_us: int) -> str:
+    try:
+        moment = dt.datetime.fromtimestamp(time_us // 1_000_000, dt.UTC)
+    except (ValueError, OverflowError, OSError):
+        return f"{time_us} µs"
+    return f"{moment:%Y-%m-%d %H:%M:%S}Z"
+
+
+def _result(how: Taken) -> str:
+    if not how.stored:
+        return f"all of its {how.there:,} samples were there already"
+    there = f", {how.there:,} were there already" if how.there else ""
+    return f"{how.stored:,} samples are in the history now{there}"
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

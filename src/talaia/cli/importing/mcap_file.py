@@ -1,0 +1,70 @@
+"""An MCAP file with messages of ROS 1, ROS 2 or JSON, as topics and raw messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mcap.reader import NonSeekingReader, make_reader
+
+from talaia.cli.importing.decoding import Definition, ros_type
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator
+    from pathlib import Path
+
+    from mcap.records import Channel, Schema
+
+__all__ = ["McapFile"]
+
+_FORMS = {"ros2msg": "msg", "ros1msg": "msg", "ros2idl": "idl", "omgidl": "idl"}
+
+
+class McapFile:
+    """A file that is open; see `talaia.cli.importing.messages.MessageFile`."""
+
+    def __init__(self, path: Path) -> None:
+        """Open a file; raises what mcap raises."""
+        self._stream = path.open("rb")
+        self.count = 0
+        self.topics: dict[int, tuple[str, Definition]] = {}
+        try:
+            self._reader = make_reader(self._stream, validate_crcs=True)
+            summary = self._reader.get_summary()
+            if summary is None or not summary.channels:
+                # Its writer left the index out: read it once to see what is in it.
+                self._stream.seek(0)
+                self._reader = NonSeekingReader(self._stream, validate_crcs=True)
+                summary = self._reader.get_summary()
+            if summary is not None:
+                for number, channel in summary.channels.items():
+                    self._learn(number, channel, summary.schemas.get(channel.schema_id))
+                if summary.statistics is not None:
+                    self.count = summary.statistics.message_count
+        except BaseException:
+            self._stream.close()
+            raise
+
+    def messages(self, wanted: Collection[int]) -> Iterator[tuple[int, int, bytes]]:
+        """Give number of the topic, time (ns) and bytes, in order of time."""
+        topics = sorted({self.topics[number][0] for number in wanted})
+        chosen = set(wanted)
+        for _, channel, message in self._reader.iter_messages(topics=topics):
+            if channel.id in chosen:
+                yield channel.id, message.log_time, message.data
+
+    def place(self) -> str:
+        """Tell where in the file the reader stands."""
+        return f"byte {self._stream.tell()}"
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._stream.close()
+
+    def _learn(self, number: int, channel: Channel, schema: Schema | None) -> None:
+        name = ros_type(schema.name) if schema is not None else ""
+        form = _FORMS.get(schema.encoding, "") if schema is not None else ""
+        text = schema.data.decode("utf-8", "replace") if schema is not None and form else ""
+        self.topics[number] = (
+            channel.topic,
+            Definition(channel.message_encoding, name, form, text),
+        )

@@ -1,0 +1,135 @@
+"""A table's time cells to microseconds since the epoch (UTC). Pure, and exact to the microsecond.
+
+What is finer is cut off, as a clock that counts microseconds would.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from decimal import Decimal
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from zoneinfo import ZoneInfo
+
+__all__ = ["CellError", "TimeReader", "TimeUnit"]
+
+_EPOCH = dt.datetime(1970, 1, 1)  # noqa: DTZ001 - differences of times in UTC
+_US = dt.timedelta(microseconds=1)
+# What the history can tell apart; some 73 000 years either way.
+_FARTHEST_US = 2**61
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
+# The basic form without separators (20240131T…) would be taken for a number by some.
+_ISO = re.compile(r"\d{4}-\d{2}-\d{2}([T ].+)?", re.ASCII)
+
+
+class TimeUnit(StrEnum):
+    """How a table writes its times."""
+
+    AUTO = "auto"
+    ISO = "iso"
+    S = "s"
+    MS = "ms"
+    US = "us"
+    NS = "ns"
+
+
+_PER_US = {
+    TimeUnit.S: Decimal(1_000_000),
+    TimeUnit.MS: Decimal(1_000),
+    TimeUnit.US: Decimal(1),
+    TimeUnit.NS: Decimal("0.001"),
+}
+# Seconds since the epoch have 10 digits until the year 2286.
+_UNITS = (
+    (Decimal("1e11"), TimeUnit.S),
+    (Decimal("1e14"), TimeUnit.MS),
+    (Decimal("1e17"), TimeUnit.US),
+)
+
+
+class CellError(ValueError):
+    """A cell that cannot be read; the text says what was expected."""
+
+
+class TimeReader:
+    """Reads the time cells of one table, from its top to its bottom.
+
+    The unit of numbers is taken from the first of them. A clock time that comes twice, when
+    summer time ends, is the first of the two unless that would be before the cell above.
+
+    Attributes:
+        unit: as found, or as told.
+        doubtful: times that came twice by the zone's clock.
+
+    """
+
+    def __init__(self, zone: ZoneInfo | None = None, unit: TimeUnit = TimeUnit.AUTO) -> None:
+        """Read times without a zone as those of ``zone``; without one they are refused."""
+        self._zone = zone
+        self._above_us = -_FARTHEST_US
+        self.unit = unit
+        self.doubtful = 0
+
+    def read(self, cell: str) -> int:
+        """Give a cell's time.
+
+        Raises:
+            CellError: it cannot be read.
+
+        """
+        text = cell.strip()
+        if self.unit is TimeUnit.AUTO:
+            self.unit = _unit_of(text)
+        time_us = self._iso(text) if self.unit is TimeUnit.ISO else self._number(text)
+        if not -_FARTHEST_US < time_us < _FARTHEST_US:
+            raise CellError(f"the time {text[:40]!r} is too far away")
+        self._above_us = time_us
+        return time_us
+
+    def _number(self, text: str) -> int:
+        if not _NUMBER.fullmatch(text):
+            raise CellError(f"expected a time as a number ({self.unit}), found {text[:40]!r}")
+        value = Decimal(text)
+        if abs(value) > Decimal("1e30"):
+            raise CellError(f"the time {text[:40]!r} is too far away")
+        return int((value * _PER_US[self.unit]).__floor__())
+
+    def _iso(self, text: str) -> int:
+        if not _ISO.fullmatch(text):
+            raise CellError(f"expected a time like 2024-01-31T12:00:00Z, found {text[:40]!r}")
+        try:
+            found = dt.datetime.fromisoformat(text)
+        except ValueError as error:
+            raise CellError(f"the time {text[:40]!r} cannot be read: {error}") from error
+        if found.tzinfo is not None:
+            # `timestamp()` is a float and loses microseconds far from the epoch.
+            offset = found.utcoffset() or dt.timedelta()
+            return (found.replace(tzinfo=None) - _EPOCH) // _US - offset // _US
+        if self._zone is None:
+            raise CellError(
+                f"the time {text[:40]!r} says no zone; name it with --zone, as Europe/Madrid or UTC"
+            )
+        return self._local(found, self._zone, text)
+
+    def _local(self, found: dt.datetime, zone: ZoneInfo, text: str) -> int:
+        plain = (found - _EPOCH) // _US
+        first, second = (
+            plain - (found.replace(tzinfo=zone, fold=fold).utcoffset() or dt.timedelta()) // _US
+            for fold in (0, 1)
+        )
+        if first == second:
+            return first
+        if second < first:  # the clock was put forward over it
+            raise CellError(f"the clock of {zone.key} never showed {text[:40]!r}")
+        self.doubtful += 1
+        return first if first >= self._above_us else second
+
+
+def _unit_of(text: str) -> TimeUnit:
+    if not _NUMBER.fullmatch(text):
+        return TimeUnit.ISO
+    value = abs(Decimal(text))
+    return next((unit for limit, unit in _UNITS if value < limit), TimeUnit.NS)

@@ -1,0 +1,142 @@
+"""``talaia init``: write a site description from what is out there, ready to run."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import socket
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.cli.errors import CliError
+from talaia.cli.probe import add_options, look
+from talaia.model.check import check
+from talaia.model.found import FORMAT, Found
+from talaia.model.meaning import word_of
+from talaia.model.propose import propose
+from talaia.model.write import written
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.model.propose import Proposal
+
+__all__ = ["main"]
+
+MAX_BYTES = 64 * 1024 * 1024
+
+
+def main(argv: Sequence[str]) -> int:
+    """Write the description; 0 when it runs as it is, 1 when something in it must be mended."""
+    parser = argparse.ArgumentParser(
+        "talaia init",
+        description="Write a site description of the robot that is running now. Then: "
+        "talaia up site.yaml",
+    )
+    add_options(parser)
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("site.yaml"),
+        help="the file to write; - for the screen (default: site.yaml)",
+    )
+    parser.add_argument("--force", action="store_true", help="write over a file that is there")
+    parser.add_argument("--found", help="what `talaia probe --json` printed, in a file or - ")
+    parser.add_argument("--site", help="short name of the site (default: of this machine)")
+    parser.add_argument("--name", help="what people call it (default: the machine's name)")
+    parser.add_argument("--zone", help="its time zone, such as Europe/Madrid (default: this one's)")
+    options = parser.parse_args(argv)
+    shown = str(options.output) == "-"
+    if not shown and options.output.exists() and not options.force:
+        raise CliError(f"{options.output} is there already; choose another with -o, or --force")
+    found = _read(options.found) if options.found else look(options.seconds, options.domain)
+    host = socket.gethostname().split(".", 1)[0]
+    made = propose(
+        found,
+        options.site or word_of(host)[:40],
+        options.name or host[:100] or "Robot",
+        options.zone or _zone(),
+    )
+    if not made.site.devices:
+        raise CliError(
+            f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "
+            "lists; nothing was written"
+        )
+    text = written(made.site, _head(found, made))
+    if shown:
+        print(text, end="")
+    else:
+        options.output.write_text(text)
+    _tell(options.output, made, shown=shown)
+    return 1 if check(made.site) else 0
+
+
+def _read(where: str) -> Found:
+    """Read what a probe wrote.
+
+    Raises:
+        CliError: it cannot be read, or is something else.
+
+    """
+    try:
+        data = sys.stdin.buffer.read(MAX_BYTES) if where == "-" else Path(where).read_bytes()
+        found = msgspec.json.decode(data, type=Found)
+    except OSError as error:
+        raise CliError(f"{where} cannot be read: {error.strerror}") from error
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise CliError(f"{where} is not what `talaia probe --json` prints: {error}") from error
+    if found.talaia_probe != FORMAT:
+        raise CliError(
+            f"{where} is of form {found.talaia_probe}, and this Talaia reads form {FORMAT}; "
+            "use the same version at both places"
+        )
+    return found
+
+
+def _zone() -> str:
+    """Give this machine's time zone by its IANA name; UTC where it cannot be told."""
+    named = os.environ.get("TZ", "").lstrip(":")
+    if not named:
+        target = Path("/etc/localtime").resolve()
+        parts = target.parts
+        if "zoneinfo" in parts:
+            named = "/".join(parts[parts.index("zoneinfo") + 1 :])
+    from zoneinfo import available_timezones
+
+    return named.removeprefix("Etc/") if named in available_timezones() else "UTC"
+
+
+def _head(found: Found, made: Proposal) -> list[str]:
+    lines = [
+        f"Made by talaia init from {found.where}. Change what you like: names, units, limits,",
+        "what is on the first page (primary). `talaia check` says whether it is right.",
+    ]
+    if any(device.drive is not None for device in made.site.devices.values()):
+        lines += [
+            "",
+            "Driving is limited to a careful speed: raise max_speed (m/s) and max_turn",
+            "(rad/s) to what your robot may do.",
+        ]
+    if made.left_out:
+        lines += ["", "Not in here:", *(f"  {each}" for each in made.left_out[:60])]
+        if len(made.left_out) > 60:
+            lines.append(f"  and {len(made.left_out) - 60} more")
+    return lines
+
+
+def _tell(output: Path, made: Proposal, *, shown: bool) -> None:
+    devices = made.site.devices.values()
+    counts = (
+        f"{len(made.site.devices)} devices, {sum(len(each.signals) for each in devices)} signals, "
+        f"{sum(len(each.streams) for each in devices)} cameras, "
+        f"{sum(len(each.commands) for each in devices)} commands"
+    )
+    print(f"{'found' if shown else f'{output}:'} {counts}", file=sys.stderr)
+    if made.left_out:
+        print(f"{len(made.left_out)} things are not in it; the file says which", file=sys.stderr)
+    if not shown:
+        print(f"next: talaia up {output}", file=sys.stderr)

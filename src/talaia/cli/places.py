@@ -1,0 +1,57 @@
+"""Where things are on this machine: a free port, a screen with a browser, a folder for data."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import webbrowser
+from pathlib import Path
+
+from talaia.cli.errors import CliError
+
+__all__ = ["DEFAULT_PORT", "data_folder", "free_port", "has_screen", "open_page"]
+
+DEFAULT_PORT = 8470
+
+
+def free_port(wanted: int, host: str = "127.0.0.1") -> int:
+    """Give the wanted port, or with 0 the first free one from the usual one on.
+
+    Raises:
+        CliError: it is taken.
+
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    for port in [wanted] if wanted else range(DEFAULT_PORT, DEFAULT_PORT + 50):
+        with socket.socket(family) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((host, port))
+            except (OSError, OverflowError):
+                continue
+            return port
+    raise CliError(f"port {wanted} is taken; choose another with --port" if wanted else "no port")
+
+
+def has_screen() -> bool:
+    """Tell whether a browser could be seen here."""
+    return sys.platform == "darwin" or bool(
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    )
+
+
+def open_page(address: str) -> None:
+    """Open the browser without the library path that the ROS wheels need and it must not have."""
+    kept = os.environ.pop("LD_LIBRARY_PATH", None)
+    try:
+        webbrowser.open(address)
+    finally:
+        if kept is not None:
+            os.environ["LD_LIBRARY_PATH"] = kept
+
+
+def data_folder(site: str) -> Path:
+    """Give the folder where a site's accounts and history are kept for this user."""
+    base = os.environ.get("XDG_DATA_HOME") or "~/.local/share"
+    return Path(base).expanduser() / "talaia" / site

@@ -1,0 +1,128 @@
+"""``talaia up``: hub and gateway of one site, beside the robot, in one go."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import re
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.cli.errors import CliError
+from talaia.cli.parts import Part, run_together, start
+from talaia.cli.places import DEFAULT_PORT, data_folder, free_port, has_screen, open_page
+from talaia.hub import accounts
+from talaia.hub.settings import Settings, is_loopback
+from talaia.model.check import raise_first
+from talaia.model.load import read_site
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.model.site import Site
+
+__all__ = ["main"]
+
+_FINGERPRINT = re.compile(r"certificate: ([0-9A-Fa-f:]+)")
+_SETUP = re.compile(r"https?://\S+/setup#\S+")
+_ADDRESS = re.compile(r"ready: (https?://\S+)")
+READY_S = 60.0
+
+
+class _Up(NamedTuple):
+    """What is running: where, and where the first admin is made, if nobody is there yet."""
+
+    address: str
+    setup: str
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run until Ctrl-C; what was stored stays for the next time."""
+    options = _options(argv)
+    began = time.monotonic()
+    site = raise_first(read_site(options.site))
+    data = options.data or data_folder(site.site)
+    try:
+        data.mkdir(parents=True, exist_ok=True, mode=0o700)
+    except OSError as error:
+        raise CliError(
+            f"the data folder {data} cannot be made: {error.strerror}; choose another with --data"
+        ) from error
+    asyncio.run(run_together(lambda parts: _begin(options, site, data, parts, began)))
+    return 0
+
+
+def _options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        "talaia up",
+        description="Start the hub and the gateway of a site on this machine, and open the "
+        "dashboard. Accounts and history are kept from one time to the next.",
+    )
+    parser.add_argument("site", type=Path, help="site description (YAML)")
+    parser.add_argument(
+        "--port", type=int, default=0, help=f"of the dashboard (default: {DEFAULT_PORT} or next)"
+    )
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help="address to listen on; other than loopback only with TLS, which is then on "
+        "(default: 127.0.0.1)",
+    )
+    parser.add_argument("--data", type=Path, help="folder of accounts and history")
+    parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    return parser.parse_args(argv)
+
+
+async def _begin(
+    options: argparse.Namespace, site: Site, data: Path, parts: list[Part], began: float
+) -> None:
+    up = await _start(options, site, data, parts)
+    _greet(up, site, data, time.monotonic() - began)
+    if not options.no_browser and has_screen():
+        await asyncio.to_thread(open_page, up.setup or up.address)
+
+
+async def _start(options: argparse.Namespace, site: Site, data: Path, parts: list[Part]) -> _Up:
+    plain = is_loopback(options.host)
+    port = free_port(options.port, options.host)
+    settings = Settings(
+        data=data, host=options.host, port=port, plain=plain, database_url=Settings.url_from()
+    )
+    # A key of its own for every start: nothing to keep, nothing to lose, and the last one is void.
+    key = data / "gateway.key"
+    key.touch(mode=0o600)
+    key.chmod(0o600)
+    key.write_text(await accounts.create_gateway(settings, site.site))
+    hub = ["hub", "--data", str(data), "--host", options.host, "--port", str(port)]
+    parts.append(await start("hub", [*hub, *(["--plain"] if plain else [])], data / "hub.log"))
+    address = _found(_ADDRESS, await parts[0].says("ready: ", READY_S))
+    inside = "127.0.0.1" if options.host in ("0.0.0.0", "::") else options.host  # noqa: S104
+    shown_host = f"[{inside}]" if ":" in inside else inside
+    gateway = [
+        "gateway", str(options.site), "--key-file", str(key), "--data", str(data / "gateway"),
+        "--hub", f"{'ws' if plain else 'wss'}://{shown_host}:{port}",
+    ]  # fmt: skip
+    if plain:
+        gateway.append("--allow-plain")
+    else:
+        shown = await parts[0].says("certificate: ", READY_S)
+        gateway += ["--fingerprint", _found(_FINGERPRINT, shown)]
+    parts.append(await start("gateway", gateway, data / "gateway.log"))
+    await parts[1].says("linked to", READY_S)
+    setup = next((found[0] for line in parts[0].last if (found := _SETUP.search(line))), "")
+    return _Up(address, setup)
+
+
+def _found(pattern: re.Pattern[str], line: str) -> str:
+    match = pattern.search(line)
+    if match is None:
+        raise CliError(f"the hub said something unexpected: {line}")
+    return match[1]
+
+
+def _greet(up: _Up, site: Site, data: Path, took: float) -> None:
+    print(f"\n  {site.name} is up ({took:.1f} s):  {up.address}\n")
+    if up.setup:
+        print(f"  Nobody has an account yet. Make the first admin's here:\n    {up.setup}\n")
+    print(f"  data and logs: {data}\n  Ctrl-C stops everything; what was stored stays.", flush=True)

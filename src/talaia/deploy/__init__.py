@@ -1,0 +1,1 @@
+"""A deployment's files, made of a site description. Values in, texts out; writes nothing."""

@@ -1,0 +1,235 @@
+"""A compose project: hub, database, gateway; every value goes through a serializer.
+
+Secrets are files that `talaia generate` fills with random words; there is no default password
+anywhere. The gateway's key never leaves the machine: a one-shot service makes it at the first
+start and hands it over in a volume.
+"""
+
+from __future__ import annotations
+
+import json
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+__all__ = ["DatabaseKind", "compose", "dockerfile"]
+
+PYTHON_IMAGE = "python:3.12-slim-bookworm"
+IMAGES = {"mariadb": "mariadb:11.4", "postgresql": "postgres:17", "phpmyadmin": "phpmyadmin:5.2"}
+USER = "10001:10001"
+# Asks the hub itself, inside its own container; its certificate is its own, hence unverified.
+_HEALTH = (
+    "import ssl,sys,urllib.request as u;c=ssl._create_unverified_context();"
+    "sys.exit(u.urlopen('https://127.0.0.1:8443/api/health',context=c,timeout=3).status!=200)"
+)
+_SMALL = {"max-size": "10m", "max-file": "3"}
+
+
+class DatabaseKind(StrEnum):
+    """Where accounts and history are kept."""
+
+    SQLITE = "sqlite"
+    MARIADB = "mariadb"
+    POSTGRESQL = "postgresql"
+
+
+def dockerfile(extras: Iterable[str], version: str, debian: Iterable[str] = ()) -> str:
+    """Write an image's recipe: pinned and hashed packages, then Talaia itself, nobody's root.
+
+    ``wheels/`` may hold Talaia's own wheel; where it is empty, the version is fetched by pip.
+    """
+    wanted = f"talaia[{','.join(extras)}]=={version}"
+    packages = " ".join(debian)
+    system = (
+        f"RUN apt-get update && apt-get install -y --no-install-recommends {packages} \\\n"
+        "    && rm -rf /var/lib/apt/lists/*\n"
+        if packages
+        else ""
+    )
+    install = ["pip", "install", "--no-cache-dir", "--find-links", "/wheels", wanted]
+    return f"""\
+FROM {PYTHON_IMAGE}
+{system}COPY wheels/ /wheels/
+RUN {json.dumps(install)}
+RUN groupadd --gid 10001 talaia && useradd --uid 10001 --gid 10001 --no-create-home talaia \\
+    && install -d -o talaia -g talaia -m 0700 /data /link
+USER {USER}
+ENV PYTHONUNBUFFERED=1
+ENTRYPOINT ["talaia"]
+"""
+
+
+def compose(
+    site: str, database: DatabaseKind, port: int, hosts: Iterable[str], ros_domain: int | None
+) -> str:
+    """Write ``compose.yaml``.
+
+    Args:
+        site: the site's short name.
+        database: where accounts and history are kept.
+        port: of the dashboard, on the host.
+        hosts: names under which the dashboard is reached, beside the machine's own.
+        ros_domain: the ROS domain; none leaves it to the description.
+
+    """
+    services: dict[str, object] = {}
+    secrets: dict[str, object] = {}
+    volumes: dict[str, object] = {"hub-data": {}, "link": {}, "gateway-data": {}}
+    hub = _hub(port, hosts)
+    enrol = _service(
+        {
+            "build": {"context": ".", "dockerfile": "hub.Dockerfile"},
+            "command": [
+                "enrol", site, "--data", "/data", "--to", "/link/gateway.key",
+                "--hub", f"wss://127.0.0.1:{port}",
+            ],
+            "restart": "on-failure",
+            "volumes": ["hub-data:/data", "link:/link"],
+            "depends_on": {"hub": {"condition": "service_healthy"}},
+        }
+    )  # fmt: skip
+    if database is not DatabaseKind.SQLITE:
+        added = _mariadb() if database is DatabaseKind.MARIADB else _postgresql()
+        services |= added
+        volumes["database"] = {}
+        secrets = {name: {"file": f"./secrets/{name}"} for name in _secrets(database)}
+        for each in (hub, enrol):
+            each["environment"] = {"TALAIA_DATABASE_URL_FILE": "/run/secrets/database_url"}
+            each["secrets"] = ["database_url"]
+        hub["depends_on"] = {"database": {"condition": "service_healthy"}}
+    services |= {"hub": hub, "enrol": enrol, "gateway": _gateway(ros_domain)}
+    project: dict[str, object] = {"services": services, "volumes": volumes}
+    if secrets:
+        project["secrets"] = secrets
+    return yaml.safe_dump(_literal(project), sort_keys=False, width=1_000_000)
+
+
+def _secrets(database: DatabaseKind) -> list[str]:
+    root = ["database_root_password"] if database is DatabaseKind.MARIADB else []
+    return ["database_password", *root, "database_url"]
+
+
+def _service(more: Mapping[str, object]) -> dict[str, object]:
+    return {
+        "restart": "unless-stopped",
+        "init": True,
+        "logging": {"driver": "json-file", "options": _SMALL},
+        **more,
+    }
+
+
+def _hub(port: int, hosts: Iterable[str]) -> dict[str, object]:
+    words = ["hub", "--data", "/data", "--host", "0.0.0.0", "--port", "8443"]  # noqa: S104 - a server
+    for host in ("127.0.0.1", *hosts):
+        words += ["--allow-host", host]
+    return _service(
+        {
+            "build": {"context": ".", "dockerfile": "hub.Dockerfile"},
+            "command": words,
+            "ports": [f"{port}:8443"],
+            "volumes": ["hub-data:/data"],
+            "read_only": True,
+            "tmpfs": ["/tmp"],  # noqa: S108 - of the container
+            "cap_drop": ["ALL"],
+            "security_opt": ["no-new-privileges:true"],
+            "stop_grace_period": "15s",
+            "healthcheck": {
+                "test": ["CMD", "python", "-c", _HEALTH],
+                "interval": "10s",
+                "timeout": "5s",
+                "retries": 6,
+                "start_period": "30s",
+            },
+        }
+    )
+
+
+def _gateway(ros_domain: int | None) -> dict[str, object]:
+    words = ["gateway", "/etc/talaia/site.yaml", "--key-file", "/link/gateway.key"]
+    words += ["--data", "/data"]
+    if ros_domain is not None:
+        words += ["--ros-domain", str(ros_domain)]
+    return _service(
+        {
+            "build": {"context": ".", "dockerfile": "gateway.Dockerfile"},
+            "command": words,
+            # DDS finds robots by multicast and speaks through shared memory: both need the host's.
+            "network_mode": "host",
+            "ipc": "host",
+            "volumes": ["./site.yaml:/etc/talaia/site.yaml:ro", "link:/link:ro",
+                        "gateway-data:/data"],
+            "cap_drop": ["ALL"],
+            "security_opt": ["no-new-privileges:true"],
+            "depends_on": {"enrol": {"condition": "service_completed_successfully"}},
+        }
+    )  # fmt: skip
+
+
+def _mariadb() -> dict[str, object]:
+    return {
+        "database": _service(
+            {
+                "image": IMAGES["mariadb"],
+                "environment": {
+                    "MARIADB_DATABASE": "talaia",
+                    "MARIADB_USER": "talaia",
+                    "MARIADB_PASSWORD_FILE": "/run/secrets/database_password",
+                    "MARIADB_ROOT_PASSWORD_FILE": "/run/secrets/database_root_password",
+                },
+                "command": ["--character-set-server=utf8mb4", "--max-allowed-packet=64M"],
+                "secrets": ["database_password", "database_root_password"],
+                "volumes": ["database:/var/lib/mysql"],
+                "healthcheck": {
+                    "test": ["CMD", "healthcheck.sh", "--connect", "--innodb_initialized"],
+                    "interval": "5s",
+                    "timeout": "5s",
+                    "retries": 24,
+                },
+            }
+        ),
+        # On this machine only; whoever signs in there gives the database's own name and password.
+        "phpmyadmin": _service(
+            {
+                "image": IMAGES["phpmyadmin"],
+                "environment": {"PMA_HOST": "database"},
+                "ports": ["127.0.0.1:8081:80"],
+                "depends_on": {"database": {"condition": "service_healthy"}},
+            }
+        ),
+    }
+
+
+def _postgresql() -> dict[str, object]:
+    return {
+        "database": _service(
+            {
+                "image": IMAGES["postgresql"],
+                "environment": {
+                    "POSTGRES_DB": "talaia",
+                    "POSTGRES_USER": "talaia",
+                    "POSTGRES_PASSWORD_FILE": "/run/secrets/database_password",
+                },
+                "secrets": ["database_password"],
+                "volumes": ["database:/var/lib/postgresql/data"],
+                "healthcheck": {
+                    "test": ["CMD", "pg_isready", "-U", "talaia", "-d", "talaia"],
+                    "interval": "5s",
+                    "timeout": "5s",
+                    "retries": 24,
+                },
+            }
+        )
+    }
+
+
+def _literal(value: object) -> object:
+    """Double every ``$``, which compose would take for a variable."""
+    if isinstance(value, str):
+        return value.replace("$", "$$")
+    if isinstance(value, dict):
+        return {key: _literal(each) for key, each in value.items()}
+    return [_literal(each) for each in value] if isinstance(value, list) else value

@@ -1,0 +1,86 @@
+"""The page that stands beside a deployment's files and says how to start it."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from talaia.deploy.containers import DatabaseKind
+
+if TYPE_CHECKING:
+    from talaia.model.site import Site
+
+__all__ = ["readme"]
+
+_MARKS = re.compile(r"([\\`*_{}\[\]()#+!|<>~-])")
+
+
+def _plain(text: str) -> str:
+    """Give a name as it is read, whatever it holds: no mark-up, no line end."""
+    shown = "".join(each if each.isprintable() else " " for each in text)
+    return _MARKS.sub(r"\\\1", shown)
+
+
+def readme(site: Site, database: DatabaseKind, port: int, setup: str) -> str:
+    """Write the page of one deployment."""
+    secrets = (
+        ""
+        if database is DatabaseKind.SQLITE
+        else "\n`secrets/` holds random passwords that were made for you. Keep them out of version "
+        "control (`.gitignore` does) and out of chats.\n"
+    )
+    tables = (
+        "\nThe tables can be looked at with phpMyAdmin on http://127.0.0.1:8081 (user `talaia`, "
+        "password in `secrets/database_password`): each sensor is a view of its own name.\n"
+        if database is DatabaseKind.MARIADB
+        else ""
+    )
+    ros = (
+        "The unit reads `" + setup.replace("`", "") + "` first.\n"
+        if setup
+        else "Where ROS 2 is installed on the robot's computer, generate again with "
+        "`--ros-setup /opt/ros/…/setup.bash`, and make the environment with "
+        "`--system-site-packages` so that it sees the system's rclpy. This is the way on "
+        "arm64 (Jetson, Raspberry Pi), for "
+        "which there are no ROS 2 wheels.\n"
+    )
+    return f"""\
+# {_plain(site.name)}
+
+A Talaia control room for the site `{site.site}`, made by `talaia generate`.
+
+## In containers
+
+```sh
+docker compose up --build --detach
+docker compose logs hub          # shows the link with which the first admin is made
+```
+
+The dashboard is at https://localhost:{port}. Its certificate is its own: compare the \
+fingerprint your browser shows with the one in the hub's log, or give it yours (`--tls-cert`, \
+`--tls-key`).
+{secrets}{tables}
+The gateway runs in the host's network, where DDS finds the robot. Its key is made at the \
+first start, by the service `enrol`, and kept in the volume `link`. To make another, remove \
+that volume. `hub.Dockerfile` fetches Talaia by its version; to use a wheel of your own, put \
+it into `wheels/`.
+
+## The gateway on the robot's own computer
+
+```sh
+sudo useradd --system --no-create-home talaia
+sudo python3 -m venv /opt/talaia && sudo /opt/talaia/bin/pip install 'talaia[gateway]'
+sudo install -d /etc/talaia/{site.site} && sudo install -m 644 site.yaml /etc/talaia/{site.site}/
+# trade the code from the page Gateways for a key:
+sudo /opt/talaia/bin/talaia gateway enrol --help
+sudo install -m 644 systemd/talaia-gateway-{site.site}.service /etc/systemd/system/
+sudo systemctl enable --now talaia-gateway-{site.site}
+```
+
+{ros}
+The key file is `/etc/talaia/{site.site}/gateway.key`, owned by the user `talaia`.
+
+## Keep it
+
+`docker compose exec hub talaia backup --help` copies accounts and history while they are in use.
+"""

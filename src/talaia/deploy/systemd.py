@@ -1,0 +1,124 @@
+"""Units of systemd for a gateway on a robot's own computer, and for a hub without containers."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["argument", "gateway_unit", "hub_unit"]
+
+# What systemd's own manual calls safe without quotes (systemd.service, COMMAND LINES).
+_PLAIN = re.compile(r"[A-Za-z0-9_./:=@,+-]+\Z")
+# No right but to run: the gateway needs the network, its own folder and nothing else.
+_HARDENED = """\
+DynamicUser=no
+NoNewPrivileges=yes
+ProtectSystem=strict
+ProtectHome=yes
+PrivateTmp={private_tmp}
+ProtectKernelTunables=yes
+ProtectKernelModules=yes
+ProtectControlGroups=yes
+RestrictSUIDSGID=yes
+LockPersonality=yes
+SystemCallArchitectures=native
+UMask=0077"""
+
+
+def argument(text: str) -> str:
+    """Write one argument of a command line, or a description, so that systemd reads it back.
+
+    Specifiers (%) and variables ($) are doubled; what is not plain stands in double quotes with C
+    escapes. A line end cannot end the line.
+    """
+    safe = text.replace("%", "%%").replace("$", "$$")
+    if _PLAIN.match(safe):
+        return safe
+    escaped = safe.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(_seen(letter) for letter in escaped) + '"'
+
+
+def _seen(letter: str) -> str:
+    if letter.isprintable():
+        return letter
+    return "".join(f"\\x{byte:02x}" for byte in letter.encode("utf-8", "replace"))
+
+
+def gateway_unit(site: str, program: str, setup: str = "") -> str:
+    """Write the unit of a site's gateway.
+
+    Args:
+        site: the site's short name.
+        program: absolute path of the ``talaia`` program.
+        setup: absolute path of the ROS installation's ``setup.bash``; empty where ROS comes from
+            wheels or is not used.
+
+    """
+    words = [
+        program, "gateway", f"/etc/talaia/{site}/site.yaml",
+        "--key-file", f"/etc/talaia/{site}/gateway.key",
+        "--data", f"/var/lib/talaia-gateway-{site}",
+    ]  # fmt: skip
+    if setup:
+        # bash gets the words as arguments of its own, so nothing in them is read as shell.
+        words = ["/bin/bash", "-c", '. "$0" && exec "$@"', setup, *words]
+    return _unit(
+        f"Talaia gateway of {site}",
+        words,
+        f"talaia-gateway-{site}",
+        # Fast DDS talks through shared memory and /tmp to robots' nodes outside the unit.
+        private_tmp="no",
+    )
+
+
+def hub_unit(program: str, port: int, hosts: Iterable[str], database_url_file: str = "") -> str:
+    """Write the unit of a hub.
+
+    Args:
+        program: absolute path of the ``talaia`` program.
+        port: TCP port of the dashboard.
+        hosts: names under which it is reached, beside the machine's own.
+        database_url_file: file that holds the database's URL; empty for SQLite.
+
+    """
+    words = [program, "hub", "--data", "/var/lib/talaia-hub", "--host", "0.0.0.0"]  # noqa: S104 - a server
+    words += ["--port", str(port)]
+    for host in hosts:
+        words += ["--allow-host", host]
+    more = f"Environment=TALAIA_DATABASE_URL_FILE={argument(database_url_file)}\n"
+    return _unit(
+        "Talaia hub",
+        words,
+        "talaia-hub",
+        private_tmp="yes",
+        more=more if database_url_file else "",
+    )
+
+
+def _unit(what: str, words: Iterable[str], state: str, private_tmp: str, more: str = "") -> str:
+    line = " ".join(argument(each) for each in words)
+    return f"""\
+[Unit]
+Description={argument(what).strip('"')}
+Wants=network-online.target
+After=network-online.target time-sync.target
+StartLimitIntervalSec=0
+
+[Service]
+Type=exec
+User=talaia
+Group=talaia
+StateDirectory={argument(state)}
+StateDirectoryMode=0700
+{more}ExecStart={line}
+Restart=always
+RestartSec=2
+TimeoutStopSec=10
+{_HARDENED.format(private_tmp=private_tmp)}
+
+[Install]
+WantedBy=multi-user.target
+"""

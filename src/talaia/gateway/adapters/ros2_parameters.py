@@ -1,0 +1,113 @@
+"""Parameters of ROS 2 nodes: read once a second, and set as a command. On the wait-set thread."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rcl_interfaces.msg import Parameter, ParameterType
+from rcl_interfaces.srv import GetParameters
+
+from talaia.gateway.adapters.topics import parameter_plans_of
+from talaia.gateway.ports import Outcome
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.clock import Clock
+    from talaia.gateway.adapters.ros2_waitset import WaitThread
+    from talaia.gateway.adapters.topics import Gathered, TopicPlan
+    from talaia.gateway.ports import Reading
+    from talaia.gateway.share import Share
+    from talaia.wire.frames import Scalar
+
+__all__ = ["Ros2Parameters", "as_set", "parameters_of"]
+
+_FIELDS = {
+    ParameterType.PARAMETER_BOOL: "bool_value",
+    ParameterType.PARAMETER_INTEGER: "integer_value",
+    ParameterType.PARAMETER_DOUBLE: "double_value",
+    ParameterType.PARAMETER_STRING: "string_value",
+}
+
+
+def parameters_of(fields: Mapping[str, Scalar]) -> list[Any]:
+    """Write values by name as the request of a node's ``set_parameters`` has them."""
+    made = []
+    for name, value in fields.items():
+        one = Parameter(name=name)
+        match value:
+            case bool():
+                one.value.type, one.value.bool_value = ParameterType.PARAMETER_BOOL, value
+            case int():
+                one.value.type, one.value.integer_value = ParameterType.PARAMETER_INTEGER, value
+            case float():
+                one.value.type, one.value.double_value = ParameterType.PARAMETER_DOUBLE, value
+            case str():
+                one.value.type, one.value.string_value = ParameterType.PARAMETER_STRING, value
+        made.append(one)
+    return made
+
+
+def as_set(response: Any) -> Outcome:  # noqa: ANN401 - ROS's packages are untyped
+    """Read the answer of ``set_parameters``: a node says for each whether it took it."""
+    refused = [each.reason for each in response.results if not each.successful]
+    if refused:
+        reason = "; ".join(refused)[:2000]
+        return Outcome(CommandPhase.FAILED, reason or "the node does not take it")
+    return Outcome(CommandPhase.SUCCEEDED, "set")
+
+
+class _Node(NamedTuple):
+    """A node that is asked: its client, and by parameter name what takes the value."""
+
+    client: Any
+    plans: dict[str, list[TopicPlan]]
+
+
+class Ros2Parameters:
+    """The parameters that signals are made of."""
+
+    def __init__(
+        self,
+        share: Share,
+        node: Any,  # noqa: ANN401 - rclpy ships no types
+        thread: WaitThread,
+        clock: Clock,
+        gathered: Gathered,
+        latest: dict[str, Reading],
+        complain: Callable[[str, str], None],
+    ) -> None:
+        """Make a client for each node that has any."""
+        self._clock, self._gathered = clock, gathered
+        self._nodes: dict[str, _Node] = {}
+        self.plans = parameter_plans_of(share, latest, complain)
+        for plan in self.plans:
+            owner, _, name = plan.topic.rpartition("/")
+            if owner not in self._nodes:
+                client = node.create_client(GetParameters, f"{owner}/get_parameters")
+                self._nodes[owner] = _Node(client, {})
+                taker = self._taker(self._nodes[owner])
+                thread.add_client(client.handle, GetParameters.Response, taker)
+            self._nodes[owner].plans.setdefault(name, []).append(plan)
+
+    def ask(self) -> None:
+        """Ask every node that is there."""
+        for one in self._nodes.values():
+            if one.client.service_is_ready():
+                one.client.handle.send_request(GetParameters.Request(names=list(one.plans)))
+
+    def _taker(self, one: _Node) -> Callable[[int, Any], None]:
+        def take(_number: int, response: Any) -> None:  # noqa: ANN401
+            now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
+            for plans, value in zip(one.plans.values(), response.values, strict=False):
+                field = _FIELDS.get(value.type)
+                if field is None:
+                    # It is not set, or is a list.
+                    continue
+                message = SimpleNamespace(data=getattr(value, field))
+                for plan in plans:
+                    plan.take(message, now_us, now_ns, self._gathered)
+
+        return take

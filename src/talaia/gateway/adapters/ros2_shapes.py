@@ -1,0 +1,220 @@
+"""What a ROS message class holds: every number, truth and text in it, by path.
+
+Works on the classes' own lists of fields and constants, and on one message for the lengths of
+lists; imports no ROS itself.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from talaia.model.found import FieldFound
+from talaia.model.meaning import Meaning, human, meaning_of, unit_in_comment, unit_in_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+__all__ = ["Shape", "shape_of"]
+
+# A list longer than this is a scan, a picture or a map, and its elements are no signals.
+MAX_ELEMENTS = 16
+MAX_FIELDS = 400
+MAX_DEPTH = 12
+_INTEGERS = {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
+_FLOATS = {"float", "double", "float32", "float64", "long double"}
+_TEXT = re.compile(r"w?string(<\d+>)?\Z")
+_LIST = re.compile(
+    r"(?:sequence<(?P<inner>.+?)(?:, (?P<bound>\d+))?>|(?P<item>.+)\[(?P<size>\d+)\])\Z"
+)
+# Times are when, not what; they stand beside every sample already.
+_TIMES = {"builtin_interfaces/Time", "builtin_interfaces/Duration"}
+
+
+class Shape(NamedTuple):
+    """What can be read of a message, and in words what cannot."""
+
+    fields: tuple[FieldFound, ...]
+    left_out: tuple[str, ...]
+
+
+def shape_of(
+    kind: Any,  # noqa: ANN401 - generated classes are untyped
+    type_name: str,
+    message: object = None,
+    comment_of: Callable[[str, str], str] = lambda _type, _field: "",
+) -> Shape:
+    """List the fields of a class.
+
+    Args:
+        kind: a message class, or a request's or goal's.
+        type_name: ``package/Name``.
+        message: one that was received, for the lengths of lists and the names of joints.
+        comment_of: gives what the definition says beside a field of a type.
+
+    """
+    walk = _Walk(comment_of)
+    fields = tuple(walk.of(kind, type_name, message, "", None, 0))
+    return Shape(fields[:MAX_FIELDS], tuple(walk.left_out))
+
+
+class _Walk:
+    """One descent through a message."""
+
+    def __init__(self, comment_of: Callable[[str, str], str]) -> None:
+        self.left_out: list[str] = []
+        self._comment_of = comment_of
+
+    def of(
+        self,
+        kind: Any,  # noqa: ANN401
+        type_name: str,
+        message: object,
+        prefix: str,
+        above: Meaning | None,
+        depth: int,
+    ) -> Iterator[FieldFound]:
+        if depth > MAX_DEPTH:
+            self.left_out.append(f"{prefix}: nested deeper than {MAX_DEPTH}")
+            return
+        for field, declared in kind.get_fields_and_field_types().items():
+            path = f"{prefix}.{field}" if prefix else field
+            value = getattr(message, field, None)
+            meaning = self._meaning(type_name, field) or above
+            if declared in _TIMES or declared == "std_msgs/Header" or field.endswith("frame_id"):
+                continue
+            listed = _LIST.match(declared)
+            if listed is None:
+                yield from self._one(kind, field, declared, path, value, meaning, depth)
+                continue
+            names = getattr(message, "name", None) if field != "name" else None
+            yield from self._list(listed, path, value, meaning, names, depth)
+
+    def _meaning(self, type_name: str, field: str) -> Meaning | None:
+        return (
+            meaning_of(type_name, field)
+            or unit_in_comment(self._comment_of(type_name, field))
+            or unit_in_name(field)
+        )
+
+    def _one(
+        self,
+        kind: Any,  # noqa: ANN401
+        field: str,
+        declared: str,
+        path: str,
+        value: object,
+        meaning: Meaning | None,
+        depth: int,
+    ) -> Iterator[FieldFound]:
+        simple = _simple(declared)
+        if simple is None:
+            nested = _class_of(declared)
+            if nested is None:
+                self.left_out.append(f"{path}: the type {declared} is not known here")
+            else:
+                yield from self.of(nested, declared, value, path, meaning, depth + 1)
+        else:
+            words = _words(kind, field) if simple == "integer" else ()
+            yield _field(path, simple, meaning, value, words)
+
+    def _list(
+        self,
+        listed: re.Match[str],
+        path: str,
+        value: object,
+        meaning: Meaning | None,
+        names: object,
+        depth: int,
+    ) -> Iterator[FieldFound]:
+        if path.endswith("covariance"):
+            self.left_out.append(f"{path}: how sure a number is, not a number of its own")
+            return
+        inner = listed["inner"] or listed["item"]
+        count = _length(value) if value is not None else int(listed["size"] or 0)
+        if count > MAX_ELEMENTS:
+            self.left_out.append(f"{path}: a list of {count}; name one of them as {path}[0]")
+            return
+        if count == 0:
+            why = "no message came to tell its length" if value is None else "it is empty"
+            self.left_out.append(f"{path}: a list, and {why}")
+            return
+        simple = _simple(inner)
+        for index in range(count):
+            item = _item(value, index)
+            at = f"{path}[{index}]"
+            if simple is not None:
+                named = _item(names, index) if _length(names) == count else None
+                yield _field(at, simple, meaning, item, (), named if isinstance(named, str) else "")
+                continue
+            nested = _class_of(inner)
+            if nested is None:
+                self.left_out.append(f"{path}: the type {inner} is not known here")
+                return
+            yield from self.of(nested, inner, item, at, meaning, depth + 1)
+
+
+def _field(
+    path: str,
+    simple: str,
+    meaning: Meaning | None,
+    value: object,
+    words: tuple[str, ...],
+    name: str = "",
+) -> FieldFound:
+    numeric = simple in ("number", "integer") and not words
+    unit = meaning if meaning is not None and numeric else Meaning("")
+    empty = isinstance(value, float) and math.isnan(value)
+    return FieldFound(path, simple, unit.unit, unit.scale, words, name[:100], empty)
+
+
+def _simple(declared: str) -> str | None:
+    if declared in _FLOATS:
+        return "number"
+    if declared in _INTEGERS or declared in ("octet", "byte", "char"):
+        return "integer"
+    if declared in ("boolean", "bool"):
+        return "boolean"
+    return "text" if _TEXT.match(declared) else None
+
+
+def _class_of(declared: str) -> Any:  # noqa: ANN401
+    package, _, name = declared.partition("/")
+    try:
+        return getattr(import_module(f"{package}.msg"), name)
+    except (ImportError, AttributeError):
+        return None
+
+
+def _words(kind: Any, field: str) -> tuple[str, ...]:  # noqa: ANN401
+    """Name the states of a whole number by the class's constants that begin with its name.
+
+    Only a list that counts from 0 without a gap is one; flags and commands with holes are not.
+    """
+    start = f"{field.upper()}_"
+    found: dict[int, str] = {}
+    for each in dir(type(kind)):
+        if each.startswith(start):
+            value = getattr(kind, each, None)
+            if isinstance(value, int) and not isinstance(value, bool):
+                found[value] = human(each[len(start) :].lower())
+    if len(found) < 2 or sorted(found) != list(range(len(found))):
+        return ()
+    words = tuple(found[index] for index in range(len(found)))
+    return words if len(set(words)) == len(words) else ()
+
+
+def _length(value: object) -> int:
+    try:
+        return len(value)  # type: ignore[arg-type]
+    except TypeError:
+        return 0
+
+
+def _item(value: object, index: int) -> object:
+    try:
+        return value[index]  # type: ignore[index]
+    except (TypeError, IndexError, KeyError):
+        return None

@@ -1,0 +1,28 @@
+"""Velocities as fields of the message a robot listens to. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.gateway.adapters.ros2_requests import key_of
+from talaia.model.site import DriveMessage
+
+if TYPE_CHECKING:
+    from talaia.model.site import Drive
+    from talaia.wire.frames import Scalar
+
+__all__ = ["velocity_fields"]
+
+
+def velocity_fields(drive: Drive, linear: float, angular: float) -> dict[str, Scalar]:
+    """Give the fields by path of a velocity (m/s, rad/s).
+
+    A stamp stays 0: the robot takes that for its own now, and nobody else's clock can delay it.
+    """
+    match drive.message:
+        case DriveMessage.KEYS:
+            return {"data": key_of(drive, linear, angular)}
+        case DriveMessage.TWIST:
+            return {"linear.x": linear, "angular.z": angular}
+        case DriveMessage.TWIST_STAMPED:
+            return {"twist.linear.x": linear, "twist.angular.z": angular}

@@ -1,0 +1,188 @@
+"""The founding observatory's WebSocket messages: what was asked, and the answers. Pure.
+
+A client asks ``{"msg": "status"}`` once a second, and acts with
+``{"msg": {"action": {"dome": {"action": {"open": " "}}}}}``, whose last value carries optional
+parameters as one text.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import shlex
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import SECOND
+from talaia.model.site import ArgumentType, SignalType
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.gateway.ports import Field, SampleSink
+    from talaia.model.site import Command, Signal, Site
+    from talaia.wire.columns import Columns
+
+__all__ = ["MAX_MESSAGE", "UNKNOWN", "Action", "AskWrong", "Newest", "read_message", "status_of"]
+
+MAX_MESSAGE = 16 * 1024
+MAX_ACTIONS = 8
+UNKNOWN = "unknown"
+
+
+class AskWrong(Exception):
+    """A message that asks for nothing that there is; its text says why."""
+
+
+class Action(NamedTuple):
+    """One thing that was asked for, with its arguments by name."""
+
+    device: str
+    command: str
+    args: dict[str, Field]
+
+
+class _Value(NamedTuple):
+    value: float
+    text: str
+    mono_ns: int
+
+
+class Newest:
+    """A `SampleSink` that keeps the newest value of each channel, and passes all on. Any thread."""
+
+    def __init__(self, site: Site, onward: SampleSink, now_ns: Callable[[], int]) -> None:
+        """Stand before another sink; ``now_ns`` gives monotonic time."""
+        self._onward = onward
+        self._now_ns = now_ns
+        self._values: dict[int, _Value] = {}
+        self._first: dict[str, int] = {}
+        for index, each in enumerate(site.channels()):
+            self._first.setdefault(f"{each.device}/{each.signal}", index)
+
+    def put(self, columns: Columns) -> None:
+        """See `SampleSink.put`."""
+        now = self._now_ns()
+        for index, channel in enumerate(columns.channel.tolist()):
+            value = float(columns.value[index])
+            self._values[channel] = _Value(value, columns.texts.get(index, ""), now)
+        self._onward.put(columns)
+
+    def of(self, address: str, signal: Signal, now_ns: int) -> str:
+        """Give a signal's newest value as a word; see `UNKNOWN`."""
+        found = self._values.get(self._first[address])
+        if found is None or now_ns - found.mono_ns > round(signal.max_age * SECOND):
+            return UNKNOWN
+        if signal.type is SignalType.TEXT:
+            return found.text
+        if not math.isfinite(found.value):
+            return UNKNOWN
+        if signal.type is SignalType.STATE:
+            index = int(found.value)
+            return signal.states[index] if 0 <= index < len(signal.states) else UNKNOWN
+        return f"{found.value:g}"
+
+
+def status_of(
+    site: Site, newest: Newest, answers: Mapping[str, str], now_ns: int
+) -> dict[str, dict[str, str]]:
+    """Give what every device says now.
+
+    A device of the command file says what its client printed, letter by letter, but for answers
+    that ``messages`` names: those are given as it names them. Others say their signals' values.
+    """
+    status: dict[str, dict[str, str]] = {}
+    for device_id, device in site.devices.items():
+        said: dict[str, str] = {}
+        for signal_id, signal in device.signals.items():
+            address = f"{device_id}/{signal_id}"
+            source = signal.source
+            if source.pattern:  # a part of another field's answer
+                continue
+            if source.run:
+                text = answers.get(address, UNKNOWN)
+                word = text.strip()
+                said[signal_id] = word if word in source.messages else text
+            else:
+                said[signal_id] = newest.of(address, signal, now_ns)
+        status[device_id] = said
+    return status
+
+
+def read_message(text: str | bytes, site: Site) -> list[Action]:
+    """Read a message: none for the status, else the actions, all of which fit.
+
+    Raises:
+        AskWrong: it is malformed, or names what there is not. Then nothing of it is to be done.
+
+    """
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise AskWrong(f"the message is not JSON: {error}") from error
+    asked = document.get("msg") if isinstance(document, dict) else None
+    if asked == "status":
+        return []
+    devices = asked.get("action") if isinstance(asked, dict) else None
+    if not isinstance(devices, dict) or not devices:
+        raise AskWrong('expected {"msg": "status"} or {"msg": {"action": {…}}}')
+    actions: list[Action] = []
+    for device_id, found in devices.items():
+        device = site.devices.get(device_id)
+        if device is None:
+            raise AskWrong(f"there is no device {device_id[:60]!r}: {_list(site.devices)}")
+        asks = found.get("action") if isinstance(found, dict) else None
+        if not isinstance(asks, dict) or not asks:
+            raise AskWrong(f'{device_id}: expected {{"action": {{…}}}}')
+        for name, parameters in asks.items():
+            command = device.commands.get(name)
+            if command is None:
+                known = _list(device.commands)
+                raise AskWrong(f"{device_id} has no action {name[:60]!r}: {known}")
+            said = f"{device_id}/{name}"
+            actions.append(Action(device_id, name, _args(said, command, parameters)))
+    if len(actions) > MAX_ACTIONS:
+        raise AskWrong(f"{len(actions)} actions in one message; at most {MAX_ACTIONS}")
+    return actions
+
+
+def _list(known: Mapping[str, object]) -> str:
+    return f"expected one of {', '.join(known)}" if known else "there is none"
+
+
+def _args(where: str, command: Command, parameters: object) -> dict[str, Field]:
+    """Cut the one text into the command's arguments, in the order of the description."""
+    if isinstance(parameters, bool) or not isinstance(parameters, str | int | float):
+        raise AskWrong(f"{where}: expected the parameters as one text")
+    text = str(parameters).strip()
+    arguments = command.arguments
+    if len(arguments) == 1 and next(iter(arguments.values())).type is ArgumentType.TEXT:
+        return {next(iter(arguments)): text} if text else {}
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        raise AskWrong(f"{where}: {error}") from error
+    if len(words) > len(arguments):
+        names = " ".join(each.upper() for each in arguments) or "nothing"
+        raise AskWrong(f"{where}: {len(words)} parameters; expected {names}")
+    return {
+        name: _typed(where, name, argument.type, word)
+        for (name, argument), word in zip(arguments.items(), words, strict=False)
+    }
+
+
+def _typed(where: str, name: str, kind: ArgumentType, word: str) -> Field:
+    match kind:
+        case ArgumentType.TEXT:
+            return word
+        case ArgumentType.BOOLEAN:
+            if word.lower() in ("on", "true", "1"):
+                return True
+            if word.lower() in ("off", "false", "0"):
+                return False
+            raise AskWrong(f"{where}: {name}: expected on or off, found {word[:60]!r}")
+        case ArgumentType.INTEGER | ArgumentType.NUMBER:
+            try:
+                return int(word) if kind is ArgumentType.INTEGER else float(word)
+            except ValueError:
+                problem = f"{where}: {name}: expected a number, found {word[:60]!r}"
+                raise AskWrong(problem) from None

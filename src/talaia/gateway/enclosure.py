@@ -1,0 +1,259 @@
+"""Keeps a roof closed for as long as it must be: asks again until its sensors say so. Pure.
+
+Level-triggered: what counts at each look is how things stand, not what was asked before. A roof
+that somebody opens again is asked to close again; a park that is refused ends nothing; success is
+what the end switches say, never the answer to a command.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.clock import SECOND
+from talaia.model.enclosure import ClosingOrder, PastDeadline
+from talaia.model.interlock import Step
+
+if TYPE_CHECKING:
+    from talaia.model.enclosure import Enclosure, Follow
+
+__all__ = ["Act", "EnclosureGuard", "Follower", "Said", "Seen"]
+
+# A command is asked again no sooner, however the sensors stand: first this, then ever longer.
+FIRST_AGAIN_NS = 2 * SECOND
+LONGEST_AGAIN_NS = 30 * SECOND
+PARK_AGAIN_NS = 10 * SECOND
+# Before anything moves the exposure is asked to end; a camera that does not answer delays nothing
+# for longer than this.
+ABORT_NS = SECOND
+
+
+class Seen(NamedTuple):
+    """What the sensors say.
+
+    Attributes:
+        closed: none when they say nothing.
+        moving: the roof moves.
+        parked: the telescope is certainly parked.
+
+    """
+
+    closed: bool | None
+    moving: bool
+    parked: bool
+
+
+class Act(NamedTuple):
+    """A command to be given; ``label`` is its own, so that none waits for another."""
+
+    label: str
+    step: Step
+
+
+class Said(NamedTuple):
+    """Something to write down."""
+
+    kind: str
+    message: str
+    good: bool
+
+
+class EnclosureGuard:
+    """One enclosure over time."""
+
+    def __init__(self, name: str, rule: Enclosure) -> None:
+        """Want nothing yet."""
+        self._name = name
+        self._rule = rule
+        self._asked = 0
+        self._forget()
+
+    def _forget(self) -> None:
+        self._began_ns: int | None = None
+        self._closed = False
+        self._tries = 0
+        self._close_ns: int | None = None
+        self._park_ns: int | None = None
+        self._alarm_ns: int | None = None
+        self._stopped_by = ""
+        self._aborted = False
+
+    @property
+    def alarmed(self) -> bool:
+        """Tell whether it should be closed and cannot be shown to be."""
+        return self._alarm_ns is not None
+
+    def commanded(self, address: str, who: str) -> list[Act | Said]:
+        """Take in a person's command: STOP holds a closing, the closing command resumes it."""
+        if self._began_ns is None or self._closed:
+            return []
+        if address == self._rule.stop and not self._stopped_by:
+            self._stopped_by = who or "somebody"
+            self._alarm_ns = None
+        elif address == self._rule.close.command and self._stopped_by:
+            self._stopped_by, self._tries, self._close_ns = "", 0, None
+            return [self._said("enclosure_resumed", f"closing resumed by {who}", good=True)]
+        return []
+
+    def look(self, why: str, seen: Seen, now_ns: int) -> list[Act | Said]:
+        """Say what is to be done now.
+
+        Args:
+            why: what is not safe; empty when it may be open.
+            seen: what the sensors say.
+            now_ns: monotonic.
+
+        """
+        if not why:
+            if self._began_ns is None:
+                return []
+            over = self.alarmed
+            self._forget()
+            return [self._said("alarm_over", "safe again", good=True)] if over else []
+        acts: list[Act | Said] = []
+        if self._began_ns is None:
+            self._began_ns = now_ns
+            acts.append(self._said("enclosure_closes", why, good=False))
+        if seen.closed is not True and not self._aborted:
+            # With the roof closed there is nothing to protect: darks may go on.
+            self._aborted = True
+            acts += [self._act("abort", step) for step in self._rule.abort]
+        if seen.closed is True:
+            acts += self._on_closed(now_ns)
+        elif self._closed:
+            self._closed, self._tries, self._close_ns = False, 0, None
+            self._began_ns = now_ns
+            acts.append(self._said("enclosure_reopened", f"open while {why}", good=False))
+        acts += self._park(seen, now_ns)
+        if not self._closed:
+            acts += self._close(why, seen, now_ns)
+        return acts
+
+    def _on_closed(self, now_ns: int) -> list[Act | Said]:
+        if self._closed:
+            return []
+        took = (now_ns - (self._began_ns or now_ns)) / SECOND
+        said = [self._said("enclosure_closed", f"closed after {took:.0f} s", good=True)]
+        if self.alarmed:
+            said.append(self._said("alarm_over", "closed", good=True))
+        self._closed, self._tries, self._stopped_by = True, 0, ""
+        self._close_ns = self._alarm_ns = None
+        return [*said]
+
+    def _park(self, seen: Seen, now_ns: int) -> list[Act | Said]:
+        rule = self._rule
+        if rule.park is None or seen.parked or self._stopped_by:
+            return []
+        began = self._began_ns or now_ns
+        if self._aborted and rule.abort and now_ns - began < ABORT_NS:
+            return []
+        closing = rule.order is ClosingOrder.CLOSE_FIRST and not self._closed
+        if closing and now_ns - began < round(rule.move_within * SECOND):
+            return []
+        again = PARK_AGAIN_NS if self._in_time(now_ns) else LONGEST_AGAIN_NS
+        if self._park_ns is not None and now_ns - self._park_ns < again:
+            return []
+        self._park_ns = now_ns
+        return [self._act("park", rule.park)]
+
+    def _in_time(self, now_ns: int) -> bool:
+        """Tell whether the roof may still wait for the telescope."""
+        began = self._began_ns or now_ns
+        return now_ns - began < round(self._rule.mount_within * SECOND)
+
+    def _close(self, why: str, seen: Seen, now_ns: int) -> list[Act | Said]:
+        rule = self._rule
+        if self._stopped_by:
+            said = f"closing was stopped by {self._stopped_by}; close it by hand to resume ({why})"
+            return self._alarm(said, now_ns)
+        waits = rule.order is ClosingOrder.MOUNT_FIRST and rule.park is not None
+        if waits and not seen.parked and self._close_ns is None:
+            if self._in_time(now_ns):
+                return []
+            if rule.past_deadline is PastDeadline.ALARM:
+                return self._alarm(f"the telescope is not parked, so it stays open ({why})", now_ns)
+        acts: list[Act | Said] = []
+        if self._due(seen, now_ns):
+            self._tries += 1
+            self._close_ns = now_ns
+            if self._tries > 1:
+                times = f"asked for the {self._tries}. time"
+                acts.append(self._said("enclosure_retry", f"{times}: {_words(seen)}", good=False))
+            acts.append(self._act("close", rule.close))
+        if self._tries > rule.retries:
+            acts += self._alarm(
+                f"NOT CLOSED after {rule.retries} tries: {_words(seen)} ({why})", now_ns
+            )
+        return acts
+
+    def _due(self, seen: Seen, now_ns: int) -> bool:
+        """Tell whether it is time to ask it to close."""
+        if self._close_ns is None:
+            return True
+        waited = now_ns - self._close_ns
+        if seen.moving:
+            return waited >= round(self._rule.move_within * SECOND)
+        again = min(LONGEST_AGAIN_NS, FIRST_AGAIN_NS << min(self._tries - 1, 10))
+        return waited >= again
+
+    def _alarm(self, message: str, now_ns: int) -> list[Act | Said]:
+        every = round(self._rule.alarm_every * SECOND)
+        if self._alarm_ns is not None and now_ns - self._alarm_ns < every:
+            return []
+        self._alarm_ns = now_ns
+        return [self._said("enclosure_not_closed", message, good=False)]
+
+    def _act(self, what: str, step: Step) -> Act:
+        self._asked += 1
+        return Act(
+            f"enclosure {self._name} {what} {self._asked}",
+            msgspec.structs.replace(step, required=False),
+        )
+
+    def _said(self, kind: str, message: str, *, good: bool) -> Said:
+        return Said(kind, f"{self._rule.name}: {message}", good)
+
+
+def _words(seen: Seen) -> str:
+    if seen.closed is None:
+        return "its sensors say nothing"
+    return "it still moves" if seen.moving else "its sensors say that it is open"
+
+
+class Follower:
+    """Turns a dome after a telescope that stands on its target.
+
+    Attributes:
+        rule: see `Follow`.
+
+    """
+
+    def __init__(self, rule: Follow) -> None:
+        """Have asked nothing yet."""
+        self.rule = rule
+        self._asked_ns: int | None = None
+
+    def look(
+        self, target: float | None, azimuth: float | None, now_ns: int, *, settled: bool
+    ) -> Step | None:
+        """Give the command that is due, if any.
+
+        Args:
+            target: where the telescope points (°), none when unknown.
+            azimuth: where the dome's slit is (°), none when unknown.
+            now_ns: monotonic.
+            settled: the telescope stands on its target, not on the way to it.
+
+        """
+        if not settled or target is None or azimuth is None:
+            return None
+        apart = abs((target - azimuth + 180.0) % 360.0 - 180.0)
+        if apart <= self.rule.within:
+            return None
+        every = round(self.rule.every * SECOND)
+        if self._asked_ns is not None and now_ns - self._asked_ns < every:
+            return None
+        self._asked_ns = now_ns
+        args = {self.rule.argument: round(target % 360.0, 1)}
+        return Step(command=self.rule.command, args={**args}, required=False)

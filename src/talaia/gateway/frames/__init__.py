@@ -1,0 +1,1 @@
+"""Pictures for the archive: from a camera's bytes to a file with a whole header, to the hub."""

@@ -1,0 +1,1 @@
+"""INDI without sockets or clocks: bytes to events, events to state, state to devices and goals."""

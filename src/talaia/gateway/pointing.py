@@ -1,0 +1,69 @@
+"""Where a telescope may not be pointed, whatever asks for it. Pure."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from talaia.clock import SECOND
+from talaia.model import sky
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.gateway.ports import Field
+    from talaia.model.enclosure import Place, Pointing, PointingArguments
+
+__all__ = ["misdirected"]
+
+# Civil twilight: a Sun that is below this is no danger.
+SUN_DOWN = -6.0
+
+
+def misdirected(
+    rule: Pointing,
+    names: PointingArguments,
+    args: Mapping[str, Field],
+    place: Place,
+    wall_ns: int,
+) -> str:
+    """Say why a telescope may not be pointed there; empty when it may.
+
+    Args:
+        rule: its limits.
+        names: which arguments say where.
+        args: the arguments by name.
+        place: where it stands.
+        wall_ns: now, UTC.
+
+    """
+    jd = sky.julian_day(wall_ns / SECOND)
+    here = sky.Place(place.latitude, place.longitude, place.elevation)
+    numbers: list[float] = []
+    for name in (names.ra, names.dec) if names.ra else (names.alt, names.az):
+        value = args.get(name)
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not math.isfinite(value)
+        ):
+            return f"the argument {name!r} does not say where to point"
+        numbers.append(float(value))
+    if names.ra:
+        ra, dec = numbers
+        if not 0.0 <= ra < 24.0:
+            return f"RA {ra:g} h: expected 0 to 24 h"
+        if not -90.0 <= dec <= 90.0:
+            return f"Dec {dec:g} °: expected -90 to 90 °"
+        to = sky.altaz(ra, dec, here, jd)
+    else:
+        to = sky.Horizontal(*numbers)
+        if not -90.0 <= to.alt <= 90.0 or not 0.0 <= to.az <= 360.0:
+            return f"Alt {to.alt:g} °, Az {to.az:g} °: expected -90 to 90 ° and 0 to 360 °"
+    if to.alt < rule.horizon:
+        return f"the target stands at {to.alt:.1f} °; the horizon limit is {rule.horizon:g} °"
+    sun = sky.altaz(*sky.sun(jd), here, jd)
+    away = sky.separation(to, sun)
+    if sun.alt > SUN_DOWN and away < rule.sun:
+        return f"the target is {away:.0f} ° from the Sun; the limit is {rule.sun:g} °"
+    return ""

@@ -1,0 +1,102 @@
+"""Which devices the robot's side answers for now, and why not. Pure but for the clock."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.clock import MS
+from talaia.wire.frames import DeviceState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.clock import Clock
+
+__all__ = ["Reach"]
+
+
+class Reach:
+    """Says each change once; what a device shows counts for nothing while it is not reached.
+
+    A device is reached when its connection is there and nothing speaks against itself. One
+    thread.
+    """
+
+    def __init__(
+        self, of: Mapping[str, str], clock: Clock, say: Callable[[DeviceState], None]
+    ) -> None:
+        """Begin with all of them reached.
+
+        Args:
+            of: by device: the name of its connection, or an empty one.
+            clock: for how long it has been so.
+            say: told of every change.
+
+        """
+        self._of = of
+        self._clock = clock
+        self._say = say
+        self._lost: dict[str, str] = {}
+        self._away: dict[str, str] = {}
+        self._said: dict[str, tuple[str, int]] = {}
+
+    def lost(self, connection: str, why: str) -> list[str]:
+        """Take a connection as gone; give its devices."""
+        self._lost[connection] = why
+        devices = self.devices(connection)
+        for device in devices:
+            # When it is back, everything is heard anew.
+            self._away.pop(device, None)
+            self._tell(device)
+        return devices
+
+    def back(self, connection: str) -> list[str]:
+        """Take a connection as there; give its devices."""
+        self._lost.pop(connection, None)
+        devices = self.devices(connection)
+        for device in devices:
+            self._tell(device)
+        return devices
+
+    def device(self, device: str, *, there: bool, why: str = "") -> None:
+        """Take one device as answering, or not."""
+        if device not in self._of:
+            return
+        if there:
+            self._away.pop(device, None)
+        else:
+            self._away[device] = why or "it does not answer"
+        self._tell(device)
+
+    def devices(self, connection: str) -> list[str]:
+        """Name the devices of a connection."""
+        return [device for device, name in self._of.items() if name == connection]
+
+    def reached(self, device: str) -> bool:
+        """Tell whether a device is reached now."""
+        return not self._why(device)
+
+    def report(self) -> None:
+        """Say it of all that are not reached, to a hub that has just come."""
+        for device in self._said:
+            self._say(self._state(device))
+
+    def _why(self, device: str) -> str:
+        return self._lost.get(self._of.get(device, "")) or self._away.get(device, "")
+
+    def _tell(self, device: str) -> None:
+        why = self._why(device)
+        said = self._said.get(device)
+        if why == (said[0] if said is not None else ""):
+            return
+        if why:
+            since = said[1] if said is not None else self._clock.monotonic_ns()
+            self._said[device] = (why, since)
+        else:
+            del self._said[device]
+        self._say(self._state(device))
+
+    def _state(self, device: str) -> DeviceState:
+        why, since = self._said.get(device, ("", 0))
+        passed = (self._clock.monotonic_ns() - since) // MS if why else 0
+        return DeviceState(device=device, reached=not why, why=why[:2000], for_ms=passed)

@@ -1,0 +1,169 @@
+"""MCAP files of ROS messages: written, and made whole again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mcap.records import Channel, Header, Message, Schema
+from mcap.stream_reader import StreamReader
+from mcap.writer import CompressionType, Writer
+
+from talaia import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from talaia.gateway.recording.ring import Raw
+
+__all__ = ["McapFile", "recover"]
+
+# What a killed gateway loses of a recording is at most one chunk.
+_CHUNK = 128 * 1024
+
+
+class McapFile:
+    """One file that is being written. Used by one thread.
+
+    Attributes:
+        messages: how many are in it.
+        size: bytes on the disk, about.
+
+    """
+
+    def __init__(self, path: Path, definition: Callable[[str], str]) -> None:
+        """Begin a file; ``definition`` gives the full text of a type.
+
+        Raises:
+            OSError: it cannot be written.
+
+        """
+        self._stream = path.open("wb")
+        # Begun by the first message, which tells the profile.
+        self._begun: Writer | None = None
+        self._definition = definition
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[tuple[str, str], int] = {}
+        self.messages = 0
+
+    @property
+    def size(self) -> int:
+        """See above."""
+        return self._stream.tell()
+
+    @property
+    def topics(self) -> list[str]:
+        """The topics that have messages in it."""
+        return sorted({topic for topic, _ in self._channels})
+
+    def add(self, raw: Raw) -> None:
+        """Write a message.
+
+        Raises:
+            OSError: the disk is full, or worse.
+            NoDefinition: nothing is known of its type.
+
+        """
+        key = (raw.topic, raw.type_name)
+        channel = self._channels.get(key)
+        if channel is None:
+            channel = self._channels[key] = self._channel(raw)
+        self._writer().add_message(channel, raw.time_ns, raw.data, raw.time_ns, self.messages)
+        self.messages += 1
+
+    def note(self, about: dict[str, str]) -> None:
+        """Write what is known of the recording into it."""
+        self._writer().add_metadata("talaia", about)
+
+    def finish(self) -> None:
+        """Write the index and close.
+
+        Raises:
+            OSError: the disk is full, or worse.
+
+        """
+        try:
+            self._writer().finish()  # type: ignore[no-untyped-call]
+            self._stream.flush()
+        finally:
+            self._stream.close()
+
+    def drop(self) -> None:
+        """Close without an index."""
+        self._stream.close()
+
+    def _channel(self, raw: Raw) -> int:
+        writer = self._writer("ros1" if raw.definition else "ros2")
+        if not raw.definition:
+            schema = self._schemas.get(raw.type_name)
+            if schema is None:
+                text = self._definition(raw.type_name)
+                schema = writer.register_schema(raw.type_name, "ros2msg", text.encode())
+                self._schemas[raw.type_name] = schema
+            about = {"offered_qos_profiles": ""}
+            return writer.register_channel(raw.topic, "cdr", schema, about)
+        package, _, name = raw.type_name.split("/")
+        schema = writer.register_schema(f"{package}/{name}", "ros1msg", raw.definition.encode())
+        return writer.register_channel(raw.topic, "ros1", schema)
+
+    def _writer(self, profile: str = "ros2") -> Writer:
+        if self._begun is None:
+            self._begun = _writer(self._stream, profile)
+        return self._begun
+
+
+def recover(broken: Path, whole: Path) -> None:
+    """Copy all that can be read of a file into one with an index.
+
+    Raises:
+        OSError: it cannot be read or written.
+        ValueError: there is no message in it.
+
+    """
+    schemas: dict[int, int] = {}
+    channels: dict[int, int] = {}
+    count = 0
+    with broken.open("rb") as source, whole.open("wb") as target:
+        records = StreamReader(source, validate_crcs=True).records
+        header = next(records, None)
+        writer = _writer(target, header.profile if isinstance(header, Header) else "ros2")
+        while True:
+            try:
+                record = next(records, None)
+            except Exception:  # noqa: BLE001 - here it was cut off, however the reader says it
+                break
+            match record:
+                case None:
+                    break
+                case Schema():
+                    schemas[record.id] = writer.register_schema(
+                        record.name, record.encoding, record.data
+                    )
+                case Channel():
+                    channels[record.id] = writer.register_channel(
+                        record.topic,
+                        record.message_encoding,
+                        schemas.get(record.schema_id, 0),
+                        record.metadata,
+                    )
+                case Message():
+                    writer.add_message(
+                        channels[record.channel_id],
+                        record.log_time,
+                        record.data,
+                        record.publish_time,
+                        record.sequence,
+                    )
+                    count += 1
+                case _:
+                    continue
+        writer.finish()  # type: ignore[no-untyped-call]
+    if not count:
+        whole.unlink()
+        raise ValueError("it holds no message")
+
+
+def _writer(stream: object, profile: str) -> Writer:
+    writer = Writer(stream, chunk_size=_CHUNK, compression=CompressionType.ZSTD)  # type: ignore[arg-type]
+    writer.start(profile, library=f"talaia {__version__}")
+    return writer

@@ -1,0 +1,298 @@
+"""Decides when raw topics are recorded, and writes them in a thread of its own.
+
+The adapter's thread only puts messages into the ring or the queue, under a lock that is held for
+a moment; files are made, compressed and finished elsewhere, so that driving never waits for them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import threading
+from collections import deque
+from typing import TYPE_CHECKING
+
+from talaia.clock import SECOND
+from talaia.gateway.recording.mcap_file import McapFile
+from talaia.gateway.recording.ring import OVERHEAD, Raw, Ring
+from talaia.gateway.recording.shelf import Kept, NoRoom, new_id
+from talaia.wire.frames import RecordState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.clock import Clock
+    from talaia.gateway.ports import EventSink
+    from talaia.gateway.recording.shelf import Shelf
+    from talaia.model.recording import Recording, Trigger
+
+__all__ = ["Recorder"]
+
+log = logging.getLogger(__name__)
+_MB = 1_000_000
+_LOOK_S = 0.25
+# Messages that are written between two looks at the clock and the disk.
+_AT_ONCE = 256
+
+
+class Recorder:
+    """A `RawSink`. Any thread may call it; what it tells is told from its own thread."""
+
+    def __init__(
+        self,
+        plan: Recording,
+        topics: tuple[str, ...],
+        shelf: Shelf,
+        clock: Clock,
+        definition: Callable[[str], str],
+        tell_state: Callable[[RecordState], None],
+        events: EventSink,
+        finished: Callable[[], None],
+    ) -> None:
+        """Hold the last seconds of ``topics`` from `start` on.
+
+        Args:
+            plan: see `Recording`.
+            topics: absolute names.
+            shelf: where the files go.
+            clock: monotonic for every decision, wall for the record.
+            definition: gives the full text of a type; called from the recorder's thread.
+            tell_state: told of each change.
+            events: told what is worth writing down.
+            finished: told when a recording waits for the hub.
+
+        """
+        self._plan = plan
+        self.topics = frozenset(topics)
+        self._shelf = shelf
+        self._clock = clock
+        self._definition = definition
+        self._tell_state = tell_state
+        self._events = events
+        self._finished = finished
+        self._ring = Ring(round(plan.before * SECOND), round(plan.ring_mb * _MB))
+        self._changed = threading.Condition()
+        self._queue: deque[Raw] = deque()
+        self._queued = 0
+        self._lost = 0
+        self._kept: Kept | None = None
+        # Messages go into the file; not so while it is being finished.
+        self._open = False
+        # What came up while a file was being finished.
+        self._next: tuple[str, str, float] | None = None
+        self._until_ns = 0
+        self._ending = False
+        self._problem = ""
+        self._thread = threading.Thread(target=self._run, name="talaia-recorder", daemon=True)
+
+    def start(self) -> None:
+        """Begin to hold messages."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Finish what is being recorded, and end."""
+        with self._changed:
+            self._ending = True
+            self._until_ns = 0
+            self._changed.notify()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def offer(
+        self, topic: str, type_name: str, data: bytes, time_ns: int, definition: str = ""
+    ) -> None:
+        """See `RawSink.offer`."""
+        mono_ns = self._clock.monotonic_ns()
+        raw = Raw(topic, type_name, time_ns, mono_ns, bytes(data), definition)
+        with self._changed:
+            if not self._open:
+                self._ring.add(raw)
+                return
+            if self._queued + len(data) > self._plan.ring_mb * _MB:
+                # The disk does not keep up; memory is not to pay for that.
+                self._lost += 1
+                return
+            self._queue.append(raw)
+            self._queued += len(data) + OVERHEAD
+
+    def begin(self, who: str, why: str = "") -> None:
+        """Record from the ring on, until `end` or the longest time."""
+        self._begin(why or "asked for", who, self._plan.longest)
+
+    def end(self, who: str) -> None:
+        """End what is being recorded."""
+        with self._changed:
+            if self._kept is not None and self._open:
+                self._kept.note = _joined(self._kept.note, f"ended by {who}")
+                self._until_ns = 0
+                self._changed.notify()
+
+    def trigger(self, trigger: Trigger, why: str, who: str = "") -> None:
+        """Record around what has just happened, if the description wants that."""
+        if trigger in self._plan.triggers:
+            self._begin(why, who, self._plan.after)
+
+    def state(self) -> RecordState:
+        """Tell how it stands."""
+        with self._changed:
+            return self._state()
+
+    def _begin(self, why: str, who: str, for_s: float) -> None:
+        until_ns = self._clock.monotonic_ns() + round(for_s * SECOND)
+        with self._changed:
+            if self._ending:
+                return
+            if self._kept is not None and self._open:
+                self._kept.why = _joined(self._kept.why, why)
+                self._until_ns = max(self._until_ns, until_ns)
+                return
+            if self._kept is not None:
+                self._next = self._next or (why, who, for_s)
+                return
+            wall_ns = self._clock.wall_ns()
+            self._ring.trim(self._clock.monotonic_ns())
+            # STOP waits for this: no step of it may take longer when more is held.
+            self._queued = self._ring.bytes
+            self._queue = self._ring.take()
+            self._lost = 0
+            begin_ns = self._queue[0].time_ns if self._queue else wall_ns
+            self._kept = Kept(
+                id=new_id(wall_ns), why=why[:1000], who=who[:200], begin_us=begin_ns // 1000
+            )
+            self._until_ns = until_ns
+            self._open = True
+            self._problem = ""
+            self._changed.notify()
+
+    def _state(self) -> RecordState:
+        kept = self._kept
+        if kept is None:
+            return RecordState(on=False, problem=self._problem[:2000])
+        remains_ns = max(0, self._until_ns - self._clock.monotonic_ns())
+        return RecordState(
+            on=True,
+            id=kept.id,
+            why=kept.why,
+            who=kept.who,
+            since_us=kept.begin_us,
+            ends_ms=remains_ns // 1_000_000,
+        )
+
+    # ── on the recorder's thread ──
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                while self._kept is None and not self._ending:
+                    self._changed.wait()
+                kept = self._kept
+                if kept is None:
+                    return
+            try:
+                self._record(kept)
+            except Exception as error:  # noqa: BLE001 - told, and the next one may go well
+                self._failed(kept, error)
+
+    def _record(self, kept: Kept) -> None:
+        self._tell()
+        self._events.tell("recording_started", f"{kept.id}: {kept.why}", who=kept.who)
+        for gone in self._shelf.begin(kept, round(self._plan.file_mb * _MB)):
+            self._events.tell(
+                "recording_dropped", f"{gone.id}: it waited for the hub, and the disk is full"
+            )
+        file = McapFile(self._shelf.part(kept.id), self._definition)
+        try:
+            note = self._fill(file)
+            with self._changed:
+                self._shut()
+                kept.messages, kept.topics = file.messages, file.topics
+                kept.end_us = self._clock.wall_ns() // 1000
+                if note:
+                    kept.note = _joined(kept.note, note)
+                if self._lost:
+                    lost = f"{self._lost} messages are missing: the disk did not keep up"
+                    kept.note = _joined(kept.note, lost)
+            file.note({"id": kept.id, "why": kept.why, "who": kept.who, "note": kept.note})
+            file.finish()
+        except BaseException:
+            file.drop()
+            raise
+        self._shelf.part(kept.id).rename(self._shelf.whole(kept.id))
+        self._shelf.finish(kept)
+        self._done()
+        size = f"{kept.messages} messages, {kept.size / _MB:.1f} MB"
+        note = f"; {kept.note}" if kept.note else ""
+        self._events.tell("recording_ended", f"{kept.id}: {size}{note}", who=kept.who, good=True)
+        self._tell()
+        self._finished()
+
+    def _fill(self, file: McapFile) -> str:
+        """Write until it is to end; give why it ended early, if it did."""
+        most = self._plan.file_mb * _MB
+        looked_ns = 0
+        bad: dict[str, str] = {}
+        while True:
+            with self._changed:
+                if not self._queue and self._until_ns > self._clock.monotonic_ns():
+                    self._changed.wait(_LOOK_S)
+                queue, self._queue, self._queued = self._queue, deque(), 0
+                over = self._until_ns <= self._clock.monotonic_ns()
+            for at, raw in enumerate(queue):
+                if raw.type_name in bad:
+                    continue
+                try:
+                    file.add(raw)
+                except OSError:
+                    raise
+                except Exception as error:  # noqa: BLE001 - one type must not spoil the others
+                    bad[raw.type_name] = str(error)
+                    log.warning("%s cannot be recorded: %s", raw.topic, error)
+                if at % _AT_ONCE == 0 and file.size > most:
+                    return "it had the greatest size that the description allows"
+            if over:
+                return "; ".join(f"without {name}: {problem}" for name, problem in bad.items())
+            now_ns = self._clock.monotonic_ns()
+            if now_ns - looked_ns > SECOND:
+                looked_ns = now_ns
+                try:
+                    self._shelf.check_room()
+                except NoRoom as error:
+                    return str(error)
+            if file.size > most:
+                return "it had the greatest size that the description allows"
+
+    def _failed(self, kept: Kept, error: Exception) -> None:
+        log.warning("the recording %s failed: %s", kept.id, error)
+        with self._changed:
+            self._shut()
+            self._problem = f"{kept.id}: {error}"
+        self._done()
+        with contextlib.suppress(OSError):
+            self._shelf.remove(kept.id)
+        self._events.tell("recording_failed", f"{kept.id}: {error}", who=kept.who)
+        self._tell()
+
+    def _shut(self) -> None:
+        """Take no more into the file; what is over goes back into the ring. Under the lock."""
+        self._open = False
+        for raw in self._queue:
+            self._ring.add(raw)
+        self._queue, self._queued = deque(), 0
+
+    def _done(self) -> None:
+        """Let the next one begin, at once if something came up meanwhile."""
+        with self._changed:
+            self._kept = None
+            again, self._next = self._next, None
+        if again is not None:
+            self._begin(*again)
+
+    def _tell(self) -> None:
+        self._tell_state(self.state())
+
+
+def _joined(before: str, more: str) -> str:
+    """Put words together once, and not without end."""
+    if not before:
+        return more[:1000]
+    return before if more in before else f"{before}; {more}"[:1000]

@@ -1,0 +1,61 @@
+"""The last seconds of raw messages, in memory. Pure, and bounded in time and in bytes."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+__all__ = ["Raw", "Ring"]
+
+# What a message takes in memory beside its bytes, about.
+OVERHEAD = 200
+
+
+class Raw(NamedTuple):
+    """A message as it came.
+
+    Attributes:
+        time_ns: when it came (wall, UTC).
+        mono_ns: the same by the monotonic clock, which decides how long it is held.
+        definition: of its type, for ROS 1; empty for ROS 2.
+
+    """
+
+    topic: str
+    type_name: str
+    time_ns: int
+    mono_ns: int
+    data: bytes
+    definition: str = ""
+
+
+class Ring:
+    """Holds messages until they are too old or too many bytes."""
+
+    def __init__(self, keep_ns: int, max_bytes: int) -> None:
+        """Start empty."""
+        self._keep_ns = keep_ns
+        self._max_bytes = max_bytes
+        self._held: deque[Raw] = deque()
+        self.bytes = 0
+
+    def __len__(self) -> int:
+        """Count the messages."""
+        return len(self._held)
+
+    def add(self, raw: Raw) -> None:
+        """Take the newest message; what is over a bound goes, the oldest first."""
+        self._held.append(raw)
+        self.bytes += len(raw.data) + OVERHEAD
+        self.trim(raw.mono_ns)
+
+    def trim(self, now_ns: int) -> None:
+        """Let go of what is too old, or too much."""
+        held = self._held
+        while held and (self.bytes > self._max_bytes or now_ns - held[0].mono_ns > self._keep_ns):
+            self.bytes -= len(held.popleft().data) + OVERHEAD
+
+    def take(self) -> deque[Raw]:
+        """Give all that is held, in order, and hold nothing; as quick for much as for little."""
+        taken, self._held, self.bytes = self._held, deque(), 0
+        return taken

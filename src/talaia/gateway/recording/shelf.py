@@ -1,0 +1,186 @@
+"""Recordings on the gateway's disk: begun, finished, waiting for the hub, gone.
+
+A recording is ``<id>.mcap`` with ``<id>.json`` beside it. While it is written its name ends in
+``.part``; what a killed gateway has left so is made whole again at the next start.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import hashlib
+import logging
+import os
+import secrets
+import shutil
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.gateway.errors import GatewayError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+__all__ = ["Kept", "NoRoom", "Shelf", "new_id"]
+
+log = logging.getLogger(__name__)
+PART = ".mcap.part"
+WHOLE = ".mcap"
+
+
+class NoRoom(GatewayError):
+    """The disk has no room for a recording."""
+
+
+class Kept(msgspec.Struct, kw_only=True):
+    """What is known of a recording.
+
+    Attributes:
+        digest: SHA-256 of the whole file; empty while it is written.
+        note: what is missing in it.
+
+    """
+
+    id: str
+    why: str
+    who: str = ""
+    begin_us: int = 0
+    end_us: int = 0
+    messages: int = 0
+    size: int = 0
+    digest: str = ""
+    topics: list[str] = []
+    note: str = ""
+
+
+def new_id(wall_ns: int) -> str:
+    """Name a recording by the time it begins (UTC) and some chance."""
+    moment = dt.datetime.fromtimestamp(wall_ns // 1_000_000_000, dt.UTC)
+    return f"{moment:%Y%m%dT%H%M%SZ}-{secrets.token_hex(3)}"
+
+
+class Shelf:
+    """The folder of recordings. Its methods block; each may be called from any thread."""
+
+    def __init__(self, folder: Path, max_bytes: int, spare: int) -> None:
+        """Use ``folder`` up to ``max_bytes``, and leave ``spare`` bytes of the disk alone."""
+        self._folder = folder
+        self._max_bytes = max_bytes
+        self._spare = spare
+        self._refused: set[str] = set()
+
+    def open(self, recover: Callable[[Path, Path], None]) -> None:
+        """Make the folder, and make whole what a killed gateway left.
+
+        Args:
+            recover: copies what can be read of a broken file into a whole one.
+
+        Raises:
+            OSError: the disk cannot be used.
+
+        """
+        self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        for part in self._folder.glob(f"*{PART}"):
+            name = part.name.removesuffix(PART)
+            kept = self._read(name) or Kept(id=name, why="cut off")
+            try:
+                recover(part, self.whole(name))
+                kept.note = "the gateway was ended in the middle of it"
+                self.finish(kept)
+                log.info("the recording %s was cut off, and is whole again", name)
+            except Exception as error:  # noqa: BLE001 - a broken file must not keep us from starting
+                log.warning("the recording %s cannot be made whole: %s", name, error)
+                self.remove(name)
+            part.unlink(missing_ok=True)
+
+    def part(self, name: str) -> Path:
+        """Give the file that is being written."""
+        return self._folder / (name + PART)
+
+    def whole(self, name: str) -> Path:
+        """Give the file of a finished recording."""
+        return self._folder / (name + WHOLE)
+
+    def check_room(self) -> None:
+        """See that the disk has room beside what must be left free.
+
+        Raises:
+            NoRoom: it has not.
+
+        """
+        found = shutil.disk_usage(self._folder)
+        if found.free < min(self._spare, found.total // 20):
+            raise NoRoom(f"the disk of {self._folder} has only {found.free // 2**20} MiB left")
+
+    def begin(self, kept: Kept, size: int) -> list[Kept]:
+        """Note a recording that begins and may become ``size`` bytes; give those that had to go.
+
+        Raises:
+            NoRoom: the disk is full.
+            OSError: it cannot be written.
+
+        """
+        self.check_room()
+        gone = []
+        waiting = self.waiting(refused=True)
+        while waiting and sum(each.size for each in waiting) + size > self._max_bytes:
+            gone.append(waiting.pop(0))
+            self.remove(gone[-1].id)
+        self._write(kept)
+        return gone
+
+    def finish(self, kept: Kept) -> None:
+        """Note that ``whole(kept.id)`` is complete.
+
+        Raises:
+            OSError: it cannot be written.
+
+        """
+        path = self.whole(kept.id)
+        with path.open("rb") as file:
+            kept.digest = hashlib.file_digest(file, "sha256").hexdigest()
+        kept.size = path.stat().st_size
+        self._write(kept)
+
+    def waiting(self, *, refused: bool = False) -> list[Kept]:
+        """List the finished recordings, oldest first; those that the hub refused only if asked."""
+        found = []
+        for path in sorted(self._folder.glob(f"*{WHOLE}")):
+            kept = self._read(path.name.removesuffix(WHOLE))
+            if kept is not None and kept.digest and (refused or kept.id not in self._refused):
+                found.append(kept)
+        return found
+
+    def refuse(self, name: str) -> None:
+        """Do not offer it again in this run."""
+        self._refused.add(name)
+
+    def remove(self, name: str) -> None:
+        """Forget a recording."""
+        for path in (self.part(name), self.whole(name), self._about(name)):
+            path.unlink(missing_ok=True)
+
+    def read(self, name: str, at: int, size: int) -> bytes:
+        """Read a part of a finished recording; shorter at its end.
+
+        Raises:
+            OSError: it cannot be read.
+
+        """
+        with self.whole(name).open("rb") as file:
+            return os.pread(file.fileno(), size, at)
+
+    def _about(self, name: str) -> Path:
+        return self._folder / f"{name}.json"
+
+    def _write(self, kept: Kept) -> None:
+        partial = self._folder / f"{kept.id}.json.tmp"
+        partial.write_bytes(msgspec.json.encode(kept))
+        partial.replace(self._about(kept.id))
+
+    def _read(self, name: str) -> Kept | None:
+        try:
+            return msgspec.json.decode(self._about(name).read_bytes(), type=Kept)
+        except (OSError, msgspec.MsgspecError):
+            return None

@@ -1,0 +1,103 @@
+"""Connections are taken in as the loop has time for them.
+
+After a hub was away, everybody dials within seconds, and a TLS handshake takes the loop's time in
+one piece. Whoever is connected already, and may be driving, goes before those who come: one
+connection is taken in at a time, and the next one only when the loop is in time again. The rest
+wait in the kernel's queue, where they cost nothing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import socket
+    import ssl
+    from collections.abc import Callable
+
+__all__ = ["Doorway"]
+
+_LOG = logging.getLogger(__name__)
+QUEUE = 1024
+_HANDSHAKE_S = 15.0
+# Between two connections; who waits longer than this for the loop makes the next one wait as long.
+_PAUSE_S = 0.002
+_LONGEST_PAUSE_S = 0.05
+# When the system has no room for one more connection.
+_FULL_S = 0.2
+
+
+class Doorway:
+    """Accepts connections of one listening socket until it is closed."""
+
+    def __init__(
+        self,
+        listener: socket.socket,
+        protocol: Callable[[], asyncio.Protocol],
+        tls: ssl.SSLContext | None,
+    ) -> None:
+        """Make a ``protocol`` for each connection, over ``tls`` if there is any."""
+        self._listener = listener
+        self._protocol = protocol
+        self._tls = tls
+        self._arriving: set[asyncio.Task[None]] = set()
+        self._task: asyncio.Task[None] | None = None
+
+    def open(self) -> None:
+        """Listen."""
+        self._listener.settimeout(0)
+        self._listener.listen(QUEUE)
+        self._task = asyncio.create_task(self._run())
+
+    async def close(self) -> None:
+        """Take nobody in any more; who was just arriving is turned away."""
+        if self._task is not None:
+            ending = [self._task, *self._arriving]
+            for task in ending:
+                task.cancel()
+            await asyncio.gather(*ending, return_exceptions=True)
+
+    async def _run(self) -> None:
+        loop = asyncio.get_running_loop()
+        full = False
+        while True:
+            try:
+                connection, _ = await loop.sock_accept(self._listener)
+            except ConnectionError:
+                continue  # it has gone again
+            except OSError as error:
+                if not full:
+                    _LOG.error("no more connections can be taken in for now: %s", error)
+                full = True
+                await asyncio.sleep(_FULL_S)
+                continue
+            if full:
+                _LOG.warning("connections are taken in again")
+            full = False
+            task = asyncio.create_task(self._take(connection))
+            self._arriving.add(task)
+            task.add_done_callback(self._arriving.discard)
+            due = loop.time() + _PAUSE_S
+            await asyncio.sleep(_PAUSE_S)
+            late = loop.time() - due
+            if late > _PAUSE_S:
+                await asyncio.sleep(min(late, _LONGEST_PAUSE_S))
+
+    async def _take(self, connection: socket.socket) -> None:
+        """Shake hands; what fails there is the other side's matter."""
+        handed_over = False
+        try:
+            with contextlib.suppress(OSError, TimeoutError):
+                await asyncio.get_running_loop().connect_accepted_socket(
+                    self._protocol,
+                    connection,
+                    ssl=self._tls,
+                    ssl_handshake_timeout=_HANDSHAKE_S if self._tls is not None else None,
+                )
+                handed_over = True
+        finally:
+            if not handed_over:
+                connection.close()

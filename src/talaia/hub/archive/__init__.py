@@ -1,0 +1,1 @@
+"""The archive of pictures: FITS files on disk by night, and what is known of each."""

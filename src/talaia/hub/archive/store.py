@@ -1,0 +1,285 @@
+"""The archive's files and rows: put in whole, found again by night, target, filter and place."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+import os
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+from sqlalchemy import func, insert, select
+
+from talaia.hub.archive.looking import Facts, Looks, facts_of, looks_of, preview_of
+from talaia.hub.archive.night import night_of
+from talaia.hub.store.tables import frames as table
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+    from pathlib import Path
+
+    from sqlalchemy import RowMapping
+
+    from talaia.hub.store.database import Database
+    from talaia.wire.frames import UploadOffer
+
+__all__ = ["Archive", "Cone", "Frame", "Night", "Wanted"]
+
+log = logging.getLogger(__name__)
+_MOST_ROWS = 5_000
+_MOST_CACHED = 64
+
+
+class Frame(NamedTuple):
+    """One picture. Names are those of `looking.Facts`.
+
+    Attributes:
+        night: local date at which its night began.
+        name: of the file, for people.
+
+    """
+
+    id: int
+    site: str
+    device: str
+    night: str
+    name: str
+    time_us: int
+    target: str
+    filter: str
+    kind: str
+    exposure_s: float
+    ra_deg: float
+    dec_deg: float
+    width: int
+    height: int
+    bytes: int
+    digest: str
+    problems: tuple[str, ...]
+
+
+class Night(NamedTuple):
+    """A night and what it brought."""
+
+    night: str
+    frames: int
+    bytes: int
+
+
+class Cone(NamedTuple):
+    """A place on the sky (J2000) and how far round it (all in degrees)."""
+
+    ra_deg: float
+    dec_deg: float
+    radius_deg: float
+
+
+class Wanted(NamedTuple):
+    """What is looked for; empty words and none mean anything."""
+
+    night: str = ""
+    target: str = ""
+    filter: str = ""
+    kind: str = ""
+    from_us: int = 0
+    to_us: int = 2**62
+    cone: Cone | None = None
+
+
+class Archive:
+    """See the module. ``folder`` is below the hub's data folder."""
+
+    def __init__(self, database: Database, folder: Path) -> None:
+        """Keep files in ``folder``, by site and night."""
+        self._database = database
+        self._folder = folder
+        # Pictures are large: one at a time is looked at.
+        self._looking = asyncio.Semaphore(1)
+        self._cached: dict[tuple[int, str], bytes | Looks] = {}
+
+    async def take(self, site: str, zone: str, offer: UploadOffer, path: Path) -> Frame:
+        """Check a file that has come whole, and put it in; it is moved.
+
+        Raises:
+            NotKept: it is not a picture in FITS.
+            OSError: the disk does not take it.
+            StoreError: the database does not.
+
+        """
+        known = await self._of_digest(site, offer.digest)
+        if known is not None:
+            await asyncio.to_thread(path.unlink, missing_ok=True)
+            return known
+        async with self._looking:
+            facts = await asyncio.to_thread(facts_of, path)
+        time_us = facts.time_us or offer.time_us
+        facts = facts._replace(time_us=time_us)
+        night = night_of(time_us, zone)
+        name = _name(facts, offer)
+        place = self._folder / site / night / name
+        await asyncio.to_thread(_move, path, place)
+        row = {
+            "site": site,
+            "device": offer.device,
+            "night": night,
+            "name": name,
+            "time_us": time_us,
+            "target": facts.target,
+            "target_key": facts.target.casefold(),
+            "filter": facts.filter,
+            "kind": facts.kind,
+            "exposure_s": _stored(facts.exposure_s),
+            "ra_deg": _stored(facts.ra_deg),
+            "dec_deg": _stored(facts.dec_deg),
+            "width": facts.width,
+            "height": facts.height,
+            "bytes": offer.size,
+            "digest": offer.digest,
+            "problems": "\n".join(facts.problems)[:4000],
+        }
+        async with self._database.write() as connection:
+            await connection.execute(insert(table).values(**row))
+        kept = await self._of_digest(site, offer.digest)
+        assert kept is not None  # noqa: S101 - it was just written
+        return kept
+
+    async def nights(self, site: str, devices: Collection[str]) -> list[Night]:
+        """List nights, newest first, with what these cameras brought."""
+        async with self._database.read() as connection:
+            rows = await connection.execute(
+                select(table.c.night, func.count(), func.sum(table.c.bytes))
+                .where(table.c.site == site, table.c.device.in_(devices))
+                .group_by(table.c.night)
+                .order_by(table.c.night.desc())
+            )
+            return [Night(night, int(count), int(size)) for night, count, size in rows]
+
+    async def find(
+        self, site: str, devices: Collection[str], wanted: Wanted, limit: int
+    ) -> tuple[list[Frame], bool]:
+        """Find pictures of these cameras, newest first, and tell whether there are more."""
+        query = select(table).where(
+            table.c.site == site,
+            table.c.device.in_(devices),
+            table.c.time_us >= wanted.from_us,
+            table.c.time_us <= wanted.to_us,
+        )
+        if wanted.night:
+            query = query.where(table.c.night == wanted.night)
+        if wanted.target:
+            query = query.where(
+                table.c.target_key.contains(wanted.target.casefold(), autoescape=True)
+            )
+        if wanted.filter:
+            query = query.where(table.c.filter == wanted.filter)
+        if wanted.kind:
+            query = query.where(table.c.kind == wanted.kind)
+        cone = wanted.cone
+        if cone is not None:
+            query = query.where(
+                table.c.dec_deg >= cone.dec_deg - cone.radius_deg,
+                table.c.dec_deg <= cone.dec_deg + cone.radius_deg,
+            )
+        most = limit + 1 if cone is None else _MOST_ROWS
+        query = query.order_by(table.c.time_us.desc(), table.c.id.desc()).limit(most)
+        async with self._database.read() as connection:
+            found = [_frame(row) for row in (await connection.execute(query)).mappings()]
+        if cone is not None:
+            found = [each for each in found if _within(each, cone)]
+        return found[:limit], len(found) > limit
+
+    async def get(self, site: str, frame: int) -> Frame | None:
+        """Find one picture."""
+        query = select(table).where(table.c.site == site, table.c.id == frame)
+        async with self._database.read() as connection:
+            row = (await connection.execute(query)).mappings().first()
+        return None if row is None else _frame(row)
+
+    def path(self, frame: Frame) -> Path:
+        """Say where its file is."""
+        return self._folder / frame.site / frame.night / frame.name
+
+    async def looks(self, frame: Frame) -> Looks:
+        """Give statistics, histogram and header.
+
+        Raises:
+            NotKept: the file cannot be read any more.
+
+        """
+        found = self._cached.get((frame.id, ""))
+        if not isinstance(found, Looks):
+            async with self._looking:
+                found = await asyncio.to_thread(looks_of, self.path(frame))
+            self._cache(frame.id, "", found)
+        return found
+
+    async def preview(self, frame: Frame, stretch: str, px: int) -> bytes:
+        """Draw it as PNG.
+
+        Raises:
+            NotKept: the file cannot be read any more.
+
+        """
+        what = f"{stretch} {px}"
+        found = self._cached.get((frame.id, what))
+        if not isinstance(found, bytes):
+            async with self._looking:
+                found = await asyncio.to_thread(preview_of, self.path(frame), stretch, px)
+            self._cache(frame.id, what, found)
+        return found
+
+    def _cache(self, frame: int, what: str, value: bytes | Looks) -> None:
+        while len(self._cached) >= _MOST_CACHED:
+            del self._cached[next(iter(self._cached))]
+        self._cached[frame, what] = value
+
+    async def _of_digest(self, site: str, digest: str) -> Frame | None:
+        query = select(table).where(table.c.site == site, table.c.digest == digest)
+        async with self._database.read() as connection:
+            row = (await connection.execute(query)).mappings().first()
+        return None if row is None else _frame(row)
+
+
+def _move(path: Path, place: Path) -> None:
+    place.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("rb") as file:
+        os.fsync(file.fileno())
+    path.replace(place)
+
+
+def _name(facts: Facts, offer: UploadOffer) -> str:
+    """Make a file's name of safe characters only, unique by its digest."""
+    from datetime import UTC, datetime
+
+    at = datetime.fromtimestamp(facts.time_us / 1e6, UTC).strftime("%Y%m%dT%H%M%S")
+    words = [_safe(offer.device), _safe(facts.target), _safe(facts.filter)]
+    return "_".join([at, *filter(None, words), offer.digest[:8]]) + ".fits"
+
+
+def _safe(word: str) -> str:
+    return re.sub(r"[^A-Za-z0-9+-]+", "-", word).strip("-")[:40]
+
+
+def _stored(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
+def _within(frame: Frame, cone: Cone) -> bool:
+    if math.isnan(frame.ra_deg) or math.isnan(frame.dec_deg):
+        return False
+    a1, d1, a2, d2 = map(math.radians, (frame.ra_deg, frame.dec_deg, cone.ra_deg, cone.dec_deg))
+    half = math.sin((d2 - d1) / 2) ** 2 + math.cos(d1) * math.cos(d2) * math.sin((a2 - a1) / 2) ** 2
+    return math.degrees(2 * math.asin(min(1.0, math.sqrt(half)))) <= cone.radius_deg
+
+
+def _frame(row: RowMapping) -> Frame:
+    def number(key: str) -> float:
+        return math.nan if row[key] is None else float(row[key])
+
+    return Frame(
+        row["id"], row["site"], row["device"], row["night"], row["name"], row["time_us"],
+        row["target"], row["filter"], row["kind"], number("exposure_s"), number("ra_deg"),
+        number("dec_deg"), row["width"], row["height"], row["bytes"], row["digest"],
+        tuple(filter(None, row["problems"].split("\n"))),
+    )  # fmt: skip

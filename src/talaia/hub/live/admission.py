@@ -1,0 +1,54 @@
+"""How many gateways are taken in at once.
+
+After a hub was away, all its gateways dial within seconds, and each costs look-ups in the
+database. Sessions are looked up there too, and while it cannot be told who may drive, driving is
+refused. So only a few gateways at a time have the database, and the rest wait their turn: once for
+their key, once for their hello.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from talaia.hub.errors import HubBusy
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+__all__ = ["Admission"]
+
+
+class Admission:
+    """Turns, first come, first served."""
+
+    # Twice this is less than half of the database's connections: the others are for people.
+    AT_ONCE = 3
+    # Each is a socket in memory, and waits less long than the gateway's patience (5 s).
+    MOST_WAITING = 1000
+
+    def __init__(self) -> None:
+        """Begin with nobody."""
+        self._turns = asyncio.Semaphore(self.AT_ONCE)
+        self._waiting = 0
+
+    @asynccontextmanager
+    async def turn(self) -> AsyncIterator[None]:
+        """Wait for a turn, and hold it.
+
+        Raises:
+            HubBusy: so many wait that it would take too long.
+
+        """
+        if self._waiting >= self.MOST_WAITING:
+            raise HubBusy("too many gateways come at once", "they try again by themselves")
+        self._waiting += 1
+        try:
+            await self._turns.acquire()
+        finally:
+            self._waiting -= 1
+        try:
+            yield
+        finally:
+            self._turns.release()

@@ -1,0 +1,45 @@
+"""Python's full garbage collection, at moments when nobody drives.
+
+It looks at everything that lives, without a pause: 150 ms and more in a hub with many gateways,
+which is longer than a driver should wait. So what the start has made is set aside for good, and a
+full collection is made while nobody has control of a device. Most memory comes back without
+it, by counted references, and young objects are still collected as always.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["collect_at_rest", "wants"]
+
+_LOOK_S = 1.0
+_NEVER = 1_000_000
+# In collections of the young: how many make a full one due, and how many make it due at once. The
+# latter bounds what can have gathered to about 700 000 objects.
+_DUE, _OVERDUE = 10, 100
+
+
+def wants(young: int, *, driven: bool) -> bool:
+    """Tell whether a full collection is to be made now. Pure."""
+    return young >= (_OVERDUE if driven else _DUE)
+
+
+async def collect_at_rest(driven: Callable[[], bool]) -> None:
+    """Collect until cancelled; ``driven`` tells whether somebody has control of a device."""
+    gc.collect()
+    gc.freeze()
+    before = gc.get_threshold()
+    gc.set_threshold(before[0], before[1], _NEVER)
+    try:
+        while True:
+            await asyncio.sleep(_LOOK_S)
+            if wants(gc.get_count()[2], driven=driven()):
+                gc.collect()
+    finally:
+        gc.set_threshold(*before)
+        gc.unfreeze()

@@ -1,0 +1,167 @@
+"""What an observatory needs beyond interlocks, as values.
+
+A roof that must be closed, a telescope that must not point everywhere, a dome that follows.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import msgspec
+
+from talaia.model.interlock import Step  # noqa: TC001 - msgspec reads it
+from talaia.model.shape import Shape
+
+__all__ = [
+    "ClosingOrder",
+    "Enclosure",
+    "Follow",
+    "PastDeadline",
+    "Place",
+    "Pointing",
+    "PointingArguments",
+    "Sighting",
+]
+
+
+class Sighting(Shape, frozen=True, kw_only=True):
+    """What a sensor says when something is so. A value that is unknown or too old says nothing.
+
+    Attributes:
+        signal: address of a state.
+        is_one_of: in these states it is so; written ``is`` in the description.
+
+    """
+
+    signal: str
+    is_one_of: tuple[str, ...] = msgspec.field(name="is")
+
+
+class ClosingOrder(StrEnum):
+    """Whether the telescope stands in the way of the roof.
+
+    ``close_first``: the roof clears the telescope in every position. ``parallel``: both at once.
+    ``mount_first``: the roof waits for the parked telescope, but not for ever.
+    """
+
+    CLOSE_FIRST = "close_first"
+    PARALLEL = "parallel"
+    MOUNT_FIRST = "mount_first"
+
+
+class PastDeadline(StrEnum):
+    """What happens when the telescope is not parked in time: close all the same, or only alarm."""
+
+    CLOSE = "close"
+    ALARM = "alarm"
+
+
+class Follow(Shape, frozen=True, kw_only=True):
+    """A dome that turns its slit to where the telescope points; never while that slews.
+
+    Attributes:
+        target: address of the telescope's azimuth (°).
+        azimuth: address of the dome's azimuth (°).
+        when: the telescope stands on its target.
+        command: turns the dome, ``<device>/<command>``.
+        argument: of the command: the azimuth (°).
+        within: so far apart they may be (°).
+        every: asked at most so often (s).
+
+    """
+
+    target: str
+    azimuth: str
+    when: Sighting
+    command: str
+    argument: str = "azimuth"
+    within: float = 5.0
+    every: float = 5.0
+
+
+class Enclosure(Shape, frozen=True, kw_only=True):
+    """A roof over instruments, and how it is brought to be closed for as long as it must be.
+
+    Attributes:
+        unsafe: interlocks that want it closed while they lock, once something was unsafe.
+        closed: it is closed only when all of these say so: end switches, flaps.
+        moving: it moves when any of these says so.
+        close: its command; asked again until the sensors say closed.
+        stop: address of the command by which people stop it, or empty. A closing that a person
+            has stopped is resumed by a person only, by the command of ``close``.
+        abort: done at once and not waited for: end the exposure, stop slaving.
+        park: parks the telescope.
+        parked: the telescope is parked.
+        order: see `ClosingOrder`.
+        mount_within: with ``mount_first`` the roof waits so long for the telescope (s).
+        past_deadline: what then.
+        move_within: one closing takes at most so long (s).
+        retries: closings that are asked for before it counts as *not closed*.
+        alarm_every: the alarm is said again so often until it is over (s).
+        follow: see `Follow`; off while it must be closed.
+
+    """
+
+    name: str
+    unsafe: tuple[str, ...]
+    closed: tuple[Sighting, ...]
+    close: Step
+    moving: tuple[Sighting, ...] = ()
+    stop: str = ""
+    abort: tuple[Step, ...] = ()
+    park: Step | None = None
+    parked: Sighting | None = None
+    order: ClosingOrder = ClosingOrder.MOUNT_FIRST
+    mount_within: float = 60.0
+    past_deadline: PastDeadline = PastDeadline.CLOSE
+    move_within: float = 60.0
+    retries: int = 3
+    alarm_every: float = 60.0
+    follow: Follow | None = None
+
+
+class Place(Shape, frozen=True, kw_only=True):
+    """Where the site is on Earth.
+
+    Attributes:
+        latitude: degrees north (WGS 84).
+        longitude: degrees east.
+        elevation: above the sea (m).
+
+    """
+
+    latitude: float
+    longitude: float
+    elevation: float = 0.0
+
+
+class PointingArguments(Shape, frozen=True, kw_only=True):
+    """Which arguments of a command say where it points: ``ra`` and ``dec``, or ``alt`` and ``az``.
+
+    Attributes:
+        ra: name of the argument with the right ascension (h, of date).
+        dec: with the declination (°, of date).
+        alt: with the altitude (°).
+        az: with the azimuth (°, from north through east).
+
+    """
+
+    ra: str = ""
+    dec: str = ""
+    alt: str = ""
+    az: str = ""
+
+
+class Pointing(Shape, frozen=True, kw_only=True):
+    """Where a telescope may not point. Needs the site's ``place``.
+
+    Attributes:
+        commands: what points it, by the device's own command names.
+        horizon: lowest altitude (°).
+        sun: least distance from the Sun (°) while that is higher than 6° below the horizon.
+
+    """
+
+    commands: dict[str, PointingArguments]
+    horizon: float = 10.0
+    sun: float = 30.0

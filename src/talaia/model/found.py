@@ -1,0 +1,108 @@
+"""What is out there, as `talaia probe` writes it down and `talaia init` reads it.
+
+Values only: who looked (ROS 2, ROS 1, INDI) fills them, `propose` makes a description of them.
+The JSON form is the contract between a probe on the robot and a configurator on a laptop.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+__all__ = [
+    "ActionFound",
+    "FieldFound",
+    "Found",
+    "ServiceFound",
+    "TopicFound",
+]
+
+FORMAT = 1
+
+
+class FieldFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """One number, truth or text inside a message.
+
+    Attributes:
+        path: as in `Source.field`: ``pose.position.x``, ``position[0]``.
+        type: ``number``, ``integer``, ``boolean`` or ``text``.
+        unit: a symbol of `model.unit` after ``scale``; empty where nothing tells it.
+        scale: what the robot's number is multiplied by to be in ``unit``.
+        words: for a whole number that counts states: what 0, 1, 2 … mean.
+        name: what the robot calls it (a joint's name); empty where the path says enough.
+        empty: every value seen was NaN, so there is probably no such sensor.
+
+    """
+
+    path: str
+    type: str
+    unit: str = ""
+    scale: float = 1.0
+    words: tuple[str, ...] = ()
+    name: str = ""
+    empty: bool = False
+
+
+class TopicFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A topic that somebody publishes or listens to.
+
+    Attributes:
+        type: ``package/msg/Name``.
+        publishers: how many publish it.
+        subscribers: how many listen to it, without the probe.
+        rate: messages a second, as counted while looking (Hz).
+        fields: what can be read of one message.
+        names: for CloudConnect's ``/metric``: the sensor names that were heard.
+        left_out: what was left out of ``fields`` and why, in words.
+        problem: why it cannot be read at all, in words; empty when it can.
+
+    """
+
+    topic: str
+    type: str
+    publishers: int = 0
+    subscribers: int = 0
+    rate: float = 0.0
+    fields: tuple[FieldFound, ...] = ()
+    names: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+    problem: str = ""
+
+
+class ServiceFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A service: its type, and what a request holds."""
+
+    service: str
+    type: str
+    fields: tuple[FieldFound, ...] = ()
+    problem: str = ""
+
+
+class ActionFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """An action: its type, and what a goal holds."""
+
+    action: str
+    type: str
+    fields: tuple[FieldFound, ...] = ()
+    problem: str = ""
+
+
+class Found(msgspec.Struct, frozen=True, omit_defaults=True):
+    """All that a probe saw.
+
+    Attributes:
+        talaia_probe: version of this form; 1.
+        protocol: ``ros2``, ``ros1`` or ``indi``.
+        where: which graph or server, in words.
+        seconds: how long was looked (s).
+        domain: the ROS domain id; none for other protocols.
+
+    """
+
+    talaia_probe: int
+    protocol: str
+    where: str
+    seconds: float
+    domain: int | None = None
+    topics: tuple[TopicFound, ...] = ()
+    services: tuple[ServiceFound, ...] = ()
+    actions: tuple[ActionFound, ...] = ()

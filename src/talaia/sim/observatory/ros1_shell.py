@@ -1,0 +1,279 @@
+"""The observatory's servers as ROS 1 services, by Debian's rospy. Standard library and rospy only.
+
+ROS 1 has no standard service with numbers. A request with numbers is a Trigger whose values stand
+on the parameter server (``/telescope/goto/ra``), as the command-line client writes them; or a
+topic, for those who cannot set parameters: one number as Float64, two as the x and y of a Point.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+import rosgraph
+import rospy
+from geometry_msgs.msg import Point
+from sensor_msgs.msg import Image
+from std_msgs.msg import Bool, Float64, String, UInt8, UInt8MultiArray
+from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
+
+from talaia.sim.observatory.ledger import Ledger
+from talaia.sim.observatory.servers import DEVICES, Ask, Server, Value, make
+from talaia.sim.observatory.ticket import Ticket
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["main"]
+
+KINDS = {bool: Bool, int: UInt8, float: Float64, str: String}
+STEP_S = 0.05
+PUBLISH_EVERY = 10
+
+
+def main(argv: list[str]) -> int:
+    """Run the servers until SIGINT or SIGTERM; see `run.main`."""
+    parser = argparse.ArgumentParser("talaia sim observatory --ros1")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", action="append", choices=DEVICES)
+    parser.add_argument("--fits", type=Path)
+    parser.add_argument("--log", type=Path)
+    parser.add_argument("--speed", type=float, default=1.0)
+    options = parser.parse_args(argv)
+    began = time.monotonic()
+    ended = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: ended.set())
+    names = options.only or list(DEVICES)
+    if options.fits:
+        options.fits.mkdir(parents=True, exist_ok=True)
+    master = _master()
+    try:
+        name = f"{names[0]}_server" if len(names) == 1 else "observatory_servers"
+        rospy.init_node(name, disable_signals=True, disable_rosout=True)
+        ledger = Ledger(options.log)
+        shells = [
+            _Shell(make(each, seed=options.seed, unix_s=time.time(), call=_call), options, ledger)
+            for each in names
+        ]
+        line = {
+            "ready": True,
+            "master": os.environ["ROS_MASTER_URI"],
+            "pid": os.getpid(),
+            "servers": names,
+            "seconds": round(time.monotonic() - began, 2),
+        }
+        print(json.dumps(line), flush=True)  # noqa: T201 - the one line whoever started us reads
+        _run(shells, options.speed, ended)
+        rospy.signal_shutdown("ended")
+        ledger.close()
+    finally:
+        if master is not None:
+            master.terminate()
+            master.wait()
+    return 0
+
+
+def _master() -> subprocess.Popen[bytes] | None:
+    """Start a master where none answers, for as long as we run."""
+    uri = os.environ.setdefault("ROS_MASTER_URI", "http://localhost:11311")
+    if rosgraph.is_master_online(uri):
+        return None
+    port = urlsplit(uri).port or 11311
+    master = subprocess.Popen(  # noqa: S603 - Debian's own program, by its path
+        ["/usr/bin/rosmaster", "--core", "-p", str(port)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    until = time.monotonic() + 15
+    while not rosgraph.is_master_online(uri):
+        if time.monotonic() > until or master.poll() is not None:
+            master.terminate()
+            sys.stderr.write(f"talaia sim: no ROS master could be started at {uri}\n")
+            sys.exit(1)
+        time.sleep(0.05)
+    return master
+
+
+def _run(shells: list[_Shell], speed: float, ended: threading.Event) -> None:
+    tick, before = 0, time.monotonic()
+    while not ended.wait(STEP_S):
+        now = time.monotonic()
+        for shell in shells:
+            shell.step(min(now - before, 1.0) * speed, publish=tick % PUBLISH_EVERY == 0)
+        before, tick = now, tick + 1
+
+
+def _call(device: str, what: str) -> Ticket:
+    """Ask another server, in a thread: rospy waits for the answer."""
+    ticket = Ticket()
+
+    def ask() -> None:
+        try:
+            rospy.wait_for_service(f"/{device}/{what}", 2.0)
+            answer = rospy.ServiceProxy(f"/{device}/{what}", Trigger)()
+            ticket.end(answer.message, good=answer.success)
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            ticket.end(str(error), good=False)
+
+    threading.Thread(target=ask, daemon=True).start()
+    return ticket
+
+
+class _Shell:
+    """One server's topics and services."""
+
+    def __init__(self, server: Server, options: argparse.Namespace, ledger: Ledger) -> None:
+        self._server, self._fits, self._ledger = server, options.fits, ledger
+        self._lock = threading.RLock()
+        self._moved = threading.Condition(self._lock)
+        self._said: dict[str, Value] = {}
+        name = server.name
+        self._publishers = {
+            each: rospy.Publisher(f"/{name}/{each}", KINDS[type(value)], queue_size=10)
+            for each, value in server.topics().items()
+        }
+        self._pictures = self._files = None
+        if server.pictures:
+            self._pictures = rospy.Publisher(f"/{name}/image", Image, queue_size=1, latch=True)
+        if name == "camera":
+            self._files = rospy.Publisher("/camera/fits", UInt8MultiArray, queue_size=1, latch=True)
+        for each, trigger in server.triggers.items():
+            rospy.Service(f"/{name}/{each}", Trigger, self._trigger(each, trigger))
+        for each, switch in server.switches.items():
+            rospy.Service(f"/{name}/{each}", SetBool, self._switch(each, switch))
+        for each, ask in server.asks.items():
+            rospy.Service(f"/{name}/{each}", Trigger, self._ask(each, ask))
+            self._listen(each, ask)
+        for topic, (kind, take) in server.hears.items():
+            self._hear(topic, kind, take)
+        rospy.Subscriber("/observatory/fault", String, lambda message: self._fault(message.data))
+
+    def _hear(self, topic: str, kind: type, take: Callable[[Any], None]) -> None:
+        def heard(message: Any) -> None:  # noqa: ANN401 - rospy ships no types
+            with self._lock:
+                take(message.data)
+
+        rospy.Subscriber(topic, KINDS[kind], heard, queue_size=1)
+
+    def _listen(self, name: str, ask: Ask) -> None:
+        """Take a request with one or two numbers from a topic as well."""
+        numbers = [each for each, value in ask.arguments.items() if isinstance(value, float)]
+        texts = {each: value for each, value in ask.arguments.items() if isinstance(value, str)}
+
+        def heard(message: Any) -> None:  # noqa: ANN401 - rospy ships no types
+            values = [message.data] if len(numbers) == 1 else [message.x, message.y]
+            given = {**texts, **dict(zip(numbers, values, strict=True))}
+            threading.Thread(
+                target=self._end_of, args=(name, lambda: ask.act(**given)), daemon=True
+            ).start()
+
+        kind = Float64 if len(numbers) == 1 else Point
+        rospy.Subscriber(f"/{self._server.name}/{name}", kind, heard, queue_size=1)
+
+    def _fault(self, words: str) -> None:
+        device, _, word = words.partition(" ")
+        if device == self._server.name:
+            with self._lock:
+                problem = self._server.fault(word)
+            self._ledger.write(device, word, "fault", problem)
+
+    def _end_of(self, asked: str, act: Callable[[], Ticket]) -> Ticket:
+        """Ask the model and wait until what was asked has ended. Each request has its thread."""
+        name = self._server.name
+        with self._moved:
+            while self._server.hanging:
+                self._moved.wait(0.2)
+            ticket = act()
+            phase = "answered" if ticket.ended else "asked"
+            self._ledger.write(name, asked, phase, ticket.message, good=ticket.good)
+            if phase == "answered":
+                return ticket
+            while not ticket.ended or self._server.hanging:
+                self._moved.wait(0.2)
+        phase = "done" if ticket.good else "failed"
+        self._ledger.write(name, asked, phase, ticket.message, good=ticket.good)
+        return ticket
+
+    def _trigger(self, name: str, act: Callable[[], Ticket]) -> Callable[[Any], Any]:
+        def answer(_: object) -> object:
+            ticket = self._end_of(name, act)
+            return TriggerResponse(success=ticket.good, message=ticket.message)
+
+        return answer
+
+    def _switch(self, name: str, act: Callable[[bool], Ticket]) -> Callable[[Any], Any]:
+        def answer(request: Any) -> object:  # noqa: ANN401 - rospy ships no types
+            ticket = self._end_of(f"{name} {request.data}", lambda: act(request.data))
+            return SetBoolResponse(success=ticket.good, message=ticket.message)
+
+        return answer
+
+    def _ask(self, name: str, ask: Ask) -> Callable[[Any], Any]:
+        def answer(_: object) -> object:
+            values, problem = self._parameters(name, ask)
+            if problem:
+                return TriggerResponse(success=False, message=problem)
+            shown = " ".join([name, *(f"{each}" for each in values.values())])
+            ticket = self._end_of(shown, lambda: ask.act(**values))
+            return TriggerResponse(success=ticket.good, message=ticket.message)
+
+        return answer
+
+    def _parameters(self, name: str, ask: Ask) -> tuple[dict[str, Value], str]:
+        """Take a request's values from the parameter server; each is used once."""
+        values: dict[str, Value] = {}
+        for each, example in ask.arguments.items():
+            key = f"/{self._server.name}/{name}/{each}"
+            try:
+                found = rospy.get_param(key)
+                rospy.delete_param(key)
+            except KeyError:
+                if not isinstance(example, str):
+                    return {}, f"the parameter {key} is missing"
+                found = example
+            number = isinstance(found, (int, float)) and not isinstance(found, bool)
+            if isinstance(example, str) != isinstance(found, str) or (
+                isinstance(example, float) and not number
+            ):
+                wanted = "a text" if isinstance(example, str) else "a number"
+                return {}, f"the parameter {key}: expected {wanted}"
+            values[each] = float(found) if number else found
+        return values, ""
+
+    def step(self, seconds: float, *, publish: bool) -> None:
+        """Let time pass, wake those who wait, publish what is new."""
+        with self._moved:
+            self._server.step(seconds, time.time())
+            self._moved.notify_all()
+            if self._server.hanging:
+                return
+            topics = dict(self._server.topics())
+            watched = self._pictures is not None and self._pictures.get_num_connections() > 0
+            frame = self._server.frame(watched=watched) if self._pictures is not None else None
+        for name, value in topics.items():
+            quick = not isinstance(value, float) and value != self._said.get(name)
+            if publish or quick:
+                self._said[name] = value
+                self._publishers[name].publish(value)
+        if frame is None or self._pictures is None:
+            return
+        image = Image(
+            height=frame.height, width=frame.width, encoding=frame.encoding, step=frame.step
+        )
+        image.header.stamp = rospy.Time.now()
+        image.data = frame.data
+        self._pictures.publish(image)
+        if frame.file and self._files is not None:
+            self._files.publish(UInt8MultiArray(data=frame.file))
+            if self._fits is not None:
+                (self._fits / frame.name).write_bytes(frame.file)

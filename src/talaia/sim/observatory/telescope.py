@@ -1,0 +1,231 @@
+"""A fork-mounted telescope on two axes, altitude and azimuth. Pure: time is given.
+
+It refuses what would point it below its horizon limit or nearer to the Sun than its limit, on the
+way as well as at the end, and stops by itself where tracking would lead there.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from talaia.model.sky import (
+    Horizontal,
+    Place,
+    altaz,
+    julian_day,
+    radec,
+    separation,
+    sun,
+)
+from talaia.sim.observatory.ticket import Ticket
+
+__all__ = ["STATES", "Limits", "Telescope"]
+
+STATES = ("parked", "idle", "slewing", "tracking", "parking")
+
+
+class Limits(NamedTuple):
+    """Where it does not point, and how fast it turns.
+
+    Attributes:
+        horizon: lowest altitude of a target (°).
+        sun: least distance from the Sun while that is up (°).
+        rate: of each axis (°/s).
+
+    """
+
+    horizon: float = 15.0
+    sun: float = 30.0
+    rate: float = 5.0
+
+
+class Telescope:
+    """The mount and its controller.
+
+    Attributes:
+        place: where it stands.
+        at: where it points.
+        state: one of `STATES`.
+
+    """
+
+    PARK = Horizontal(10.0, 10.0)
+
+    def __init__(self, place: Place, unix_s: float, limits: Limits | None = None) -> None:
+        """Start parked."""
+        self.place = place
+        self.limits = limits or Limits()
+        self.at = self.PARK
+        self.state = "parked"
+        self.stuck = False
+        self._unix = unix_s
+        self._target: tuple[float, float] | None = None
+        self._stand = self.PARK
+        self._ticket = Ticket.done("")
+
+    @property
+    def jd(self) -> float:
+        """Give the Julian day of its clock."""
+        return julian_day(self._unix)
+
+    @property
+    def radec(self) -> tuple[float, float]:
+        """Give where it points: right ascension (h) and declination (°) of date."""
+        return radec(self.at.alt, self.at.az, self.place, self.jd)
+
+    @property
+    def sun(self) -> Horizontal:
+        """Give where the Sun is."""
+        return altaz(*sun(self.jd), self.place, self.jd)
+
+    @property
+    def target(self) -> tuple[float, float] | None:
+        """Give what it tracks or slews to: right ascension (h), declination (°)."""
+        return self._target
+
+    # ── what may be asked ──
+
+    def goto(self, ra: float, dec: float) -> Ticket:
+        """Slew to a place in the sky and track it (h, °; equinox of date)."""
+        if not 0.0 <= ra < 24.0:
+            return Ticket.refused(f"RA {ra:g} h: expected 0 to 24 h")
+        if not -90.0 <= dec <= 90.0:
+            return Ticket.refused(f"Dec {dec:g}: expected -90 to 90 °")
+        return self._slew(altaz(ra, dec, self.place, self.jd), (ra, dec))
+
+    def goto_altaz(self, alt: float, az: float) -> Ticket:
+        """Slew to a place above the horizon (°) and stand there."""
+        if not -90.0 <= alt <= 90.0 or not 0.0 <= az <= 360.0:
+            return Ticket.refused(f"Alt {alt:g}, Az {az:g}: expected -90 to 90 and 0 to 360 °")
+        return self._slew(Horizontal(alt, az % 360.0), None)
+
+    def _slew(self, to: Horizontal, target: tuple[float, float] | None) -> Ticket:
+        if self.state in ("parked", "parking"):
+            return Ticket.refused("the telescope is parked; unpark it first")
+        problem = self._problem(to)
+        if problem:
+            return Ticket.refused(problem)
+        self._ticket.end("another command came", good=False)
+        self._target = target
+        self._stand = to
+        self.state = "slewing"
+        self._ticket = Ticket()
+        return self._ticket
+
+    def _problem(self, to: Horizontal) -> str:
+        if to.alt < self.limits.horizon:
+            return (
+                f"the target stands at {to.alt:.1f} °, below the limit of {self.limits.horizon:g} °"
+            )
+        away = separation(to, self.sun)
+        # Below the horizon the Earth is in the way, but not by much: twilight counts as day.
+        if self.sun.alt > -6.0:
+            if away < self.limits.sun:
+                least = self.limits.sun
+                return f"the target is {away:.0f} ° from the Sun; at least {least:g} ° is needed"
+            if self._passes_sun(to):
+                return f"the way to the target passes the Sun within {self.limits.sun:g} °"
+        return ""
+
+    def _passes_sun(self, to: Horizontal) -> bool:
+        now = self.at
+        if separation(now, self.sun) < self.limits.sun:
+            return False  # it is there already; every way out is better than staying
+        while _apart(now, to) > 0.5:
+            now = _moved(now, to, 2.0)
+            if separation(now, self.sun) < self.limits.sun:
+                return True
+        return False
+
+    def park(self) -> Ticket:
+        """Go to the park position, and refuse to slew until it is unparked."""
+        if self.state == "parked":
+            return Ticket.done("the telescope is parked")
+        self._ticket.end("the telescope parks", good=False)
+        self._target, self._stand = None, self.PARK
+        self.state = "parking"
+        self._ticket = Ticket()
+        return self._ticket
+
+    def unpark(self) -> Ticket:
+        """Let it move again."""
+        if self.state == "parked":
+            self.state = "idle"
+        return Ticket.done("the telescope is not parked")
+
+    def track(self, on: bool) -> Ticket:  # noqa: FBT001 - a switch, as the service has it
+        """Follow the sky from here, or stand."""
+        if self.state in ("parked", "parking"):
+            return Ticket.refused("the telescope is parked; unpark it first")
+        if self.state == "slewing":
+            return Ticket.refused("the telescope slews")
+        if on and (problem := self._problem(self.at)):
+            return Ticket.refused(problem)
+        self._target = self.radec if on else None
+        self.state = "tracking" if on else "idle"
+        return Ticket.done("the telescope tracks" if on else "the telescope stands")
+
+    def stop(self) -> Ticket:
+        """Stop every motion, tracking as well. A park that is stopped leaves it unparked."""
+        if self.state != "parked":
+            self.state = "idle"
+        self._target = None
+        self._ticket.end("the telescope was stopped", good=False)
+        return Ticket.done("the telescope is stopped")
+
+    # ── time ──
+
+    def step(self, seconds: float, unix_s: float) -> None:
+        """Let time pass."""
+        self._unix = unix_s
+        if self.state in ("slewing", "parking"):
+            to = self._stand
+            if self._target is not None:
+                to = altaz(*self._target, self.place, self.jd)
+            if not self.stuck:
+                self.at = _moved(self.at, to, self.limits.rate * seconds)
+            if _apart(self.at, to) < 1e-6:
+                self._arrived()
+        elif self.state == "tracking" and self._target is not None:
+            to = altaz(*self._target, self.place, self.jd)
+            problem = self._problem_of_tracking(to)
+            if problem:
+                self._target, self.state = None, "idle"
+                self._ticket.end(problem, good=False)
+            else:
+                self.at = to
+
+    def _problem_of_tracking(self, to: Horizontal) -> str:
+        if to.alt < self.limits.horizon:
+            return "tracking ended at the horizon limit"
+        if self.sun.alt > -6.0 and separation(to, self.sun) < self.limits.sun:
+            return "tracking ended at the Sun's limit"
+        return ""
+
+    def _arrived(self) -> None:
+        if self.state == "parking":
+            self.state = "parked"
+            self._ticket.end("the telescope is parked", good=True)
+            return
+        self.state = "tracking" if self._target is not None else "idle"
+        self._ticket.end(f"the telescope is at Alt:{self.at.alt:f} Az:{self.at.az:f}", good=True)
+
+
+def _apart(now: Horizontal, to: Horizontal) -> float:
+    return max(abs(to.alt - now.alt), abs(_turn(now.az, to.az)))
+
+
+def _turn(from_az: float, to_az: float) -> float:
+    return (to_az - from_az + 180.0) % 360.0 - 180.0
+
+
+def _moved(now: Horizontal, to: Horizontal, reach: float) -> Horizontal:
+    """Move both axes at once, each by ``reach`` (°) at the most."""
+    alt, az = to.alt - now.alt, _turn(now.az, to.az)
+    if max(abs(alt), abs(az)) <= reach:
+        return to
+    return Horizontal(
+        now.alt + math.copysign(min(abs(alt), reach), alt),
+        (now.az + math.copysign(min(abs(az), reach), az)) % 360.0,
+    )

@@ -1,0 +1,92 @@
+"""The command-line clients' words (``dome_servcli client open``), the same for both ROS. Pure."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from talaia.sim.observatory.servers import DEVICES, Server, Value, make
+from talaia.sim.observatory.ticket import Ticket
+
+__all__ = ["PROGRAMS", "Request", "WordsWrong", "number", "read"]
+
+PROGRAMS = {f"{device}_servcli": device for device in DEVICES}
+_PARTS = re.compile(r"([+-]?)(\d+)[:h](\d+)(?:[:m](\d+(?:\.\d*)?))?s?")
+
+
+class WordsWrong(Exception):
+    """What was written asks for nothing that there is."""
+
+
+class Request(NamedTuple):
+    """One request to a server.
+
+    Attributes:
+        kind: trigger, switch, ask or fault.
+        name: of the service below the device's.
+        values: arguments by name.
+
+    """
+
+    device: str
+    kind: str
+    name: str
+    values: dict[str, Value]
+
+
+def number(text: str) -> float:
+    """Read a number, or hours (degrees), minutes and seconds: ``5:34:32``, ``-5h23m``.
+
+    Raises:
+        WordsWrong: it is none.
+
+    """
+    found = _PARTS.fullmatch(text)
+    if found:
+        sign, whole, minutes, seconds = found.groups()
+        value = int(whole) + int(minutes) / 60 + float(seconds or 0) / 3600
+        return -value if sign == "-" else value
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if value != value or value in (float("inf"), float("-inf")):
+        raise WordsWrong(f"{text!r} is not a number")
+    return value
+
+
+def read(device: str, words: list[str]) -> Request:
+    """Read what stands behind ``client``.
+
+    Raises:
+        WordsWrong: in the founding design's words where it had some.
+
+    """
+    server = make(device, seed=0, unix_s=0.0, call=_nobody)
+    action, rest = (words[0], words[1:]) if words else ("", [])
+    if device == "observatory" and action == "fault":
+        return Request(device, "fault", action, {"data": " ".join(rest)})
+    if action in server.triggers and not rest:
+        return Request(device, "trigger", action, {})
+    if action in server.switches:
+        if rest not in (["on"], ["off"]):
+            raise WordsWrong(f"{action}: expected on or off")
+        return Request(device, "switch", action, {"data": rest == ["on"]})
+    if action in server.asks:
+        return Request(device, "ask", action, _values(server, action, rest))
+    raise WordsWrong(f"Invalid {device} action")
+
+
+def _values(server: Server, action: str, rest: list[str]) -> dict[str, Value]:
+    arguments = server.asks[action].arguments
+    least = sum(not isinstance(each, str) for each in arguments.values())
+    if not least <= len(rest) <= len(arguments):
+        raise WordsWrong(f"{action}: expected {' '.join(each.upper() for each in arguments)}")
+    given = zip(arguments.items(), rest, strict=False)
+    return {
+        name: text if isinstance(example, str) else number(text) for (name, example), text in given
+    }
+
+
+def _nobody(device: str, service: str) -> Ticket:
+    return Ticket.refused(f"/{device}/{service} is not there")

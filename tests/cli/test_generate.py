@@ -1,0 +1,160 @@
+"""A deployment's files: what Docker and systemd themselves say of them, and hostile names."""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import msgspec
+import pytest
+import yaml
+from hypothesis import given, settings, strategies as st
+from tests.system.conftest import missing
+
+from talaia.cli.main import main
+from talaia.deploy.containers import DatabaseKind
+from talaia.deploy.project import Choice, File, project
+from talaia.deploy.systemd import argument, gateway_unit
+from talaia.model.load import load_site, read_site
+
+EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
+HOSTILE = [
+    "a b",
+    "x'; rm -rf / #",
+    '"$(id)"',
+    "${HOME}",
+    "%n%h",
+    "line\nExecStart=/bin/sh",
+    "ü\u2028",
+]
+
+
+def files_of(database: DatabaseKind, *hosts: str, program: str = "/opt/t") -> dict[str, File]:
+    site = read_site(EXAMPLE)
+    choice = Choice(database, 8443, hosts, "0.1.0", program)
+    words = iter(f"secret{index}" for index in range(9))
+    return project(site, EXAMPLE.read_text(), choice, lambda: next(words))
+
+
+@pytest.mark.parametrize("database", DatabaseKind)
+def test_compose_itself_accepts_the_project(database: DatabaseKind, tmp_path: Path) -> None:
+    compose = shutil.which("docker-compose")
+    if compose is None:
+        missing("docker-compose")
+    assert main(["generate", str(EXAMPLE), "--to", str(tmp_path), "--database", database]) == 0
+    said = subprocess.run(
+        [str(compose), "config", "--quiet"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert said.returncode == 0, said.stderr
+    kept = yaml.safe_load((tmp_path / "compose.yaml").read_text())
+    assert load_site((tmp_path / "site.yaml").read_text()) == read_site(EXAMPLE)
+    text = (tmp_path / "compose.yaml").read_text()
+    for secret in (tmp_path / "secrets").glob("*"):
+        assert secret.read_text() not in text
+    assert all(each["restart"] for each in kept["services"].values())
+
+
+def test_systemd_itself_accepts_the_units(tmp_path: Path) -> None:
+    analyze = shutil.which("systemd-analyze")
+    if analyze is None:
+        missing("systemd-analyze")
+    program, setup = sys.executable, str(EXAMPLE.resolve())
+    words = ["generate", str(EXAMPLE), "--to", str(tmp_path), "--program", program]
+    assert main([*words, "--ros-setup", setup, "--allow-host", "hub.example"]) == 0
+    units = sorted(str(each) for each in (tmp_path / "systemd").iterdir())
+    assert len(units) == 2
+    said = subprocess.run(
+        [str(analyze), "verify", *units], capture_output=True, text=True, check=False
+    )
+    assert said.returncode == 0, said.stderr
+    assert said.stderr.strip() == ""
+
+
+@pytest.mark.parametrize("hostile", HOSTILE)
+def test_a_hostile_name_is_one_argument_and_nothing_else(hostile: str) -> None:
+    files = files_of(DatabaseKind.MARIADB, hostile, program="/opt/t")
+    command = yaml.safe_load(files["compose.yaml"].text)["services"]["hub"]["command"]
+    assert command[-1].replace("$$", "$") == hostile
+    unit = files["systemd/talaia-hub.service"].text
+    assert [line for line in unit.splitlines() if line.startswith("ExecStart=")] == [
+        f"ExecStart=/opt/t hub --data /var/lib/talaia-hub --host 0.0.0.0 --port 8443"
+        f" --allow-host {argument(hostile)}"
+    ]
+
+
+@settings(deadline=None)
+@given(st.text(max_size=30))
+def test_systemd_reads_back_one_word_for_each_argument(text: str) -> None:
+    written = argument(text)
+    assert written.isprintable() or written == ""
+    plain = written.replace("%%", "%").replace("$$", "$")
+    if all(letter.isprintable() for letter in text):
+        # Of C escapes only these two are then in it, and shlex knows them the same way.
+        assert shlex.split(plain) == [text]
+
+
+def test_a_site_whose_name_is_hostile_has_a_page_that_shows_it_and_does_nothing_else() -> None:
+    site = msgspec.structs.replace(read_site(EXAMPLE), name="<script>x</script>\n# [a](b)")
+    choice = Choice(DatabaseKind.SQLITE, 8443, (), "0.1.0", "/opt/t")
+    page = project(site, "", choice, lambda: "")["README.md"].text
+    assert "<script>" not in page
+    assert "\n# [a](b)" not in page
+
+
+def test_secrets_are_random_are_the_owners_and_outlive_another_generate(tmp_path: Path) -> None:
+    words = ["generate", str(EXAMPLE), "--to", str(tmp_path)]
+    assert main(words) == 0
+    kept = (tmp_path / "secrets/database_password").read_text()
+    assert len(kept) >= 24
+    assert kept in (tmp_path / "secrets/database_url").read_text()
+    assert kept != (tmp_path / "secrets/database_root_password").read_text()
+    assert stat.S_IMODE((tmp_path / "secrets").stat().st_mode) == 0o700
+    assert main(words) == 2
+    assert main([*words, "--force"]) == 0
+    assert (tmp_path / "secrets/database_password").read_text() == kept
+
+
+def test_nothing_is_written_when_something_is_wrong(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target = tmp_path / "there"
+    bad = tmp_path / "site.yaml"
+    bad.write_text(EXAMPLE.read_text().replace("unit: m/s\n", "unit: m/z\n", 1))
+    assert main(["generate", str(bad), "--to", str(target)]) == 2
+    assert "m/z" in capsys.readouterr().err
+    assert main(["generate", str(EXAMPLE), "--to", str(target), "--port", "0"]) == 2
+    assert "--port" in capsys.readouterr().err
+    words = ["generate", str(EXAMPLE), "--to", str(target), "--ros-setup", "opt/ros/setup.bash"]
+    assert main(words) == 2
+    assert "absolute" in capsys.readouterr().err
+    assert not target.exists()
+
+
+def test_the_gateways_unit_hands_its_words_to_the_ros_shell_as_they_are() -> None:
+    unit = gateway_unit("agv", "/opt/t", "/opt/ros/x y/setup.bash")
+    line = next(each for each in unit.splitlines() if each.startswith("ExecStart="))
+    assert '"/opt/ros/x y/setup.bash" /opt/t gateway' in line
+
+
+def test_a_key_that_is_good_is_kept_and_one_that_is_void_is_made_anew(tmp_path: Path) -> None:
+    key = tmp_path / "gateway.key"
+    words = ["enrol", "agv", "--data", str(tmp_path / "data"), "--to", str(key)]
+    assert main(words) == 2
+    words += ["--hub", "wss://127.0.0.1:8443"]
+    assert main(words) == 0
+    first = key.read_text()
+    assert stat.S_IMODE(key.stat().st_mode) == 0o600
+    assert '"fingerprint"' in first
+    assert main(words) == 0
+    assert key.read_text() == first
+    assert main(["enrol", "agv", "--data", str(tmp_path / "data")]) == 0
+    assert main(words) == 0
+    assert key.read_text() != first

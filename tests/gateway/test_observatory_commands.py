@@ -1,0 +1,212 @@
+"""The contract's command file with the real clients and servers, of ROS 2 and of ROS 1."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import importlib.util
+import json
+import os
+import selectors
+import signal
+import socket
+import subprocess
+import sys
+import time
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from fake_hub import fake_hub
+from gateway_bench import addresses_of, running
+
+import talaia
+from talaia.model.classic import site_of
+from talaia.model.load import dump_site, load_site
+from talaia.sim import domain
+from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, DeviceState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from fake_hub import FakeHub
+
+pytestmark = [pytest.mark.robot, pytest.mark.timeout(120)]
+EXAMPLE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
+CLASSIC = Path(__file__).parents[1] / "wire" / "recorded" / "observatory_commands.json"
+SOURCE = str(Path(talaia.__file__).parents[1])
+
+
+def missing(what: str) -> None:
+    if os.environ.get("TALAIA_REQUIRE_ALL") == "1":
+        pytest.fail(f"{what} is missing, and TALAIA_REQUIRE_ALL=1")
+    pytest.skip(f"needs {what}")
+
+
+@pytest.fixture(params=["ros2", "ros1"])
+def ros(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """The variables of a ROS of its own for servers and clients."""
+    monkeypatch.setenv("PYTHONPATH", SOURCE)
+    if request.param == "ros1":
+        probe = [
+            "/usr/bin/python3", "-c", "import rospy, rosgraph, geometry_msgs.msg, sensor_msgs.msg"
+        ]  # fmt: skip
+        clean = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "LD_LIBRARY_PATH")}
+        if (
+            not Path("/usr/bin/rosmaster").exists()
+            or subprocess.run(probe, env=clean, capture_output=True, check=False).returncode
+        ):
+            missing("Debian's ROS 1 (python3-rospy, python3-rosmaster)")
+        with socket.socket() as one:
+            one.bind(("127.0.0.1", 0))
+            port = one.getsockname()[1]
+        monkeypatch.setenv("ROS_MASTER_URI", f"http://localhost:{port}")
+        monkeypatch.setenv("ROS_IP", "127.0.0.1")
+        yield "ros1"
+        return
+    if importlib.util.find_spec("rclpy") is None:
+        missing("ROS 2 (rclpy)")
+    # A parser that ROS brings along is older than the Python it runs on; not ours to fail for.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        for name in ("rclpy.node", "lark"):
+            importlib.import_module(name)
+    with domain.reserve() as reservation:
+        for name, value in domain.environment(reservation.domain).items():
+            monkeypatch.setenv(name, value)
+        yield "ros2"
+
+
+@pytest.fixture
+def ledger(ros: str, tmp_path: Path) -> Iterator[Path]:
+    """A running observatory, ten times as fast; gives what it writes down."""
+    log = tmp_path / "ledger.jsonl"
+    words = ["-m", "talaia", "sim", "observatory", "--speed", "10", "--log", str(log)]
+    words += ["--ros1"] if ros == "ros1" else ["--domain", os.environ["ROS_DOMAIN_ID"]]
+    process = subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    with selectors.DefaultSelector() as selector:
+        selector.register(process.stdout, selectors.EVENT_READ)
+        heard = selector.select(45)
+    line = process.stdout.readline() if heard else ""
+    try:
+        assert json.loads(line)["ready"] is True
+        yield log
+    finally:
+        process.send_signal(signal.SIGCONT)
+        process.terminate()
+        assert process.wait(20) == 0
+        process.stdout.close()
+
+
+def asked(ledger: Path) -> list[tuple[str, str, str]]:
+    rows = [json.loads(line) for line in ledger.read_text().splitlines()]
+    return [(row["device"], row["asked"], row["phase"]) for row in rows]
+
+
+async def do(hub: FakeHub, device: str, what: str, **args: float) -> CommandState:
+    ask = CommandAsk(
+        id=f"{what}-{time.monotonic_ns()}", device=device, command=what, args=args,
+        ttl_ms=5000, who="Ada",
+    )  # fmt: skip
+    await hub.send(ask)
+    ended = (CommandPhase.ACCEPTED, CommandPhase.RUNNING)
+    deadline = time.monotonic() + 60
+    while True:
+        try:
+            return await hub.next(
+                CommandState, lambda each: each.id == ask.id and each.phase not in ended
+            )
+        except TimeoutError:
+            assert time.monotonic() < deadline, f"{device}/{what} has not ended"
+
+
+async def test_the_command_file_opens_and_closes_a_real_dome(
+    ros: str, ledger: Path, tmp_path: Path
+) -> None:
+    launcher = f"{sys.executable} -m talaia sim run" + (" --ros1" if ros == "ros1" else "")
+    text = CLASSIC.read_text().replace("ros2 run", launcher)
+    site = dump_site(site_of(text, "observatory"))
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", site):
+        await hub.until(lambda: 1.0 in hub.values("dome/status"), "closed")
+        opened = await do(hub, "dome", "open")
+        assert (opened.phase, opened.message) == ("succeeded", "the dome is opened")
+        await hub.until(lambda: hub.values("dome/status")[-1] == 0.0, "opened")
+        # The telescope's own refusal, in its words, and a goto that the gateway does not even ask.
+        refused = await do(hub, "telescope", "goto", ra=2.5, dec=60.0)
+        assert (refused.phase, refused.message) == (
+            "failed", "the telescope is parked; unpark it first",
+        )  # fmt: skip
+        assert (await do(hub, "telescope", "goto", ra=25.0, dec=0.0)).phase == "refused"
+        closed = await do(hub, "dome", "close")
+        assert (closed.phase, closed.message) == ("succeeded", "the dome is closed")
+        await hub.until(lambda: hub.values("telescope/altitude"), "the telescope")
+        assert hub.values("telescope/altitude")[0] == 10.0
+        assert hub.values("dome/rt")[0] == "Invalid dome action"
+        assert str(hub.values("weather/status")[0]).startswith("['Cl")
+        assert hub.of(DeviceState) == []
+    did = [(what, phase) for device, what, phase in asked(ledger) if device == "dome"]
+    moves = [each for each in did if each[0] in ("open", "close")]
+    assert moves == [("open", "asked"), ("open", "done"), ("close", "asked"), ("close", "done")]
+
+
+def simulator(log: Path, *more: str) -> subprocess.Popen[str]:
+    words = ["-m", "talaia", "sim", "observatory", "--domain", os.environ["ROS_DOMAIN_ID"]]
+    words += ["--log", str(log), *more]
+    return subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True)
+
+
+@pytest.mark.parametrize("ros", ["ros2"], indirect=True)
+async def test_a_server_killed_in_mid_slew_falls_silent_alone_and_is_back_by_itself(
+    ros: str, tmp_path: Path
+) -> None:
+    site = EXAMPLE.read_text()
+    started: list[subprocess.Popen[str]] = []
+
+    def start(*devices: str) -> subprocess.Popen[str]:
+        only = [word for device in devices for word in ("--only", device)]
+        process = simulator(tmp_path / f"{devices[0]}.jsonl", *only)
+        started.append(process)
+        return process
+
+    try:
+        start("dome", "weather", "camera")
+        telescope = start("telescope")
+        # Without locks: this is about the server, and not about the weather.
+        free = site[: site.index("interlocks:")]
+        async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", free):
+            await seen(hub, lambda: hub.values("telescope/state"), "the telescope")
+            await seen(hub, lambda: hub.values("dome/shutter"), "the dome")
+            assert (await do(hub, "telescope", "unpark")).phase == "succeeded"
+            await hub.send(
+                CommandAsk(
+                    id="slew", device="telescope", command="goto_altaz",
+                    args={"alt": 80.0, "az": 0.0}, ttl_ms=5000, who="Ada",
+                )
+            )  # fmt: skip
+            await seen(hub, lambda: hub.values("telescope/state")[-1] == 2.0, "slewing")
+            telescope.kill()
+            telescope.wait(10)
+            heard, others = len(hub.values("telescope/state")), len(hub.values("dome/shutter"))
+            await seen(hub, lambda: len(hub.values("dome/shutter")) > others + 6, "the others")
+            # Nothing is said in its place, so it is older than its limit of two seconds by now.
+            assert len(hub.values("telescope/state")) <= heard + 1
+            assert load_site(free).devices["telescope"].signals["state"].max_age == 2
+            start("telescope")
+            await seen(hub, lambda: len(hub.values("telescope/state")) > heard + 3, "it is back")
+            assert hub.values("telescope/state")[-1] == 0.0
+    finally:
+        for process in started:
+            process.kill()
+            process.wait(10)
+            assert process.stdout is not None
+            process.stdout.close()
+
+
+async def seen(hub: FakeHub, holds: Callable[[], object], what: str) -> None:
+    deadline = time.monotonic() + 60
+    while not holds():
+        assert time.monotonic() < deadline, what
+        with contextlib.suppress(TimeoutError):
+            await hub.until(holds, what)

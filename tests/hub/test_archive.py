@@ -1,0 +1,279 @@
+"""The archive of pictures: what comes on a gateway's link, is checked, kept by night and found."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import math
+import warnings
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from astropy.io import fits
+from hypothesis import given, settings, strategies as st
+
+from talaia.hub.archive.looking import NotKept, facts_of, looks_of, preview_of
+from talaia.hub.archive.night import night_of
+from talaia.wire.frames import MAX_PART, UploadOffer, UploadPart, UploadState
+
+# A moment in the night of 20 November at the observatory's longitude, after midnight UTC.
+BEGAN = "2026-11-21T02:30:00"
+
+
+def fits_bytes(target="M 31", filter_="Red", ra=10.68, dec=41.27, began=BEGAN, seed=1) -> bytes:
+    rng = np.random.default_rng(seed)
+    data = rng.normal(1000, 20, (60, 80)).astype(np.float32)
+    data[30, 40] = 40_000
+    hdu = fits.PrimaryHDU(data.astype(np.uint16))
+    hdu.header["OBJECT"], hdu.header["FILTER"], hdu.header["IMAGETYP"] = target, filter_, "Light"
+    hdu.header["DATE-OBS"], hdu.header["EXPTIME"] = began, 30.0
+    hdu.header["RA"], hdu.header["DEC"] = ra, dec
+    out = io.BytesIO()
+    hdu.writeto(out)
+    return out.getvalue()
+
+
+def offer_of(data: bytes, file: str = "0" * 32, device: str = "camera", kind="fits") -> UploadOffer:
+    digest = hashlib.sha256(data).hexdigest()
+    return UploadOffer(
+        file=file, kind=kind, device=device, size=len(data), digest=digest, time_us=1
+    )
+
+
+async def send(gateway, data: bytes, offer: UploadOffer, first: int = 0, until: int | None = None):
+    for at in range(first, len(data) if until is None else until, MAX_PART):
+        await gateway.say(UploadPart(file=offer.file, offset=at, data=data[at : at + MAX_PART]))
+
+
+async def upload(gateway, data: bytes, **about) -> UploadState:
+    offer = offer_of(data, hashlib.sha256(data).hexdigest()[:32], **about)
+    await gateway.say(offer)
+    state = await gateway.hear(UploadState)
+    if state.done or state.refused:
+        return state
+    await send(gateway, data, offer, state.below)
+    return await gateway.hear(UploadState, lambda each: each.done or each.refused or each.again)
+
+
+async def test_picture_is_kept_by_night_and_comes_back_as_it_was(hub, gateway) -> None:
+    data = fits_bytes()
+    assert (await upload(gateway, data)).done
+    client = await hub.client("operator")
+    (night,) = (await client.get("/api/sites/agv/nights")).json()["nights"]
+    assert (night["frames"], night["bytes"]) == (1, len(data))
+    (frame,) = (await client.get("/api/sites/agv/frames")).json()["frames"]
+    assert frame["target"] == "M 31"
+    assert frame["night"] == night["night"]
+    assert frame["problems"] == []
+    assert (frame["width"], frame["height"], frame["exposure_s"]) == (80, 60, 30.0)
+    answer = await client.get(f"/api/sites/agv/frames/{frame['id']}/file")
+    assert answer.content == data
+    assert answer.headers["content-disposition"].startswith("attachment")
+    assert "sandbox" in answer.headers["content-security-policy"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with fits.open(io.BytesIO(answer.content)) as hdus:
+            hdus.verify("exception")
+            assert hdus[0].header["OBJECT"] == "M 31"
+    detail = (await client.get(f"/api/sites/agv/frames/{frame['id']}")).json()
+    assert sum(detail["histogram"]["counts"]) > 4000
+    assert 950 < detail["histogram"]["median"] < 1050
+    assert {"key": "OBJECT", "value": "M 31", "comment": ""} in detail["header"]
+    for stretch in ("asinh", "linear", "log"):
+        answer = await client.get(
+            f"/api/sites/agv/frames/{frame['id']}/preview", params={"stretch": stretch}
+        )
+        assert answer.headers["content-type"] == "image/png"
+        assert answer.content.startswith(b"\x89PNG")
+
+
+async def test_upload_goes_on_where_a_lost_link_left_it(hub, gateway) -> None:
+    data = fits_bytes() * 30
+    offer = offer_of(data)
+    await gateway.say(offer)
+    assert (await gateway.hear(UploadState)).below == 0
+    await send(gateway, data, offer, until=8 * MAX_PART)
+    await gateway.hear(UploadState, lambda each: each.below == 8 * MAX_PART)
+    await gateway.close()
+    again = await hub.gateway()
+    await again.hello()
+    await again.say(offer)
+    state = await again.hear(UploadState)
+    assert state.below == 8 * MAX_PART
+    await send(again, data, offer, state.below)
+    assert (await again.hear(UploadState, lambda each: each.done or each.again)).done
+
+
+async def test_part_that_does_not_follow_is_asked_for_again_once(gateway) -> None:
+    data = fits_bytes()
+    offer = offer_of(data)
+    await gateway.say(offer)
+    await gateway.hear(UploadState)
+    for _ in range(3):
+        await gateway.say(UploadPart(file=offer.file, offset=MAX_PART, data=b"x" * 100))
+    state = await gateway.hear(UploadState)
+    assert (state.again, state.below) == (True, 0)
+    await send(gateway, data, offer)
+    assert (await gateway.hear(UploadState)).done
+
+
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [(b"<svg onload='x'/>" * 500, "not a FITS file"), (b"", "not a FITS file")],
+)
+async def test_what_is_no_picture_is_refused_and_leaves_nothing(hub, gateway, data, reason) -> None:
+    state = await upload(gateway, data)
+    assert reason in state.refused
+    assert [*hub.settings.data.glob("uploads/**/*.part")] == []
+    assert [*hub.settings.data.glob("archive/**/*.fits")] == []
+
+
+async def test_file_of_an_unknown_kind_or_too_large_is_refused_before_it_comes(gateway) -> None:
+    await gateway.say(offer_of(b"x", kind="exe"))
+    assert "'exe'" in (await gateway.hear(UploadState)).refused
+    large = UploadOffer(file="1" * 32, kind="fits", size=2**40, digest="0" * 64)
+    await gateway.say(large)
+    assert "more than" in (await gateway.hear(UploadState)).refused
+
+
+async def test_damaged_file_is_not_kept_but_asked_for_again(gateway) -> None:
+    data = fits_bytes()
+    offer = offer_of(data)
+    await gateway.say(offer)
+    await gateway.hear(UploadState)
+    await send(gateway, b"\0" * len(data), offer)
+    assert (await gateway.hear(UploadState)).again
+    await send(gateway, data, offer)
+    assert (await gateway.hear(UploadState)).done
+
+
+async def test_same_picture_twice_is_kept_once(hub, gateway) -> None:
+    data = fits_bytes()
+    assert (await upload(gateway, data)).done
+    await gateway.say(offer_of(data, "2" * 32))
+    state = await gateway.hear(UploadState)
+    await send(gateway, data, offer_of(data, "2" * 32), state.below)
+    assert (await gateway.hear(UploadState, lambda each: each.done)).done
+    client = await hub.client("operator")
+    assert len((await client.get("/api/sites/agv/frames")).json()["frames"]) == 1
+
+
+async def test_pictures_are_found_by_target_filter_date_and_place(hub, gateway) -> None:
+    for data in (
+        fits_bytes("M 31", "Red", 10.68, 41.27, seed=1),
+        fits_bytes("M31 halo", "Blue", 11.5, 41.0, seed=2),
+        fits_bytes("Pole", "Red", 200.0, 89.9, "2026-11-22T02:00:00", seed=3),
+        fits_bytes("50%_off", "Red", 359.99, 0.0, seed=4),
+    ):
+        assert (await upload(gateway, data)).done
+    client = await hub.client("operator")
+
+    async def found(**query) -> set[str]:
+        answer = await client.get("/api/sites/agv/frames", params=query)
+        assert answer.status_code == 200, answer.text
+        return {each["target"] for each in answer.json()["frames"]}
+
+    assert await found() == {"M 31", "M31 halo", "Pole", "50%_off"}
+    assert await found(target="m 31") == {"M 31"}
+    assert await found(target="%") == {"50%_off"}
+    assert await found(filter="Blue") == {"M31 halo"}
+    assert await found(ra=10.7, dec=41.3, radius=0.1) == {"M 31"}
+    assert await found(ra=10.7, dec=41.3, radius=2) == {"M 31", "M31 halo"}
+    assert await found(ra=20.0, dec=89.95, radius=0.5) == {"Pole"}
+    assert await found(ra=0.01, dec=0.0, radius=0.1) == {"50%_off"}
+    assert await found(target="' OR 1=1 --") == set()
+    nights = (await client.get("/api/sites/agv/nights")).json()["nights"]
+    assert [each["frames"] for each in nights] == [1, 3]
+    assert await found(night=nights[0]["night"]) == {"Pole"}
+    answer = await client.get("/api/sites/agv/frames", params={"limit": 2})
+    assert (len(answer.json()["frames"]), answer.json()["more"]) == (2, True)
+
+
+@pytest.mark.parametrize(
+    "query",
+    [{"ra": 1.0}, {"ra": 361, "dec": 0}, {"ra": "nan", "dec": 0}, {"limit": 0}, {"radius": 0}],
+)
+async def test_search_that_makes_no_sense_says_so(hub, gateway, query) -> None:
+    client = await hub.client("operator")
+    assert (await client.get("/api/sites/agv/frames", params=query)).status_code == 422
+
+
+async def test_picture_of_a_camera_one_may_not_see_is_as_if_it_were_not_there(hub, gateway) -> None:
+    assert (await upload(gateway, fits_bytes(), device="camera")).done
+    operator, guest = await hub.client("operator"), await hub.client("guest")
+    (frame,) = (await operator.get("/api/sites/agv/frames")).json()["frames"]
+    assert (await guest.get("/api/sites/agv/frames")).json()["frames"] == []
+    assert (await guest.get("/api/sites/agv/nights")).json()["nights"] == []
+    for tail in ("", "/file", "/preview"):
+        asked = await guest.get(f"/api/sites/agv/frames/{frame['id']}{tail}")
+        assert asked.status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("utc", "zone", "night"),
+    [
+        ("2026-11-21T02:30:00", "UTC", "2026-11-20"),
+        ("2026-11-21T12:00:00", "UTC", "2026-11-21"),
+        ("2026-11-21T11:59:59", "UTC", "2026-11-20"),
+        # Noon on the wall, also in summer.
+        ("2026-07-01T10:00:00", "Europe/Madrid", "2026-07-01"),
+        ("2026-07-01T09:59:59", "Europe/Madrid", "2026-06-30"),
+        ("2026-11-21T02:30:00", "Pacific/Honolulu", "2026-11-20"),
+        ("2026-11-21T22:01:00", "Pacific/Honolulu", "2026-11-21"),
+    ],
+)
+def test_night_lasts_from_noon_to_noon_of_the_site(utc: str, zone: str, night: str) -> None:
+    at = datetime.fromisoformat(utc).replace(tzinfo=UTC)
+    assert night_of(round(at.timestamp() * 1e6), zone) == night
+
+
+def test_header_that_breaks_the_standard_is_kept_and_told(tmp_path) -> None:
+    data = bytearray(fits_bytes())
+    at = data.index(b"EXPTIME ")
+    data[at : at + 30] = b"exptime =                 30.0"
+    path = tmp_path / "a.fits"
+    path.write_bytes(data)
+    facts = facts_of(path)
+    assert facts.problems
+    assert (facts.width, facts.height) == (80, 60)
+
+
+def test_picture_cut_short_is_told(tmp_path) -> None:
+    path = tmp_path / "a.fits"
+    path.write_bytes(fits_bytes()[: 2880 + 5000])
+    assert any("truncated" in each for each in facts_of(path).problems)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.binary(max_size=200), st.integers(0, 3000))
+def test_hostile_files_end_in_our_own_error_or_in_facts(tmp_path_factory, noise, at) -> None:
+    data = bytearray(fits_bytes())
+    data[at : at + len(noise)] = noise
+    path = tmp_path_factory.mktemp("hostile") / "a.fits"
+    path.write_bytes(data)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            facts_of(path)
+            looks_of(path)
+            preview_of(path, "asinh")
+        except NotKept:
+            return
+
+
+def test_picture_without_any_finite_value_is_drawn_all_the_same(tmp_path) -> None:
+    path = tmp_path / "a.fits"
+    fits.PrimaryHDU(np.full((20, 20), np.nan, np.float32)).writeto(path)
+    assert math.isnan(looks_of(path).median)
+    assert preview_of(path, "log").startswith(b"\x89PNG")
+
+
+def test_picture_that_claims_more_pixels_than_anyone_has_is_refused(tmp_path) -> None:
+    data = fits_bytes().replace(
+        b"NAXIS1  =                   80", b"NAXIS1  =           8000000000"
+    )
+    path = tmp_path / "a.fits"
+    path.write_bytes(data)
+    with pytest.raises(NotKept):
+        facts_of(path)

@@ -1,0 +1,214 @@
+"""From what a probe found to a description: it runs as it is, whatever the robot calls things."""
+
+from __future__ import annotations
+
+import msgspec
+from hypothesis import given, settings, strategies as st
+
+from talaia.model.check import check
+from talaia.model.found import ActionFound, FieldFound, Found, ServiceFound, TopicFound
+from talaia.model.load import load_site
+from talaia.model.meaning import human, unit_in_comment, unit_in_name, word_of
+from talaia.model.propose import MAX_PRIMARY, propose
+from talaia.model.site import Signal, SignalType
+from talaia.model.unit import UNITS
+from talaia.model.write import written
+
+ODOMETRY = TopicFound(
+    topic="/odom",
+    type="nav_msgs/msg/Odometry",
+    publishers=1,
+    rate=50.0,
+    fields=tuple(
+        FieldFound(path, "number", unit)
+        for path, unit in (
+            ("pose.pose.position.x", "m"),
+            ("pose.pose.position.y", "m"),
+            ("pose.pose.position.z", "m"),
+            ("twist.twist.linear.x", "m/s"),
+            ("twist.twist.angular.z", "rad/s"),
+        )
+    ),
+)
+CMD_VEL = TopicFound(topic="/cmd_vel", type="geometry_msgs/msg/Twist", subscribers=1)
+STOP = TopicFound(topic="/e_stop", type="std_msgs/msg/Bool", subscribers=1)
+IMAGE = TopicFound(
+    topic="/front/image_raw/compressed", type="sensor_msgs/msg/CompressedImage", publishers=1
+)
+
+
+def found(*topics: TopicFound, **more: object) -> Found:
+    base = Found(talaia_probe=1, protocol="ros2", where="here", seconds=1.0, domain=0)
+    return msgspec.structs.replace(base, topics=topics, **more)
+
+
+def signals(*topics: TopicFound) -> dict[str, Signal]:
+    site = propose(found(*topics), "robot", "Robot", "UTC").site
+    return {
+        f"{device}/{word}": signal
+        for device, each in site.devices.items()
+        for word, signal in each.signals.items()
+    }
+
+
+names = st.text(max_size=30)
+parts = st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,20}", fullmatch=True)
+topic_names = st.lists(parts, min_size=1, max_size=4).map(lambda each: "/" + "/".join(each))
+types = st.sampled_from(
+    [
+        "std_msgs/msg/String",
+        "std_msgs/msg/Float64",
+        "sensor_msgs/msg/Image",
+        "sensor_msgs/msg/BatteryState",
+        "sensor_msgs/msg/NavSatFix",
+        "nav_msgs/msg/Odometry",
+        "geometry_msgs/msg/Twist",
+        "geometry_msgs/msg/PoseStamped",
+        "own_msgs/msg/Thing",
+    ]
+)
+fields = st.builds(
+    FieldFound,
+    path=st.lists(parts.filter(lambda each: each[0] != "_"), min_size=1, max_size=3).map(".".join),
+    type=st.sampled_from(["number", "integer", "boolean", "text"]),
+    unit=st.sampled_from(sorted(UNITS)),
+    scale=st.sampled_from([1.0, 100.0]),
+    name=names,
+    empty=st.booleans(),
+).map(lambda each: msgspec.structs.replace(each, unit="" if each.type == "text" else each.unit))
+topics = st.builds(
+    TopicFound,
+    topic=topic_names,
+    type=types,
+    publishers=st.integers(0, 2),
+    subscribers=st.integers(0, 2),
+    rate=st.floats(0, 1000),
+    fields=st.lists(fields, max_size=6).map(tuple),
+    names=st.lists(names.filter(str.strip), max_size=3).map(tuple),
+    left_out=st.lists(names, max_size=2).map(tuple),
+)
+asked = st.tuples(topic_names, st.lists(fields, max_size=4).map(tuple))
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.lists(topics, max_size=12, unique_by=lambda each: each.topic),
+    st.lists(asked, max_size=3),
+    st.lists(asked, max_size=2),
+)
+def test_whatever_was_found_the_description_is_right_and_reads_back_as_written(
+    published: list[TopicFound], services: list[tuple], actions: list[tuple]
+) -> None:
+    made = propose(
+        found(
+            *published,
+            services=tuple(ServiceFound(name, "own_msgs/srv/Do", of) for name, of in services),
+            actions=tuple(ActionFound(name, "own_msgs/action/Go", of) for name, of in actions),
+        ),
+        "robot",
+        "Robot",
+        "UTC",
+    )
+    if made.site.devices:
+        assert check(made.site) == []
+    read = load_site(written(made.site, made.left_out))
+    assert msgspec.to_builtins(read) == msgspec.to_builtins(made.site)
+
+
+def test_a_robot_that_listens_to_velocities_can_be_driven_carefully() -> None:
+    site = propose(found(ODOMETRY, CMD_VEL, STOP, IMAGE), "robot", "Robot", "UTC").site
+    drive = site.devices["base"].drive
+    assert drive is not None
+    assert drive.topic == "/cmd_vel"
+    assert drive.max_speed <= 0.2
+    assert drive.stop.topic == "/e_stop"
+    assert set(drive.stop.confirmed_by) == {"base/speed", "base/turn_rate"}
+    assert drive.picture == "front_camera/front" or drive.picture.endswith("/front")
+    assert drive.position == "base/pose"
+
+
+def test_a_position_is_one_signal_and_its_height_another() -> None:
+    made = signals(ODOMETRY)
+    assert made["base/pose"].type is SignalType.POSITION
+    heights = [each for each in made.values() if each.source.field == "pose.pose.position.z"]
+    assert [each.unit for each in heights] == ["m"]
+    assert not any(each.source.field == "pose.pose.position.x" for each in made.values())
+
+
+def test_each_name_on_cloudconnects_metric_is_a_signal() -> None:
+    metric = TopicFound(
+        topic="/metric",
+        type="std_msgs/msg/String",
+        publishers=1,
+        fields=(FieldFound("data", "text"),),
+        names=("speed1", "ultrasonic2"),
+    )
+    made = signals(metric)
+    assert {each.source.name for each in made.values()} == {"speed1", "ultrasonic2"}
+    assert {each.name for each in made.values()} == {"Speed 1", "Ultrasonic 2"}
+
+
+def test_a_robot_that_listens_to_cloudconnects_keys_is_driven_by_them() -> None:
+    control = TopicFound(topic="/control", type="std_msgs/msg/String", subscribers=1)
+    site = propose(found(ODOMETRY, control), "robot", "Robot", "UTC").site
+    drive = site.devices["base"].drive
+    assert drive is not None
+    assert drive.message == "std_msgs/msg/String"
+
+
+def test_at_most_a_dozen_are_on_the_first_page_and_the_telling_ones_come_first() -> None:
+    many = TopicFound(
+        topic="/plc",
+        type="own_msgs/msg/Plc",
+        publishers=1,
+        fields=tuple(FieldFound(f"value{index}", "number") for index in range(40)),
+    )
+    battery = TopicFound(
+        topic="/battery",
+        type="sensor_msgs/msg/BatteryState",
+        publishers=1,
+        fields=(
+            FieldFound("percentage", "number", "%", 100.0),
+            FieldFound("temperature", "number", "°C", empty=True),
+        ),
+    )
+    made = signals(many, battery)
+    first = [address for address, each in made.items() if each.primary]
+    assert len(first) == MAX_PRIMARY
+    assert "power/charge_level" in first
+    assert "power/temperature" not in first
+    assert made["power/charge_level"].scale == 100.0
+
+
+def test_a_name_with_a_line_end_stays_a_comment_and_a_value() -> None:
+    evil = TopicFound(
+        topic="/evil",
+        type="own_msgs/msg/Evil",
+        publishers=1,
+        fields=(FieldFound("a", "number", name="x\ninterlocks: {}\n"),),
+        left_out=("b\ntalaia: 2",),
+    )
+    made = propose(found(evil), "robot", "Robot", "UTC")
+    text = written(made.site, made.left_out)
+    assert load_site(text) == made.site
+    assert "\ntalaia: 2" not in text
+
+
+def test_units_are_read_from_names_and_comments() -> None:
+    assert unit_in_name("wheel_speed_mps").unit == "m/s"
+    assert unit_in_name("motorTemperature").unit == "°C"
+    assert unit_in_name("m") is None
+    assert unit_in_name("mode") is None
+    assert unit_in_comment("speed over ground [m/s]").unit == "m/s"
+    assert unit_in_comment("Temperature in Degrees Celsius").unit == "°C"
+    assert unit_in_comment("as in the manual (see there)") is None
+
+
+@given(st.text())
+def test_any_text_becomes_a_word_of_an_address_and_a_name(text: str) -> None:
+    word = word_of(text)
+    assert word.isascii()
+    assert word[0].isalpha()
+    assert word == word.lower()
+    assert len(word) <= 63
+    assert "\n" not in human(text)

@@ -1,0 +1,97 @@
+"""The sky's own small formulas against astropy's."""
+
+from __future__ import annotations
+
+import warnings
+
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from talaia.model import sky
+from talaia.sim.observatory.servers import MONTSEC
+
+# Some moments for which leap seconds are known (s since 1970).
+MOMENTS = (1_500_000_000.0, 1_700_000_000.0, 1_795_260_000.0)
+
+
+def astropy_place():
+    astropy = pytest.importorskip("astropy")
+    del astropy
+    from astropy import units
+    from astropy.coordinates import EarthLocation
+    from astropy.utils import data, iers
+
+    iers.conf.auto_download = False
+    iers.conf.auto_max_age = None
+    data.conf.allow_internet = False
+    return EarthLocation(
+        lat=MONTSEC.latitude * units.deg,
+        lon=MONTSEC.longitude * units.deg,
+        height=MONTSEC.elevation * units.m,
+    )
+
+
+@pytest.mark.parametrize("unix", MOMENTS)
+def test_sidereal_time_agrees_with_astropys_within_two_seconds(unix: float) -> None:
+    place = astropy_place()
+    from astropy.time import Time
+
+    theirs = Time(unix, format="unix", location=place).sidereal_time("mean").hour
+    ours = sky.sidereal_hours(sky.julian_day(unix), MONTSEC.longitude)
+    assert abs((ours - theirs + 12) % 24 - 12) * 3600 < 2
+
+
+@pytest.mark.parametrize("unix", MOMENTS)
+@pytest.mark.parametrize(("ra", "dec"), [(0.7373, 41.42), (5.6, -5.39), (18.6, 38.8)])
+def test_horizon_coordinates_agree_with_astropys_within_a_minute_of_arc(
+    unix: float, ra: float, dec: float
+) -> None:
+    place = astropy_place()
+    from astropy import units
+    from astropy.coordinates import TETE, AltAz, SkyCoord
+    from astropy.time import Time
+
+    when = Time(unix, format="unix")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        at = SkyCoord(
+            ra * 15 * units.deg, dec * units.deg, frame=TETE(obstime=when, location=place)
+        )
+        theirs = at.transform_to(AltAz(obstime=when, location=place))
+    ours = sky.altaz(ra, dec, MONTSEC, sky.julian_day(unix))
+    other = sky.Horizontal(theirs.alt.deg, theirs.az.deg)
+    assert sky.separation(ours, other) < 1 / 60
+
+
+@pytest.mark.parametrize("unix", MOMENTS)
+def test_the_sun_stands_where_astropy_sees_it_within_a_minute_of_arc(unix: float) -> None:
+    place = astropy_place()
+    from astropy.coordinates import TETE, get_sun
+    from astropy.time import Time
+
+    when = Time(unix, format="unix")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        theirs = get_sun(when).transform_to(TETE(obstime=when, location=place))
+    ra, dec = sky.sun(sky.julian_day(unix))
+    away = sky.separation(
+        sky.Horizontal(dec, ra * 15), sky.Horizontal(theirs.dec.deg, theirs.ra.deg)
+    )
+    assert away < 1 / 60
+
+
+def test_precession_carries_meeus_example_of_theta_persei() -> None:
+    # Example 21.b, with the proper motion to 2028 November 13.19 already added.
+    ra, dec = sky.precess(41.054063 / 15, 49.227750, sky.J2000, 2462088.69)
+    assert ra * 15 == pytest.approx(41.547214, abs=1e-5)
+    assert dec == pytest.approx(49.348483, abs=1e-5)
+
+
+@given(st.floats(-89, 89), st.floats(0, 359.9), st.sampled_from(MOMENTS), st.floats(-80, 80))
+@settings(max_examples=200)
+def test_to_the_sky_and_back_is_the_same_place(
+    alt: float, az: float, unix: float, latitude: float
+) -> None:
+    place, jd = sky.Place(latitude, 12.0), sky.julian_day(unix)
+    back = sky.altaz(*sky.radec(alt, az, place, jd), place, jd)
+    assert sky.separation(back, sky.Horizontal(alt, az)) < 1e-6

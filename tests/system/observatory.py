@@ -1,0 +1,90 @@
+"""A simulated observatory and the gateway beside it, without any hub."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from talaia.sim import domain
+
+from .stack import SOURCE, Process, until
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
+SPEED = 4
+
+
+class Observatory:
+    """Processes of one observatory in a folder; the hub's port is one where nobody answers."""
+
+    def __init__(self, folder: Path, description: str = "") -> None:
+        """Start the simulator; see `start_gateway`."""
+        self.folder = folder
+        self._world = domain.reserve()
+        self.environment = domain.environment(self._world.domain)
+        self.ledger_file = folder / "ledger.jsonl"
+        (folder / "site.yaml").write_text(description or EXAMPLE.read_text())
+        (folder / "key").write_text("a-key-that-no-hub-knows-of-forty-letters")
+        self.parts: list[Process] = [self._simulator()]
+
+    def _simulator(self, *more: str) -> Process:
+        words = ["-m", "talaia", "sim", "observatory", "--speed", str(SPEED)]
+        words += ["--domain", str(self._world.domain), "--log", str(self.ledger_file), *more]
+        return Process(words, self.folder / "sim.log", self.environment)
+
+    def start_gateway(self, *more: str) -> Process:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            nobody = probe.getsockname()[1]
+        words = ["-m", "talaia", "gateway", str(self.folder / "site.yaml"), "--allow-plain"]
+        words += ["--hub", f"ws://127.0.0.1:{nobody}", "--key-file", str(self.folder / "key")]
+        words += ["--data", str(self.folder / "gateway"), *more]
+        words += ["--ros-domain", str(self._world.domain)]
+        gateway = Process(words, self.folder / "gateway.log", self.environment)
+        self.parts.append(gateway)
+        return gateway
+
+    @property
+    def words(self) -> list[str]:
+        """The prefix of a client's words, in place of ``ros2 run``."""
+        return [sys.executable, "-m", "talaia", "sim", "run"]
+
+    def client(self, *words: str, within: float = 60) -> str:
+        """What a client of a person on site says."""
+        done = subprocess.run(
+            [*self.words, *words],
+            capture_output=True, text=True, timeout=within, check=False,
+            env={**os.environ, "PYTHONPATH": str(SOURCE), **self.environment},
+        )  # fmt: skip
+        return done.stdout
+
+    def fault(self, words: str) -> None:
+        assert words in self.client("observatory_servcli", "client", "fault", *words.split())
+
+    def ledger(self) -> list[dict[str, Any]]:
+        return [json.loads(line) for line in self.ledger_file.read_text().splitlines()]
+
+    def asked(self, device: str, what: str, since: int = 0) -> list[dict[str, Any]]:
+        """What a server was asked after a moment (monotonic, ns)."""
+        return [
+            each
+            for each in self.ledger()
+            if each["device"] == device and each["asked"] == what and each["t"] > since
+        ]
+
+    def note(self, words: str) -> list[str]:
+        """What the gateway has said with these words in it."""
+        said = (self.folder / "gateway.log").read_text()
+        return [line for line in said.splitlines() if words in line]
+
+    async def told(self, words: str, within: float) -> None:
+        await until(lambda: self.note(words), within, words)
+
+    def close(self) -> None:
+        for part in reversed(self.parts):
+            part.end()
+        self._world.release()

@@ -1,0 +1,176 @@
+"""Two robot protocols in one site, as a person sees them: one is lost, and the other goes on."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import socket
+import subprocess
+import time
+import xmlrpc.client
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page as BrowserPage, expect, sync_playwright
+
+from .conftest import CHROMIUM_FLAGS, missing
+from .stack import PASSWORD, SITE, Stack
+
+pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(120)]
+
+PYTHON, ROSMASTER = "/usr/bin/python3", "/usr/bin/rosmaster"
+DESCRIPTION = """\
+talaia: 1
+site: faults
+name: Two sides
+connections:
+  new: {kind: ros2}
+  old: {kind: ros1, master: "http://127.0.0.1:%d"}
+devices:
+  base:
+    name: Base
+    connection: new
+    signals:
+      wheel1: {name: Speed, source: {topic: /metric, type: std_msgs/msg/String, name: wheel1}}
+  tank:
+    name: Tank
+    connection: old
+    signals:
+      level:
+        name: Level
+        unit: m
+        max_age: 60
+        source: {topic: /level, type: std_msgs/msg/Float64, field: data}
+"""
+NODE = """
+import rospy
+from std_msgs.msg import Float64
+rospy.init_node("tank", disable_signals=True)
+said = rospy.Publisher("/level", Float64, queue_size=1)
+while True:
+    said.publish(Float64(1.25))
+    rospy.sleep(0.1)
+"""
+
+
+class Ros1:
+    """A master and a node of Debian's, that are started and killed together."""
+
+    def __init__(self, home: Path) -> None:  # noqa: D107
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        self.uri = f"http://127.0.0.1:{self.port}"
+        self._environment = {
+            "PATH": "/usr/bin:/bin", "ROS_MASTER_URI": self.uri, "ROS_IP": "127.0.0.1",
+            "ROS_HOME": str(home), "HOME": str(home),
+        }  # fmt: skip
+        self._running: list[subprocess.Popen[bytes]] = []
+
+    def start(self) -> None:
+        self._run(ROSMASTER, "--core", "-p", str(self.port))
+        until = time.monotonic() + 20
+        while True:
+            with contextlib.suppress(OSError), xmlrpc.client.ServerProxy(self.uri) as proxy:
+                proxy.getPid("/test")
+                break
+            assert time.monotonic() < until, "rosmaster does not answer"
+        self._run("-c", NODE)
+
+    def _run(self, *words: str) -> None:
+        self._running.append(
+            subprocess.Popen([PYTHON, *words], env=self._environment, stdout=subprocess.DEVNULL)
+        )
+
+    def kill(self) -> None:
+        for process in self._running:
+            process.kill()
+            process.wait()
+        self._running.clear()
+
+
+@pytest.fixture
+def ros1(tmp_path: Path) -> Iterator[Ros1]:
+    if not Path(ROSMASTER).exists() or not Path("/usr/lib/python3/dist-packages/rospy").exists():
+        missing("ROS 1 (python3-rospy, python3-rosmaster)")
+    one = Ros1(tmp_path)
+    one.start()
+    yield one
+    one.kill()
+
+
+@pytest.fixture
+def stack(ros1: Ros1, tmp_path: Path) -> Iterator[Stack]:
+    for module in ("rclpy", "mujoco"):
+        if not __import__("importlib.util").util.find_spec(module):
+            missing(module)
+    folder = tmp_path / "stack"
+    folder.mkdir()
+    running = Stack(folder, DESCRIPTION % ros1.port, {"boss": "admin"})
+    try:
+        asyncio.run(running.ready())
+        yield running
+    finally:
+        running.close()
+
+
+@pytest.fixture
+def shown(chromium: str, stack: Stack) -> Iterator[BrowserPage]:
+    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
+    with sync_playwright() as play:
+        chrome: Browser = play.chromium.launch(
+            executable_path=chromium, args=CHROMIUM_FLAGS, env=clean
+        )
+        page = chrome.new_context(viewport={"width": 1440, "height": 900}).new_page()
+        page.goto(f"{stack.address}/login")
+        page.get_by_label("Name").fill("boss")
+        page.get_by_label("Password").fill(PASSWORD)
+        page.get_by_role("button", name="Sign in").click()
+        page.wait_for_url("**/home")
+        yield page
+        chrome.close()
+
+
+def picture(shown: BrowserPage, name: str) -> None:
+    """Keep what is on screen, where the person who runs the tests wants to look at it."""
+    folder = os.environ.get("TALAIA_PICTURES")
+    if folder:
+        shown.screenshot(path=Path(folder) / f"{name}.png")
+
+
+def test_a_lost_robot_is_unknown_within_two_seconds_and_the_other_goes_on(
+    shown: BrowserPage, stack: Stack, ros1: Ros1
+) -> None:
+    shown.goto(f"{stack.address}/sites/{SITE}/devices/tank")
+    level = shown.locator("t-chart-tile", has_text="Level")
+    expect(level).to_contain_text("1.25", timeout=30_000)
+    lost = time.monotonic()
+    ros1.kill()
+    expect(level.locator("t-status")).to_have_text("not reached", timeout=5_000)
+    took = time.monotonic() - lost
+    # Its values may be a minute old by the description, and yet.
+    assert took < 2.0
+    where = shown.locator(".where")
+    expect(where).to_contain_text("no ROS master answers")
+    expect(level.locator("t-value").first).to_have_text("–")
+    picture(shown, "not-reached-desktop")
+    shown.set_viewport_size({"width": 390, "height": 844})
+    picture(shown, "not-reached-phone")
+    shown.emulate_media(color_scheme="dark")
+    picture(shown, "not-reached-phone-dark")
+    shown.set_viewport_size({"width": 1440, "height": 900})
+    shown.emulate_media(color_scheme="light")
+    shown.goto(f"{stack.address}/devices")
+    tank, base = (
+        shown.locator("a.device", has=shown.get_by_role("heading", name=name))
+        for name in ("Tank", "Base")
+    )
+    expect(tank.locator("t-status")).to_have_text("not reached")
+    expect(base.locator("t-status")).not_to_have_text("not reached")
+    picture(shown, "not-reached-devices")
+    ros1.start()
+    shown.goto(f"{stack.address}/sites/{SITE}/devices/tank")
+    expect(level.locator("t-status")).to_have_text("live", timeout=30_000)
+    expect(level).to_contain_text("1.25")

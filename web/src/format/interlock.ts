@@ -1,0 +1,14 @@
+/** Why something cannot be asked now, and who can help. */
+
+import type { InterlockNews } from "../generated/wire.js";
+
+/** One or two sentences for beside the button that is locked. */
+export function lockWords(news: InterlockNews): string {
+  const why = news.unsafe ? (news.why === "" ? "unsafe now" : news.why) : "safe now, but not for long enough yet";
+  return `Locked by ${news.name}: ${why}. ${wayOut(news)}`.trim();
+}
+
+function wayOut(news: InterlockNews): string {
+  if (news.longest_s > 0) return "You can override it in the bar at the top.";
+  return news.overridable ? "An admin can override it." : "";
+}

@@ -1,0 +1,247 @@
+/** One picture of the archive: drawn, with its histogram, its facts and its header. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { LoadController } from "../../controllers/load.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { adviceFor } from "../../format/problem.js";
+import { apiContext } from "../../state/contexts.js";
+import {
+  ArchiveApi,
+  filePath,
+  previewPath,
+  STRETCHES,
+  type FrameDetail,
+  type FrameRow,
+  type Histogram,
+  type Stretch,
+} from "../../wire/archive.js";
+import type { HubApi } from "../../wire/http.js";
+import { formatBytes, skyPlace } from "./query.js";
+import "../../elements/button.js";
+import "../../elements/choice.js";
+import "../../elements/histogram.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../../elements/time.js";
+
+const DRAWN_PX = 1024;
+
+/** The ways to stretch a picture, as a choice shows them. */
+const STRETCH_OPTIONS = STRETCHES.map((id) => ({ id, label: id }));
+
+/** @fires t-close when it is to be closed */
+@customElement("t-frame-detail")
+export class FrameDetailSheet extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .split {
+        display: grid;
+        grid-template-columns: minmax(0, 3fr) minmax(16rem, 2fr);
+        gap: var(--t-space-5);
+        align-items: start;
+      }
+      img {
+        display: block;
+        inline-size: 100%;
+        max-block-size: 75vh;
+        object-fit: contain;
+        background: #000;
+        border-radius: var(--t-radius-s);
+      }
+      .side {
+        display: grid;
+        gap: var(--t-space-4);
+        min-inline-size: 0;
+      }
+      dl {
+        display: grid;
+        grid-template-columns: auto minmax(0, 1fr);
+        gap: var(--t-space-1) var(--t-space-4);
+        margin: 0;
+      }
+      dt {
+        color: var(--t-muted);
+      }
+      dd {
+        margin: 0;
+        overflow-wrap: anywhere;
+        font-variant-numeric: tabular-nums;
+      }
+      .file {
+        display: inline-flex;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        padding-inline: var(--t-space-3);
+        font-weight: var(--t-weight-strong);
+      }
+      summary {
+        min-block-size: var(--t-touch);
+        align-content: center;
+        cursor: pointer;
+        font-weight: var(--t-weight-strong);
+      }
+      .cards {
+        overflow: auto;
+        max-block-size: 24rem;
+        font-family: var(--t-mono, monospace);
+        font-size: var(--t-size-s);
+      }
+      .cards td {
+        padding: 0 var(--t-space-3) 0 0;
+        vertical-align: top;
+        white-space: nowrap;
+      }
+      @media (max-width: 60rem) {
+        .split {
+          grid-template-columns: minmax(0, 1fr);
+        }
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property() frame = "";
+  @property() zone = "UTC";
+  @state() private stretch: Stretch = "asinh";
+  @state() private broken = false;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly detail = new LoadController<FrameDetail>(this);
+
+  override willUpdate(): void {
+    this.detail.ask(`${this.site} ${this.frame}`, () => new ArchiveApi(this.api, this.site).frame(this.frame));
+  }
+
+  override render(): TemplateResult {
+    const { result } = this.detail;
+    if (result.state === "failed") {
+      const advice = adviceFor(result.error, "this picture");
+      return html`<div class="sheet">
+        <t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>
+        <div class="actions"><t-button @click=${this.close}>Back to the list</t-button></div>
+      </div>`;
+    }
+    const found = this.detail.value;
+    if (found === undefined || found.frame.id !== this.frame) return html`<t-loading what="Loading the picture"></t-loading>`;
+    return html`<section class="sheet" aria-labelledby="name">
+      <div class="head">
+        <div>
+          <h2 id="name">${found.frame.target === "" ? "No target named" : found.frame.target}</h2>
+          <p class="muted">${found.frame.name}</p>
+        </div>
+        <div class="actions">
+          <a class="file" download=${found.frame.name} href=${filePath(this.site, this.frame)}
+            >Download FITS (${formatBytes(found.frame.bytes)})</a
+          >
+          <t-button @click=${this.close}>Close</t-button>
+        </div>
+      </div>
+      <div class="split">
+        <div class="side">
+          <t-choice
+            label="Stretch"
+            .options=${STRETCH_OPTIONS}
+            .chosen=${this.stretch}
+            @t-choose=${this.choose}
+          ></t-choice>
+          ${this.broken
+            ? html`<t-problem what="The picture cannot be drawn." how="Download the file to look at it."></t-problem>`
+            : html`<img
+                alt=${`The picture of ${found.frame.target || "no named target"}, drawn with the ${this.stretch} stretch`}
+                src=${previewPath(this.site, this.frame, this.stretch, DRAWN_PX)}
+                @error=${this.notDrawn}
+              />`}
+        </div>
+        <div class="side">${this.facts(found.frame)} ${this.values(found.histogram)} ${this.check(found.frame)}</div>
+      </div>
+      <details>
+        <summary>Header, ${found.header.length} cards</summary>
+        <div class="cards" tabindex="0" role="region" aria-label="FITS header">
+          <table>
+            ${map(
+              found.header,
+              (card) =>
+                html`<tr>
+                  <td>${card.key}</td>
+                  <td>${card.value}</td>
+                  <td class="muted">${card.comment}</td>
+                </tr>`,
+            )}
+          </table>
+        </div>
+      </details>
+    </section>`;
+  }
+
+  private facts(frame: FrameRow): TemplateResult {
+    const rows: [string, unknown][] = [
+      ["Taken", html`<t-time .us=${frame.time_us} .zone=${this.zone}></t-time>`],
+      ["Night of", frame.night],
+      ["Exposure", frame.exposure_s === null ? "–" : `${String(Number(frame.exposure_s.toPrecision(4)))} s`],
+      ["Frame", frame.kind],
+      ["Filter", frame.filter || "–"],
+      ["Place (J2000)", frame.ra_deg === null || frame.dec_deg === null ? "–" : skyPlace(frame.ra_deg, frame.dec_deg)],
+      ["Size", `${String(frame.width)} × ${String(frame.height)} px`],
+      ["Camera", frame.device],
+    ];
+    return html`<dl>${map(rows, ([name, value]) => html`<dt>${name}</dt><dd>${value}</dd>`)}</dl>`;
+  }
+
+  private values(histogram: Histogram): TemplateResult {
+    const shown = (value: number | null): string => (value === null ? "–" : String(Number(value.toPrecision(6))));
+    return html`<div>
+      <h3>Pixel values</h3>
+      <t-histogram
+        .counts=${histogram.counts}
+        .low=${histogram.low ?? Number.NaN}
+        .high=${histogram.high ?? Number.NaN}
+      ></t-histogram>
+      <p class="muted">
+        least ${shown(histogram.minimum)}, median ${shown(histogram.median)}, greatest ${shown(histogram.maximum)}, deviation
+        ${shown(histogram.deviation)}
+      </p>
+    </div>`;
+  }
+
+  private check(frame: FrameRow): unknown {
+    if (frame.problems.length === 0) {
+      return html`<t-status kind="ok" word="Follows the FITS standard (checked by astropy)"></t-status>`;
+    }
+    return html`<div>
+      <t-status kind="warn" word="Departs from the FITS standard"></t-status>
+      <ul>
+        ${map(frame.problems, (problem) => html`<li class="muted">${problem}</li>`)}
+      </ul>
+    </div>`;
+  }
+
+  private readonly choose = (event: CustomEvent<string>): void => {
+    this.stretch = STRETCHES.find((each) => each === event.detail) ?? "asinh";
+    this.broken = false;
+  };
+
+  private readonly notDrawn = (): void => {
+    this.broken = true;
+  };
+
+  private readonly again = (): void => {
+    this.detail.again();
+  };
+
+  private readonly close = (): void => {
+    this.dispatchEvent(new CustomEvent("t-close"));
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-frame-detail": FrameDetailSheet;
+  }
+}

@@ -1,0 +1,291 @@
+/** The archive of pictures of a site: by night, searched by target, filter, camera and place. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { adviceFor } from "../../format/problem.js";
+import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
+import { sitePath } from "../../state/router.js";
+import { ArchiveApi, previewPath, type FrameList, type FrameRow, type NightList } from "../../wire/archive.js";
+import type { HubApi } from "../../wire/http.js";
+import {
+  formatBytes,
+  frameQuery,
+  NO_FILTER,
+  placeProblem,
+  readFilter,
+  skyPlace,
+  writeFilter,
+  type ArchiveFilter,
+} from "./query.js";
+import "../../elements/button.js";
+import "../../elements/empty.js";
+import "../../elements/field.js";
+import "../../elements/icon.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../../elements/time.js";
+import "./frame-detail.js";
+
+const FIRST = 48;
+const MOST = 480;
+const SMALL_PX = 320;
+
+@customElement("t-page-archive")
+export class PageArchive extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      form {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(9.5rem, 100%), 1fr));
+        align-items: end;
+        gap: var(--t-space-3);
+      }
+      .frames {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(14rem, 100%), 1fr));
+        gap: var(--t-space-3);
+        margin: 0;
+        padding: 0;
+        list-style: none;
+      }
+      .frames a {
+        display: grid;
+        gap: var(--t-space-1);
+        block-size: 100%;
+        align-content: start;
+        padding: var(--t-space-3);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+        color: inherit;
+        text-decoration: none;
+      }
+      .frames a:hover {
+        background: var(--t-raised);
+      }
+      .frames img {
+        display: block;
+        inline-size: 100%;
+        aspect-ratio: 4 / 3;
+        object-fit: contain;
+        background: #000;
+        border-radius: var(--t-radius-s);
+      }
+      .small {
+        font-size: var(--t-size-s);
+      }
+      form .actions {
+        grid-column: span 2;
+      }
+      @media (max-width: 45rem) {
+        form {
+          grid-template-columns: 1fr 1fr;
+        }
+        .frames {
+          grid-template-columns: 1fr 1fr;
+        }
+        form .actions {
+          grid-column: 1 / -1;
+        }
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @state() private limit = FIRST;
+  @query("form") private readonly form!: HTMLFormElement;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly router = new StoreController(this, routerContext);
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly nights = new LoadController<NightList>(this);
+  private readonly found = new LoadController<FrameList>(this);
+
+  override willUpdate(): void {
+    const archive = new ArchiveApi(this.api, this.site);
+    this.nights.ask(this.site, () => archive.nights());
+    const asked = frameQuery(this.filter(), this.limit);
+    this.found.ask(`${this.site} ${asked}`, () => archive.find(asked));
+  }
+
+  override render(): TemplateResult {
+    const frame = new URLSearchParams(this.router.store?.search ?? "").get("frame") ?? "";
+    const nights = this.nights.value?.nights ?? [];
+    const total = nights.reduce((sum, night) => sum + night.frames, 0);
+    const bytes = nights.reduce((sum, night) => sum + night.bytes, 0);
+    return html`<div class="head">
+        <div>
+          <h1>Archive</h1>
+          <p class="muted">
+            ${this.nights.value === undefined
+              ? "Pictures that the cameras took, by night."
+              : `${String(total)} ${total === 1 ? "picture" : "pictures"} of ${String(nights.length)} ${nights.length === 1 ? "night" : "nights"}, ${formatBytes(bytes)}. A night lasts from noon to noon.`}
+          </p>
+        </div>
+      </div>
+      ${frame === ""
+        ? nothing
+        : html`<t-frame-detail .site=${this.site} .frame=${frame} .zone=${this.zone()} @t-close=${this.close}></t-frame-detail>`}
+      ${this.search()} ${this.trouble()} ${this.pictures()}`;
+  }
+
+  private search(): TemplateResult {
+    const filter = this.filter();
+    const nights = this.nights.value?.nights ?? [];
+    const problem = placeProblem(filter);
+    return html`<form class="sheet" @submit=${this.submit} @change=${this.changed}>
+      <t-field label="Night">
+        <select name="night">
+          <option value="">all</option>
+          ${map(
+            nights,
+            (one) =>
+              html`<option value=${one.night} .selected=${one.night === filter.night}>${one.night} (${one.frames})</option>`,
+          )}
+        </select>
+      </t-field>
+      <t-field label="Target"><input name="target" autocomplete="off" maxlength="200" .value=${filter.target} /></t-field>
+      <t-field label="Filter"><input name="filter" autocomplete="off" maxlength="200" .value=${filter.filter} /></t-field>
+      <t-field label="Camera"><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
+      <t-field label="RA (°, J2000)" error=${problem.startsWith("Right") || problem.startsWith("Give") ? problem : ""}>
+        <input name="ra" inputmode="decimal" autocomplete="off" .value=${filter.ra} />
+      </t-field>
+      <t-field label="Dec (°, J2000)" error=${problem.startsWith("Decl") ? problem : ""}>
+        <input name="dec" inputmode="decimal" autocomplete="off" .value=${filter.dec} />
+      </t-field>
+      <t-field label="Within (°)" error=${problem.startsWith("Radius") ? problem : ""}>
+        <input name="radius" inputmode="decimal" autocomplete="off" placeholder="1" .value=${filter.radius} />
+      </t-field>
+      <div class="actions">
+        <t-button type="submit">Search</t-button>
+        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.clear}>Clear</t-button>
+      </div>
+    </form>`;
+  }
+
+  private trouble(): unknown {
+    const { result } = this.found;
+    if (result.state !== "failed") return nothing;
+    const advice = adviceFor(result.error, "the archive");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+  }
+
+  private pictures(): unknown {
+    const found = this.found.value;
+    if (found === undefined) {
+      return this.found.result.state === "failed" ? nothing : html`<t-loading what="Loading the archive"></t-loading>`;
+    }
+    if (found.frames.length === 0) {
+      const all = writeFilter(this.filter()) === "";
+      return html`<t-empty heading=${all ? "No pictures yet" : "Nothing fits"} icon="camera">
+        <p>
+          ${all
+            ? "A picture comes here by itself after each exposure of a camera that you may see."
+            : "No picture is like this; take one of the words away."}
+        </p>
+      </t-empty>`;
+    }
+    return html`<ul class="frames" aria-label="Pictures" aria-busy=${this.found.result.state === "loading"}>
+        ${repeat(
+          found.frames,
+          (frame) => frame.id,
+          (frame) => this.card(frame),
+        )}
+      </ul>
+      ${found.more && this.limit < MOST
+        ? html`<div class="actions"><t-button @click=${this.more}>Show more</t-button></div>`
+        : nothing}`;
+  }
+
+  private card(frame: FrameRow): TemplateResult {
+    const exposure = frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(3)))} s`;
+    return html`<li>
+      <a href=${this.pathOf(frame.id)}>
+        <img alt="" loading="lazy" decoding="async" src=${previewPath(this.site, frame.id, "asinh", SMALL_PX)} />
+        <span class="name">${frame.target === "" ? "No target named" : frame.target}</span>
+        <span class="facts">
+          <span>${[frame.kind, frame.filter, exposure].filter(Boolean).join(" · ")}</span>
+        </span>
+        <span class="small"><t-time short .us=${frame.time_us} .zone=${this.zone()}></t-time></span>
+        ${frame.ra_deg === null || frame.dec_deg === null
+          ? nothing
+          : html`<span class="muted small">${skyPlace(frame.ra_deg, frame.dec_deg)}</span>`}
+        ${frame.problems.length === 0 ? nothing : html`<t-status kind="warn" word="departs from FITS"></t-status>`}
+      </a>
+    </li>`;
+  }
+
+  private zone(): string {
+    return this.sites.store?.zoneOf(this.site) ?? "UTC";
+  }
+
+  private filter(): ArchiveFilter {
+    return readFilter(this.router.store?.search ?? "");
+  }
+
+  private pathOf(frame: string, filter = this.filter()): string {
+    const asked = new URLSearchParams(writeFilter(filter));
+    if (frame !== "") asked.set("frame", frame);
+    const words = asked.toString();
+    return sitePath(this.site, "archive") + (words === "" ? "" : `?${words}`);
+  }
+
+  private readonly submit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    this.changed();
+  };
+
+  private readonly changed = (): void => {
+    const typed = new FormData(this.form);
+    const text = (key: string): string => {
+      const value = typed.get(key);
+      return typeof value === "string" ? value.trim() : "";
+    };
+    this.limit = FIRST;
+    this.router.store?.replace(
+      this.pathOf("", {
+        night: text("night"),
+        target: text("target"),
+        filter: text("filter"),
+        device: text("device"),
+        ra: text("ra"),
+        dec: text("dec"),
+        radius: text("radius"),
+      }),
+    );
+  };
+
+  private readonly clear = (): void => {
+    this.form.reset();
+    this.limit = FIRST;
+    this.router.store?.replace(this.pathOf("", NO_FILTER));
+  };
+
+  private readonly close = (): void => {
+    this.router.store?.go(this.pathOf(""));
+  };
+
+  private readonly more = (): void => {
+    this.limit = Math.min(MOST, this.limit * 2);
+  };
+
+  private readonly again = (): void => {
+    this.found.again();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-archive": PageArchive;
+  }
+}

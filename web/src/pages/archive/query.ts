@@ -1,0 +1,79 @@
+/** What of the archive is asked for, as the page's address and as the hub's question. Pure. */
+
+export interface ArchiveFilter {
+  /** Local date at which the night began; empty for all. */
+  readonly night: string;
+  readonly target: string;
+  readonly filter: string;
+  readonly device: string;
+  /** Degrees, J2000; both or neither. */
+  readonly ra: string;
+  readonly dec: string;
+  /** Degrees round it. */
+  readonly radius: string;
+}
+
+export const NO_FILTER: ArchiveFilter = { night: "", target: "", filter: "", device: "", ra: "", dec: "", radius: "" };
+const WORDS = ["night", "target", "filter", "device", "ra", "dec", "radius"] as const;
+
+/** Reads the page's address. */
+export function readFilter(search: string): ArchiveFilter {
+  const asked = new URLSearchParams(search);
+  const text = (key: (typeof WORDS)[number]): string => asked.get(key) ?? "";
+  return {
+    night: text("night"),
+    target: text("target"),
+    filter: text("filter"),
+    device: text("device"),
+    ra: text("ra"),
+    dec: text("dec"),
+    radius: text("radius"),
+  };
+}
+
+/** The filter as a query, for the address; empty for all. */
+export function writeFilter(filter: ArchiveFilter): string {
+  const asked = new URLSearchParams();
+  for (const key of WORDS) if (filter[key] !== "") asked.set(key, filter[key]);
+  return asked.toString();
+}
+
+/** Says what is wrong with a place on the sky as a person wrote it; empty when all is well. */
+export function placeProblem({ ra, dec, radius }: ArchiveFilter): string {
+  if (ra === "" && dec === "") return "";
+  if (ra === "" || dec === "") return "Give both right ascension and declination.";
+  if (!within(ra, 0, 360)) return "Right ascension: expected 0 to 360 degrees.";
+  if (!within(dec, -90, 90)) return "Declination: expected -90 to 90 degrees.";
+  if (radius !== "" && !within(radius, 0.001, 180)) return "Radius: expected 0.001 to 180 degrees.";
+  return "";
+}
+
+/** The hub's question. A place that makes no sense is left out: the page says so beside it. */
+export function frameQuery(filter: ArchiveFilter, limit: number): string {
+  const { ra, dec } = filter;
+  const placed = ra !== "" && dec !== "" && placeProblem(filter) === "";
+  const asked = new URLSearchParams(writeFilter(placed ? filter : { ...filter, ra: "", dec: "", radius: "" }));
+  asked.set("limit", String(limit));
+  return asked.toString();
+}
+
+function within(text: string, low: number, high: number): boolean {
+  const value = Number(text);
+  return text.trim() !== "" && Number.isFinite(value) && value >= low && value <= high;
+}
+
+/** An hour angle or degrees as people read a place: `00h 42m 44s`, `+41° 16′ 09″`. */
+export function skyPlace(raDeg: number, decDeg: number): string {
+  const seconds = Math.round((((raDeg % 360) + 360) % 360) * 240) % 86_400;
+  const arcseconds = Math.round(Math.abs(decDeg) * 3600);
+  const two = (value: number): string => String(value).padStart(2, "0");
+  const hours = `${two(Math.floor(seconds / 3600))}h ${two(Math.floor(seconds / 60) % 60)}m ${two(seconds % 60)}s`;
+  const degrees = `${two(Math.floor(arcseconds / 3600))}° ${two(Math.floor(arcseconds / 60) % 60)}′ ${two(arcseconds % 60)}″`;
+  return `${hours} ${decDeg < 0 ? "−" : "+"}${degrees}`;
+}
+
+/** A size as people read it. */
+export function formatBytes(bytes: number): string {
+  if (bytes < 1e6) return `${(bytes / 1e3).toFixed(0)} kB`;
+  return bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(2)} GB`;
+}

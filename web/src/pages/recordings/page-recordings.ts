@@ -1,0 +1,317 @@
+/** Recordings of a site's raw topics: begin and end one, look at the list, take one away. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { TickController } from "../../controllers/tick.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import type { StatusKind } from "../../elements/status.js";
+import { formatBytes } from "../../format/bytes.js";
+import { formatDuration } from "../../format/duration.js";
+import { formatNumber } from "../../format/number.js";
+import { adviceFor, isForbidden } from "../../format/problem.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import { sitePath } from "../../state/router.js";
+import type { HubApi } from "../../wire/http.js";
+import { recordingPath, RecordingsApi, type RecorderRow, type RecordingList, type RecordingRow } from "../../wire/recordings.js";
+import "../../elements/button.js";
+import "../../elements/confirm.js";
+import "../../elements/empty.js";
+import "../../elements/field.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../../elements/time.js";
+
+/** A recording that begins, comes or ends is seen this soon (s). */
+const AGAIN_S = 2;
+/** Beside a recording in the history, so much is shown on either side (s). */
+const AROUND_S = 10;
+
+const STATES: Readonly<Record<RecordingRow["state"], readonly [StatusKind, string]>> = {
+  uploading: ["busy", "on its way"],
+  complete: ["ok", "complete"],
+  failed: ["bad", "failed"],
+};
+
+@customElement("t-page-recordings")
+export class PageRecordings extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .span {
+        font-weight: var(--t-weight-strong);
+      }
+      .why {
+        overflow-wrap: anywhere;
+      }
+      .note {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        overflow-wrap: anywhere;
+      }
+      form {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: end;
+        gap: var(--t-space-3);
+      }
+      form label {
+        display: grid;
+        gap: var(--t-space-1);
+        flex: 1 1 16rem;
+        max-inline-size: 30rem;
+        font-weight: var(--t-weight-strong);
+      }
+      input {
+        min-block-size: var(--t-touch);
+        min-inline-size: 0;
+        padding-inline: var(--t-space-3);
+        border: 1px solid var(--t-line-strong, var(--t-line));
+        border-radius: var(--t-radius-s);
+        background: var(--t-raised);
+        color: var(--t-text);
+        font: inherit;
+        font-weight: normal;
+      }
+      .ways a {
+        display: inline-flex;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        padding-inline: var(--t-space-2);
+        font-weight: var(--t-weight-strong);
+      }
+      .ways {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-1) var(--t-space-2);
+      }
+    `,
+  ];
+
+  @property() site = "";
+
+  @state() private removing: RecordingRow | null = null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly known = new LoadController<RecordingList>(this);
+  private readonly action = new ActionController(this);
+  private why = "";
+
+  constructor() {
+    super();
+    new TickController(this);
+  }
+
+  override willUpdate(): void {
+    const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
+    this.known.ask(`${this.site} ${String(turn)}`, () => new RecordingsApi(this.api).list(this.site));
+  }
+
+  override render(): TemplateResult {
+    const known = this.known.value;
+    return html`<div class="head">
+        <div>
+          <h1>Recordings</h1>
+          <p class="muted">
+            Raw topics of ${this.sites.store?.row(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick
+            and <code>ros2 bag</code>.
+          </p>
+        </div>
+        <a href=${sitePath(this.site, "history")}>History</a>
+      </div>
+      ${this.trouble()} ${known === undefined ? this.waiting() : this.content(known)}`;
+  }
+
+  private trouble(): unknown {
+    const { result } = this.known;
+    const { problem } = this.action;
+    if (result.state === "failed") {
+      const advice = isForbidden(result.error)
+        ? { what: "You may not see this site's recordings.", how: "They hold all of its topics: ask an admin for the right to view the whole site." }
+        : adviceFor(result.error, "the recordings");
+      return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+    }
+    return problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`;
+  }
+
+  private waiting(): unknown {
+    return this.known.result.state === "failed" ? nothing : html`<t-loading what="Loading the recordings"></t-loading>`;
+  }
+
+  private content(known: RecordingList): TemplateResult {
+    const rows = known.recordings;
+    const total = rows.reduce((sum, row) => sum + row.have, 0);
+    return html`${this.recorder(known.recorder, known.zone)}
+      ${rows.length === 0
+        ? html`<t-empty heading="Nothing was recorded yet" icon="history">
+            <p>What is recorded at the gateway comes here by itself.</p>
+          </t-empty>`
+        : html`<section class="sheet" aria-label="Recordings">
+            <div class="facts"><span>${rows.length === 1 ? "1 recording" : `${String(rows.length)} recordings`}</span><span>${formatBytes(total)}</span></div>
+            <ul class="rows">
+              ${repeat(
+                rows,
+                (row) => row.id,
+                (row) => this.row(row, known),
+              )}
+            </ul>
+          </section>`}
+      <t-confirm
+        ?open=${this.removing !== null}
+        heading="Delete this recording?"
+        action="Delete"
+        ?busy=${this.action.busy}
+        .problem=${this.action.problem}
+        @t-confirm=${this.erase}
+        @t-close=${this.keep}
+      >
+        <p>${this.removing?.why ?? ""}</p>
+        <p>Its file is gone for good then; the history stays.</p>
+      </t-confirm>`;
+  }
+
+  private recorder(now: RecorderRow, zone: string): TemplateResult {
+    if (!now.described) {
+      return html`<section class="sheet" aria-label="Recorder">
+        <p class="muted">
+          The site description names nothing to record. With <code>recording: {}</code> in it, the gateway holds the last
+          30 seconds and keeps them when something happens.
+        </p>
+      </section>`;
+    }
+    return html`<section class="sheet" aria-label="Recorder">
+      <div class="ways">
+        ${now.on
+          ? html`<t-status kind="busy" word="recording"></t-status><span>since <t-time us=${now.since_us} zone=${zone}></t-time></span>`
+          : html`<t-status kind=${now.online ? "unknown" : "offline"} word=${now.online ? "not recording" : "gateway offline"}></t-status>`}
+      </div>
+      ${now.on ? html`<p class="why">${now.why}${now.who === "" ? "" : ` · ${now.who}`}</p>` : nothing}
+      ${now.problem === "" ? nothing : html`<t-problem what="The last recording failed." how=${now.problem}></t-problem>`}
+      ${now.may_record ? this.control(now) : nothing}
+      <details>
+        <summary>${now.topics.length === 1 ? "1 topic" : `${String(now.topics.length)} topics`}</summary>
+        <p class="note">${now.topics.join(", ")}</p>
+      </details>
+    </section>`;
+  }
+
+  private control(now: RecorderRow): TemplateResult {
+    if (now.on) {
+      return html`<div class="actions"><t-button kind="primary" ?busy=${this.action.under === "end"} @click=${this.end}>End the recording</t-button></div>`;
+    }
+    return html`<form @submit=${this.begin}>
+      <label
+        >Why (optional)
+        <input maxlength="500" autocomplete="off" .value=${this.why} @input=${this.typed} ?disabled=${!now.online} />
+      </label>
+      <t-button kind="primary" ?disabled=${!now.online} ?busy=${this.action.under === "begin"} @click=${this.begin}
+        >Record</t-button
+      >
+    </form>
+    <p class="note">
+      It begins ${formatDuration(now.before_s)} ago: so much is held at the gateway at all times.
+    </p>`;
+  }
+
+  private row(row: RecordingRow, known: RecordingList): TemplateResult {
+    const [kind, word] = STATES[row.state];
+    const { zone, recorder } = known;
+    const part = row.size > 0 ? row.have / row.size : 0;
+    const told = row.state === "uploading" ? `${word}, ${formatNumber(100 * part, 0)} %` : word;
+    return html`<li>
+      <div>
+        <div class="span">
+          <t-time us=${row.begin_us} zone=${zone}></t-time> – <t-time us=${row.end_us} zone=${zone}></t-time>
+        </div>
+        <div class="why">${row.why}${row.who === "" ? "" : ` · ${row.who}`}</div>
+        <div class="facts">
+          <t-status kind=${kind} word=${told}></t-status>
+          <span>${formatDuration((row.end_us - row.begin_us) / 1e6)}</span>
+          <span>${formatBytes(row.size)}</span>
+          ${row.messages === 0 ? nothing : html`<span>${formatNumber(row.messages, 0)} messages</span>`}
+        </div>
+        ${row.note === "" ? nothing : html`<div class="note">${row.note}</div>`}
+        ${row.topics.length === 0
+          ? nothing
+          : html`<details>
+              <summary>${row.topics.length === 1 ? "1 topic" : `${String(row.topics.length)} topics`}</summary>
+              <p class="note">${row.topics.join(", ")}</p>
+            </details>`}
+      </div>
+      <div class="ways">
+        ${row.state === "complete"
+          ? html`<a href=${recordingPath(this.site, row.id)} download aria-label=${`Download ${row.id}`}>Download</a>`
+          : nothing}
+        <a href=${this.around(row)} aria-label=${`The history around ${row.id}`}>History</a>
+        ${recorder.may_delete
+          ? html`<t-button label=${`Delete ${row.id}`} @click=${this.asker(row)}>Delete</t-button>`
+          : nothing}
+      </div>
+    </li>`;
+  }
+
+  /** The history page at the recording's time. */
+  private around(row: RecordingRow): string {
+    const from = row.begin_us - AROUND_S * 1e6;
+    const to = row.end_us + AROUND_S * 1e6;
+    return `${sitePath(this.site, "history")}?from=${String(from)}&to=${String(to)}`;
+  }
+
+  private readonly typed = (event: Event): void => {
+    if (event.target instanceof HTMLInputElement) this.why = event.target.value;
+  };
+
+  private readonly begin = (event: Event): void => {
+    event.preventDefault();
+    const api = new RecordingsApi(this.api);
+    void this.action
+      .run("begin the recording", () => api.record(this.site, true, this.why), "", "begin")
+      .then((done) => {
+        if (done) this.why = "";
+        this.known.again();
+      });
+  };
+
+  private readonly end = (): void => {
+    const api = new RecordingsApi(this.api);
+    void this.action.run("end the recording", () => api.record(this.site, false, ""), "", "end").then(() => {
+      this.known.again();
+    });
+  };
+
+  private asker(row: RecordingRow): () => void {
+    return () => {
+      this.action.clear();
+      this.removing = row;
+    };
+  }
+
+  private readonly erase = (): void => {
+    const row = this.removing;
+    if (row === null) return;
+    const api = new RecordingsApi(this.api);
+    void this.action.run("delete the recording", () => api.remove(this.site, row.id)).then((done) => {
+      if (done) this.removing = null;
+      this.known.again();
+    });
+  };
+
+  private readonly keep = (): void => {
+    this.removing = null;
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-recordings": PageRecordings;
+  }
+}

@@ -1,0 +1,152 @@
+/** How much room the history takes, signal by signal, and when there is none left. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { styled } from "../../elements/styled.js";
+import { formatBytes } from "../../format/bytes.js";
+import { adviceFor } from "../../format/problem.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import type { StorageUse } from "../../wire/accounts.js";
+import { AdminApi } from "../../wire/admin.js";
+import type { HubApi } from "../../wire/http.js";
+import { signalsOf } from "./signals.js";
+import { storageStyle } from "./storage-style.js";
+import { forecastText, warningOf } from "./words.js";
+import "../../elements/button.js";
+import "../../elements/empty.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../admin-tabs.js";
+import "./storage-table.js";
+
+@customElement("t-page-storage")
+export class PageStorage extends LitElement {
+  static override styles = [base, sheets, storageStyle];
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly use = new LoadController<StorageUse>(this);
+
+  override willUpdate(): void {
+    this.use.ask("storage", () => new AdminApi(this.api).storage());
+  }
+
+  override render(): TemplateResult {
+    const use = this.use.value;
+    return html`<t-admin-tabs page="storage"></t-admin-tabs>
+      <div class="head">
+        <h1>Storage</h1>
+        ${use === undefined ? nothing : html`<t-button ?busy=${this.use.result.state === "loading"} @click=${this.again}>Look again</t-button>`}
+      </div>
+      ${this.trouble()}
+      ${use !== undefined
+        ? this.content(use)
+        : this.use.result.state === "failed"
+          ? nothing
+          : html`<t-loading what="Adding up what is stored"></t-loading>`}`;
+  }
+
+  private trouble(): unknown {
+    const { result } = this.use;
+    if (result.state !== "failed") return nothing;
+    const advice = adviceFor(result.error, "what is stored");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+  }
+
+  private content(use: StorageUse): TemplateResult {
+    const signals = signalsOf(use.channels);
+    const zone = this.sites.store?.zone ?? "UTC";
+    const warning = warningOf(use, zone);
+    return html`<section class="sheet" aria-label="All of it">
+        ${facts(use)} ${use.free_bytes === null ? nothing : diskBar(use, use.free_bytes)}
+        <div class="forecast">
+          ${warning === null || warning.kind === "info"
+            ? nothing
+            : html`<t-status kind=${warning.kind === "bad" ? "bad" : "warn"} word=${warning.kind === "bad" ? "Act now" : "Soon full"}></t-status>`}
+          <p>${use.trouble === "" ? forecastText(use, zone) : warning?.text}</p>
+        </div>
+      </section>
+      ${signals.length === 0
+        ? html`<t-empty heading="Nothing is stored yet" icon="history"
+            ><p>A signal appears here once some ten thousand samples of it have come.</p></t-empty
+          >`
+        : html`<t-storage-table .signals=${signals} .zoneOf=${this.zoneOf}></t-storage-table>`}
+      <section class="sheet" aria-label="How to change it">
+        <h2>How long it is kept</h2>
+        <p>
+          For good, unless the site description at the gateway says otherwise: <code>keep: 30</code> at a signal keeps 30 days of it.
+          It takes effect when the gateway is started again with the changed description.
+        </p>
+        <p>
+          ${use.limit_bytes === 0 ? "There is no limit for all signals together" : `All signals together may take ${formatBytes(use.limit_bytes)}`}:
+          <code>talaia hub --history-gb 50</code> sets one of 50 GB, and then the oldest go first. Nothing else ever drops a sample.
+        </p>
+      </section>`;
+  }
+
+  private readonly zoneOf = (site: string): string => this.sites.store?.zoneOf(site) ?? "UTC";
+
+  private readonly again = (): void => {
+    this.use.again();
+  };
+}
+
+function facts(use: StorageUse): TemplateResult {
+  const rest = Math.max(0, use.database_bytes - use.blocks_bytes);
+  return html`<dl>
+    <div>
+      <dt>Samples</dt>
+      <dd class="large">${formatBytes(use.blocks_bytes)}</dd>
+      <dd class="muted">${use.limit_bytes === 0 ? "no limit" : `of at most ${formatBytes(use.limit_bytes)}`}</dd>
+    </div>
+    <div>
+      <dt>Rollups, indices and the rest</dt>
+      <dd class="large">${formatBytes(rest)}</dd>
+      ${use.spare_bytes === 0 ? nothing : html`<dd class="muted">and ${formatBytes(use.spare_bytes)} free inside the file</dd>`}
+    </div>
+    <div>
+      <dt>Growth</dt>
+      <dd class="large">${formatBytes(use.day_bytes)} a day</dd>
+      <dd class="muted">at the last week's rate</dd>
+    </div>
+    <div>
+      <dt>Free on the disk</dt>
+      ${use.free_bytes === null
+        ? html`<dd class="muted">not known: it is the database server's</dd>`
+        : html`<dd class="large">${formatBytes(use.free_bytes)}</dd>
+            <dd class="muted">of ${formatBytes(use.disk_bytes)}</dd>`}
+    </div>
+    <div>
+      <dt>Database</dt>
+      <dd>${use.kind}</dd>
+      <dd class="muted">${use.place}</dd>
+    </div>
+  </dl>`;
+}
+
+/** The disk: the history's part, what else is on it, and what is free. */
+function diskBar(use: StorageUse, free: number): TemplateResult {
+  const ours = use.database_bytes + use.spare_bytes;
+  const others = Math.max(0, use.disk_bytes - free - ours);
+  const part = (bytes: number): Readonly<Record<string, string>> => ({ "flex-basis": `${String((100 * bytes) / Math.max(1, use.disk_bytes))}%` });
+  return html`<div>
+    <div class="bar" role="img" aria-label=${`Of the disk ${formatBytes(ours)} are the database, ${formatBytes(others)} other things, ${formatBytes(free)} free`}>
+      <span class="ours" ${styled(part(ours))}></span><span class="others" ${styled(part(others))}></span>
+    </div>
+    <div class="key" aria-hidden="true">
+      <span>the database ${formatBytes(ours)}</span><span>other things ${formatBytes(others)}</span><span>free ${formatBytes(free)}</span>
+    </div>
+  </div>`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-storage": PageStorage;
+  }
+}

@@ -1,0 +1,183 @@
+import { css } from "lit";
+
+export const storageStyle = css`
+  dl {
+    display: grid;
+    grid-template-columns: repeat(auto-fit, minmax(9.5rem, 1fr));
+    gap: var(--t-space-4);
+    margin: 0;
+  }
+  dl > div {
+    display: grid;
+    align-content: start;
+    min-inline-size: 0;
+  }
+  dt {
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+    font-weight: var(--t-weight-strong);
+  }
+  dd {
+    margin: 0;
+    overflow-wrap: anywhere;
+    font-variant-numeric: tabular-nums;
+  }
+  dd.large {
+    font-size: var(--t-size-l);
+    font-weight: var(--t-weight-strong);
+  }
+  .bar {
+    display: flex;
+    block-size: 0.75rem;
+    border-radius: var(--t-radius-s);
+    background: var(--t-raised);
+    border: 1px solid var(--t-edge);
+    overflow: hidden;
+  }
+  .bar .ours {
+    background: var(--t-accent);
+  }
+  .bar .others {
+    background: repeating-linear-gradient(45deg, var(--t-edge) 0 2px, transparent 2px 5px);
+  }
+  .key {
+    display: flex;
+    flex-wrap: wrap;
+    gap: 0 var(--t-space-4);
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+  }
+  .forecast {
+    max-inline-size: 60rem;
+  }
+  code {
+    overflow-wrap: anywhere;
+  }
+`;
+
+export const storageTableStyle = css`
+  :host {
+    display: grid;
+    grid-template-columns: minmax(0, 1fr);
+    gap: var(--t-space-3);
+  }
+  .tools {
+    display: flex;
+    flex-wrap: wrap;
+    align-items: center;
+    gap: var(--t-space-2) var(--t-space-4);
+  }
+  input[type="search"] {
+    flex: 1 1 12rem;
+    max-inline-size: 22rem;
+  }
+  .sort {
+    display: none;
+    align-items: center;
+    gap: var(--t-space-2);
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+    font-weight: var(--t-weight-strong);
+  }
+  .table {
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
+    overflow: hidden;
+  }
+  .row {
+    display: grid;
+    grid-template-columns: minmax(0, 2.4fr) minmax(7rem, 1.2fr) 6rem 7rem minmax(11rem, 1.4fr) 6rem;
+    gap: var(--t-space-1) var(--t-space-4);
+    align-items: center;
+    padding: var(--t-space-2) var(--t-space-4);
+  }
+  .row + .row {
+    border-block-start: 1px solid var(--t-line);
+  }
+  .titles {
+    padding-block: 0;
+    background: var(--t-raised);
+  }
+  .titles button {
+    display: inline-flex;
+    align-items: center;
+    gap: var(--t-space-1);
+    min-block-size: var(--t-touch);
+    padding: 0;
+    border: 0;
+    background: none;
+    color: var(--t-muted);
+    font: inherit;
+    font-size: var(--t-size-s);
+    font-weight: var(--t-weight-strong);
+    cursor: pointer;
+  }
+  .titles button:hover,
+  .titles [aria-sort] button {
+    color: var(--t-text);
+  }
+  .row > span {
+    min-inline-size: 0;
+    overflow-wrap: anywhere;
+    font-variant-numeric: tabular-nums;
+  }
+  .number {
+    text-align: end;
+  }
+  .titles .number {
+    display: flex;
+    justify-content: end;
+  }
+  .small {
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+  }
+  .size {
+    display: grid;
+    grid-template-columns: minmax(2rem, 1fr) 4.75rem;
+    align-items: center;
+    gap: var(--t-space-2);
+  }
+  .size > :last-child {
+    text-align: end;
+  }
+  .share {
+    block-size: 0.4rem;
+    border-radius: 0.2rem;
+    background: var(--t-raised);
+  }
+  .share i {
+    display: block;
+    block-size: 100%;
+    min-inline-size: 2px;
+    border-radius: inherit;
+    background: var(--t-accent);
+  }
+  @media (max-width: 60rem) {
+    .sort {
+      display: inline-flex;
+    }
+    .titles {
+      position: absolute;
+      clip-path: inset(50%);
+    }
+    .row {
+      grid-template-columns: minmax(0, 1fr) auto;
+      padding-block: var(--t-space-3);
+    }
+    .who,
+    .size,
+    .when {
+      grid-column: 1 / -1;
+    }
+    .number {
+      text-align: start;
+    }
+    .row > span[data-title]::before {
+      content: attr(data-title) " ";
+      color: var(--t-muted);
+      font-size: var(--t-size-s);
+    }
+  }
+`;

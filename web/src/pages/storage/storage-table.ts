@@ -1,0 +1,135 @@
+/** What each signal takes, as a table that can be sorted and filtered. */
+
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { base } from "../../elements/base.js";
+import { control } from "../../elements/control.js";
+import { styled } from "../../elements/styled.js";
+import { formatBytes } from "../../format/bytes.js";
+import { formatNumber } from "../../format/number.js";
+import { formatDate } from "../../format/time.js";
+import { sitePath } from "../../state/router.js";
+import { filtered, FIRST_SORTING, sorted, sortedAnew, type SignalUse, type SortKey, type Sorting } from "./signals.js";
+import { storageTableStyle } from "./storage-style.js";
+import { keepText } from "./words.js";
+import "../../elements/button.js";
+
+const COLUMNS: readonly { readonly key: SortKey; readonly title: string; readonly number?: boolean }[] = [
+  { key: "name", title: "Signal" },
+  { key: "bytes", title: "Size" },
+  { key: "day", title: "Per day", number: true },
+  { key: "samples", title: "Samples", number: true },
+  { key: "first", title: "From – to" },
+  { key: "keep", title: "Kept" },
+];
+/** More rows are drawn when they are asked for. */
+const MANY = 200;
+
+@customElement("t-storage-table")
+export class StorageTable extends LitElement {
+  static override styles = [base, control, storageTableStyle];
+
+  @property({ attribute: false }) signals: readonly SignalUse[] = [];
+  @property({ attribute: false }) zoneOf: (site: string) => string = () => "UTC";
+
+  @state() private sorting: Sorting = FIRST_SORTING;
+  @state() private filter = "";
+  @state() private all = false;
+
+  override render(): TemplateResult {
+    const fits = sorted(filtered(this.signals, this.filter), this.sorting);
+    const shown = this.all ? fits : fits.slice(0, MANY);
+    const most = Math.max(1, ...this.signals.map(({ bytes }) => bytes));
+    return html`<div class="tools">
+        <input type="search" placeholder="Filter" aria-label="Filter signals" @input=${this.typed} />
+        <label class="sort"
+          >Sort by
+          <select @change=${this.chosen}>
+            ${map(COLUMNS, ({ key, title }) => html`<option value=${key} .selected=${key === this.sorting.by}>${title}</option>`)}
+          </select>
+          <t-button @click=${this.turned}>${this.sorting.down ? "Falling" : "Rising"}</t-button>
+        </label>
+      </div>
+      <div class="table" role="table" aria-label="What each signal takes">
+        <div class="row titles" role="row">${map(COLUMNS, (column) => this.heading(column))}</div>
+        ${repeat(
+          shown,
+          ({ site, address }) => `${site}\n${address}`,
+          (use) => this.row(use, most),
+        )}
+      </div>
+      ${fits.length === 0 ? html`<p class="small">No signal is called like this.</p>` : nothing}
+      <p class="small">The newest samples of each signal, up to some ten thousand, are in no block yet and not in it.</p>
+      ${fits.length > shown.length ? html`<t-button @click=${this.more}>Show all ${fits.length} signals</t-button>` : nothing}`;
+  }
+
+  private heading({ key, title, number = false }: (typeof COLUMNS)[number]): TemplateResult {
+    const { by, down } = this.sorting;
+    const sort = key !== by ? nothing : down ? "descending" : "ascending";
+    return html`<span role="columnheader" class=${number ? "number" : ""} aria-sort=${sort}
+      ><button type="button" data-key=${key} @click=${this.pressed}>
+        ${title}<span aria-hidden="true">${key !== by ? "" : down ? "↓" : "↑"}</span>
+      </button></span
+    >`;
+  }
+
+  private row(use: SignalUse, most: number): TemplateResult {
+    const zone = this.zoneOf(use.site);
+    const first = formatDate(use.firstUs, zone);
+    const last = formatDate(use.lastUs, zone);
+    const share = { "inline-size": `${String((100 * use.bytes) / most)}%` };
+    return html`<div class="row" role="row">
+      <span role="cell" class="who"
+        ><a href=${historyOf(use)}>${use.name}</a>
+        <span class="small">${use.site} · ${use.address}${use.described ? "" : ", no longer in the description"}</span></span
+      >
+      <span role="cell" class="size"
+        ><span class="share" aria-hidden="true"><i ${styled(share)}></i></span><span>${formatBytes(use.bytes)}</span></span
+      >
+      <span role="cell" class="number" data-title="Per day">${formatBytes(use.dayBytes)}</span>
+      <span role="cell" class="number" data-title="Samples">${formatNumber(use.samples, 0)}</span>
+      <span role="cell" class="when" data-title="From – to">${first === last ? first : `${first} – ${last}`}</span>
+      <span role="cell" data-title="Kept">${keepText(use.keepDays)}</span>
+    </div>`;
+  }
+
+  private readonly typed = (event: Event): void => {
+    if (event.target instanceof HTMLInputElement) this.filter = event.target.value;
+  };
+
+  private readonly chosen = (event: Event): void => {
+    const key = event.target instanceof HTMLSelectElement ? event.target.value : "";
+    const column = COLUMNS.find((one) => one.key === key);
+    if (column !== undefined && column.key !== this.sorting.by) this.sorting = sortedAnew(this.sorting, column.key);
+  };
+
+  private readonly turned = (): void => {
+    this.sorting = { ...this.sorting, down: !this.sorting.down };
+  };
+
+  private readonly pressed = (event: Event): void => {
+    const key = event.currentTarget instanceof HTMLElement ? event.currentTarget.dataset["key"] : "";
+    const column = COLUMNS.find((one) => one.key === key);
+    if (column !== undefined) this.sorting = sortedAnew(this.sorting, column.key);
+  };
+
+  private readonly more = (): void => {
+    this.all = true;
+  };
+}
+
+/** All that is kept of a signal. */
+function historyOf({ site, channels, firstUs, lastUs }: SignalUse): string {
+  const query = new URLSearchParams(channels.map((channel) => ["c", channel]));
+  query.set("from", String(firstUs));
+  query.set("to", String(Math.max(lastUs, firstUs + 1_000_000)));
+  return `${sitePath(site, "history")}?${query.toString().replaceAll("%2F", "/")}`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-storage-table": StorageTable;
+  }
+}
