@@ -27,6 +27,7 @@ class Process:
     def __init__(self, folder, url) -> None:
         self._folder = folder
         self._url = url
+        self._killed = False
 
     async def __aenter__(self):
         self._process = await asyncio.create_subprocess_exec(
@@ -49,13 +50,15 @@ class Process:
                 return found[1]
 
     async def __aexit__(self, *_exc) -> None:
-        if self._process.returncode is None:
+        # A signal to a process that has died just now would take its exit code from asyncio.
+        if self._process.returncode is None and not self._killed:
             self._process.send_signal(signal.SIGTERM)
         await asyncio.wait_for(self._process.communicate(), 20)
-        assert self._process.returncode in (0, -signal.SIGKILL)
+        assert self._process.returncode == (-signal.SIGKILL if self._killed else 0)
 
     def kill(self) -> None:
         """Kill -9."""
+        self._killed = True
         self._process.send_signal(signal.SIGKILL)
 
     @asynccontextmanager
