@@ -11,6 +11,7 @@ import pytest
 import simplejpeg
 from hypothesis import given, strategies as st
 
+from talaia.clock import SECOND
 from talaia.gateway.adapters.pictures import PictureStream, jpeg_of
 from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
 from talaia.gateway.adapters.ros2_requests import fill, key_of, outcome_of
@@ -19,6 +20,8 @@ from talaia.gateway.errors import FieldError, SpoolError
 from talaia.gateway.keep import Epochs, KeptStops
 from talaia.gateway.ports import Outcome
 from talaia.gateway.run import main
+from talaia.gateway.spool.segment import Record
+from talaia.gateway.stalls import Stalls
 from talaia.gateway.stop import Latched
 from talaia.model.site import Drive, DriveMessage, Source, Stream
 from talaia.wire.columns import Columns, unpack
@@ -26,8 +29,6 @@ from talaia.wire.frames import LINK_FROM_GATEWAY, CommandPhase, Samples
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from talaia.gateway.spool.segment import Record
 
 
 def columns(times: list[int], texts: dict[int, str] | None = None) -> Columns:
@@ -72,6 +73,30 @@ async def test_batches_are_numbered_and_made_once_per_flush() -> None:
     batcher.flush()
     batcher.flush()
     assert [(each.first, each.end) for each in kept] == [(0, 3), (3, 4)]
+
+
+async def test_time_in_which_nothing_was_heard_is_a_gap_with_a_number_of_its_own() -> None:
+    kept: list[Record] = []
+    lost: list[tuple[Record, str]] = []
+    batcher = Batcher(
+        asyncio.get_running_loop(), "b", "c", 60.0, kept.append,
+        lambda record, why: lost.append((record, why)),
+    )  # fmt: skip
+    batcher.put(columns([1, 2]))
+    batcher.flush()
+    batcher.missed(10, 20, "stood still")
+    batcher.put(columns([3]))
+    batcher.flush()
+    assert lost == [(Record(2, 1, 10, 20, b""), "stood still")]
+    assert [(each.first, each.end) for each in kept] == [(0, 2), (3, 4)]
+
+
+def test_process_that_stood_still_knows_from_when_to_when() -> None:
+    stalls = Stalls(0)
+    assert stalls.at(1_000 * SECOND, SECOND) is None
+    # The wall clock may have been set meanwhile: how long it was is the other clock's to say.
+    assert stalls.at(5_000 * SECOND, 31 * SECOND) == (4_970_000_000, 5_000_000_000)
+    assert stalls.at(5_001 * SECOND, 32 * SECOND) is None
 
 
 qualities = st.builds(Quality, st.booleans(), st.booleans())

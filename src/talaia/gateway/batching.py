@@ -168,3 +168,11 @@ class Batcher:
             at_us = self._dropped_us
             self._lose(Record(self.next, dropped, at_us, at_us, b""), OVERRUN)
             self.next += dropped
+
+    def missed(self, from_us: int, to_us: int, reason: str) -> None:
+        """Record that samples of this time may never have been heard; event loop only.
+
+        The gap has a number of its own, for nobody knows how many there were.
+        """
+        self._lose(Record(self.next, 1, from_us, to_us, b""), reason)
+        self.next += 1

@@ -47,6 +47,7 @@ from talaia.gateway.sequences import Sequences
 from talaia.gateway.share import shares_of
 from talaia.gateway.spool.journal import Head, Spool
 from talaia.gateway.spool.keeper import Keeper
+from talaia.gateway.stalls import watch_stalls
 from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.connection import LinkRun, run_media
 from talaia.gateway.uplink.dialling import Outage, beside_link, first_to_end, keep_dialling
@@ -324,6 +325,7 @@ class Gateway:
         if self._recorder is not None:
             self._recorder.start()
         parts = [self._adapter.run, self._run_link, self._run_media, self._run_sync]
+        parts.append(partial(watch_stalls, self._clock, self._batcher.missed))
         if self._shelf is not None:
             parts.append(self._run_files)
         if self.door is not None:

@@ -9,8 +9,10 @@ import signal
 import subprocess
 import tempfile
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
+
+import psutil
 
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
@@ -76,6 +78,24 @@ class Server:
             os.killpg(self.popen.pid, signal.SIGKILL)
         self.popen.wait(10)
         (self._folder / "data" / "postmaster.pid").unlink(missing_ok=True)
+
+    @contextlib.contextmanager
+    def frozen(self) -> Iterator[None]:
+        """Let the server and all of its children stand still meanwhile."""
+        # Each child of PostgreSQL's has a process group of its own.
+        ours = [self.popen.pid, *self._children()]
+        try:
+            for each in ours:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(each, signal.SIGSTOP)
+            yield
+        finally:
+            for each in ours:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(each, signal.SIGCONT)
+
+    def _children(self) -> list[int]:
+        return [each.pid for each in psutil.Process(self.popen.pid).children(recursive=True)]
 
 
 @contextlib.asynccontextmanager

@@ -35,6 +35,12 @@ from .world import CRASHING, SITE, Run, World, now, small_disk, under_load
 BEATS_S = 4.0
 # The machine is shared.
 BEATS_LATE_S = 1.0
+# Who stands still for longer may have lost the connection that it had.
+FAREWELL_S = 10.0
+# Without its database a hub takes a driver at his word for so long (`Settings.unsure_s`), and
+# looks so often.
+UNSURE_S = 2.0
+CHECKED_S = 1.0
 
 
 async def f1(world: World, chance: random.Random, findings: Findings) -> None:
@@ -203,11 +209,20 @@ async def _crash_gateway(
     world.gateway_data = kept
 
 
+# Short ones first: a run of as many seeds as there are has been through all of them.
+FREEZES = [(each, s) for s in (1.0, 5.0, 30.0) for each in ("hub", "gateway", "database")]
+
+
 async def f5(world: World, chance: random.Random, findings: Findings) -> None:
     """SIGSTOP, then SIGCONT: a process that wakes up must not do what is old."""
-    which = chance.choice(("hub", "gateway"))
-    seconds = chance.choice((1.0, 1.0, 5.0)) if world.long else 1.0
+    short = [each for each in FREEZES if each[1] == 1.0]
+    which, seconds = (FREEZES if world.long else short)[
+        findings.turn % len(FREEZES if world.long else short)
+    ]
     findings.counted[f"{which} {seconds:g} s"] += 1
+    if which == "database":
+        await _freeze_database(world, seconds, chance, findings)
+        return
     async with under_load(world, findings) as run, page(world, "driver") as driver:
         await run.press(driver)
         await run.mark(driver)
@@ -226,6 +241,42 @@ async def f5(world: World, chance: random.Random, findings: Findings) -> None:
         else:
             # Frozen, it cannot say zero; the robot's own time-out is what stops it.
             run.nothing_moves_after(at + round(seconds * 1e9) - round(ledgers.STOP_MS * MS))
+        async with back(findings):
+            if seconds < FAREWELL_S:
+                await sees_values(driver)
+            else:
+                # Whoever was silent for so long has been hung up on; a page dials again.
+                async with page(world, "driver") as anew:
+                    await sees_values(anew)
+
+
+async def _freeze_database(
+    world: World, seconds: float, chance: random.Random, findings: Findings
+) -> None:
+    """Nothing that moves the robot waits for a database that stands still."""
+    async with (
+        postgres(world) as server,
+        under_load(world, findings) as run,
+        page(world, "driver") as driver,
+    ):
+        await run.press(driver)
+        await run.mark(driver)
+        await pause(chance)
+        at = now()
+        with server.frozen():
+            await asyncio.sleep(min(seconds, UNSURE_S) / 2)
+            # Who may do what was known a moment ago: nothing that moves the robot waits.
+            moving = now()
+            await until(lambda: any(x.moves for x in world.told(moving)), 2, "driving meanwhile")
+            if seconds <= UNSURE_S:
+                moving = now()
+                await run.let_go()
+                await run.stopped(moving)
+            else:
+                # Nobody knows any more whether the driver still may; the finger is on the key.
+                await asyncio.sleep(seconds - UNSURE_S / 2)
+                run.nothing_moves_after(at + round((UNSURE_S + CHECKED_S) * 1e9))
+                await run.let_go()
         async with back(findings):
             await sees_values(driver)
 
@@ -677,7 +728,7 @@ class Row(NamedTuple):
     weight: float = 1.0
 
 
-LEAST = {"F4": len(POINTS), "F12": 3, "F10": 4}
+LEAST = {"F1": 20, "F2": 20, "F3": 10, "F4": len(POINTS), "F5": len(FREEZES), "F12": 3, "F10": 4}
 WEIGHT = {"F4": 3.0, "F12": 2.0, "F10": 1.5, "F18": 1.0, "F23": 0.5, "F30": 0.7, "F24": 0.7}
 ROWS = [
     Row(
