@@ -3,7 +3,7 @@
 import type { EventInfo } from "../../wire/api.js";
 import { lengthOf, type Span } from "../../series/window.js";
 
-export type MarkKind = "alarm" | "stop" | "command" | "driving" | "link" | "other";
+export type MarkKind = "alarm" | "stop" | "command" | "driving" | "recording" | "link" | "other";
 
 export interface Mark {
   readonly timeUs: number;
@@ -32,22 +32,23 @@ export const KINDS: readonly { readonly kind: MarkKind; readonly name: string }[
   { kind: "stop", name: "STOP" },
   { kind: "command", name: "Commands" },
   { kind: "driving", name: "Driving" },
+  { kind: "recording", name: "Recordings" },
   { kind: "link", name: "Connection" },
   { kind: "other", name: "Other events" },
 ];
 
-const WORDS: Readonly<Record<string, MarkKind>> = { alarm: "alarm", stop: "stop", command: "command", lease: "driving", drive: "driving", gateway: "link" };
+const WORDS: Readonly<Record<string, MarkKind>> = { alarm: "alarm", stop: "stop", command: "command", lease: "driving", drive: "driving", recording: "recording", gateway: "link" };
 
 /** The kind that an event's first word tells. */
 export function kindOf(title: string): MarkKind {
-  return WORDS[title.split(" ", 1)[0] ?? ""] ?? "other";
+  return WORDS[title.split(/[ _]/, 1)[0] ?? ""] ?? "other";
 }
 
 /** @param names of devices by their id */
 export function marksOf(events: readonly EventInfo[], names: ReadonlyMap<string, string>): Mark[] {
   return events
     .map(({ time_us, kind, device, who, message, good }) => ({
-      timeUs: time_us, kind: kindOf(kind), title: kind, device: names.get(device) ?? device, who, message, good,
+      timeUs: time_us, kind: kindOf(kind), title: kind.replaceAll("_", " "), device: names.get(device) ?? device, who, message, good,
     }))
     .sort((a, b) => a.timeUs - b.timeUs);
 }
