@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import asyncio
+import shutil
 import socket
 from contextlib import AsyncExitStack
 from pathlib import Path
@@ -319,8 +320,29 @@ class RunningHub:
         return peer
 
 
+@pytest.fixture(scope="session")
+def fresh_database(tmp_path_factory) -> Path:
+    """The database of a hub that has started once: all tables, and nothing in them.
+
+    To make the tables takes longer than most tests; that they are made from nothing is
+    `test_store`'s and `test_servers`'s to see.
+    """
+    folder = tmp_path_factory.mktemp("fresh")
+
+    async def make() -> None:
+        database = build(Settings(data=folder), SystemClock(), MemoryHistory())._database
+        await database.migrate()
+        await database.close()
+
+    asyncio.run(make())
+    # One file: SQLite writes its journal back when the last connection is closed.
+    (found,) = folder.glob("*.db*")
+    return found
+
+
 @pytest.fixture
-def settings(tmp_path) -> Settings:
+def settings(tmp_path, fresh_database) -> Settings:
+    shutil.copy(fresh_database, tmp_path)
     return Settings(
         data=tmp_path,
         plain=True,
