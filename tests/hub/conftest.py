@@ -330,9 +330,9 @@ def fresh_database(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("fresh")
 
     async def make() -> None:
-        database = build(Settings(data=folder), SystemClock(), MemoryHistory())._database
-        await database.migrate()
-        await database.close()
+        made = build(Settings(data=folder), SystemClock(), MemoryHistory())._database
+        await made.migrate()
+        await made.close()
 
     asyncio.run(make())
     # One file: SQLite writes its journal back when the last connection is closed.
