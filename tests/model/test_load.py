@@ -63,7 +63,7 @@ MISTAKES = [
     ("field: a..b", "field: range", "source.field", "path of a field", "pose.x"),
     ("ros2: {domain: 400}", "ros2: {}", "$.ros2.domain", "0 to 232", ""),
     ("base:\n    name: A\n  base:", "base:", "line ", "written twice", ""),
-    ("ros2: !!python/object:os.system {}", "ros2: {}", "line ", "could not determine", ""),
+    ("ros2: !!python/object:os.system {}", "ros2: {}", "line ", "has no meaning here", ""),
     ("ros2: {", "ros2: {}", "line ", "", ""),
     ("scale: 0", "scale: 100", "power.signals.charge.scale", "other than 0", ""),
     ("unit: V\n        decimals: 12", "unit: V", "voltage.decimals", "0 to 9", ""),

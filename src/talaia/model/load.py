@@ -10,6 +10,7 @@ import yaml
 
 from talaia.model.classic import read_classic, site_of
 from talaia.model.connection import Connection, ConnectionKind, ProcessConnection
+from talaia.model.document import document_of
 from talaia.model.errors import DescriptionError, NotReadable, UnknownWord
 from talaia.model.site import Site
 
@@ -19,30 +20,6 @@ if TYPE_CHECKING:
 __all__ = ["dump_site", "load_site", "read_site"]
 
 MAX_BYTES = 4 * 1024 * 1024
-_Base = yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader
-
-
-class _Loader(_Base):  # type: ignore[misc, valid-type]
-    """The safe loader, and a key written twice is an error instead of the last one winning."""
-
-
-def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[object, object]:
-    seen: set[object] = set()
-    for key_node, _ in node.value:
-        key = loader.construct_object(key_node, deep=True)
-        if not isinstance(key, str | int | float | bool):
-            raise yaml.constructor.ConstructorError(
-                None, None, "a key must be a plain word", key_node.start_mark
-            )
-        if key in seen:
-            raise yaml.constructor.ConstructorError(
-                None, None, f"the key {key!r} is written twice", key_node.start_mark
-            )
-        seen.add(key)
-    return dict(loader.construct_mapping(node, deep=True))
-
-
-_Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
 
 
 def read_site(path: Path) -> Site:
@@ -110,7 +87,7 @@ def load_site(text: str) -> Site:
     if len(text) > MAX_BYTES:
         raise NotReadable("$", f"the description is longer than {MAX_BYTES // 1024 // 1024} MiB")
     try:
-        document = yaml.load(text, Loader=_Loader)  # noqa: S506 - _Loader is a SafeLoader
+        document = document_of(text)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = f"line {mark.line + 1}, column {mark.column + 1}" if mark else "$"

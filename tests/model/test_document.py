@@ -1,0 +1,90 @@
+"""YAML as descriptions use it is read as PyYAML itself reads it; the rest is refused."""
+
+from __future__ import annotations
+
+import pytest
+import yaml
+from hypothesis import given, settings, strategies as st
+
+from talaia.model.document import document_of
+
+plain = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats(allow_nan=False)
+    | st.text(max_size=20)
+    | st.dates()
+)
+values = st.recursive(
+    plain,
+    lambda inner: (
+        st.lists(inner, max_size=4)
+        | st.dictionaries(st.text(max_size=8) | st.integers() | st.booleans(), inner, max_size=4)
+    ),
+    max_leaves=20,
+)
+WORDS = ["yes", "No", "~", "0x1f", "1_000", "1e3", "1.0e3", ".inf", "12:30:00", "2001-01-01", "=",
+         "-", "on:", "'a'", '"\\u00e9"', "!!str 5", "!!float 5", "|\n  a\n  b", ">-\n  a\n  b",
+         "[a, {b: c}]", "{a: [1, 2.5]}", "a # b", "'#'", "", "!  x", "? a\n: b"]  # fmt: skip
+
+
+@settings(deadline=None)
+@given(value=values, flow=st.booleans())
+def test_whatever_is_dumped_is_read_as_pyyaml_reads_it(value: object, *, flow: bool) -> None:
+    text = yaml.safe_dump(value, default_flow_style=flow, allow_unicode=True)
+    read = document_of(text)
+    assert read == yaml.safe_load(text)
+    assert repr(read) == repr(yaml.safe_load(text))
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_every_spelling_of_a_value_is_read_as_pyyaml_reads_it(word: str) -> None:
+    try:
+        expected = yaml.safe_load(word)
+    except yaml.YAMLError:
+        with pytest.raises(yaml.YAMLError):
+            document_of(word)
+        return
+    assert repr(document_of(word)) == repr(expected)
+
+
+def test_an_alias_is_what_its_anchor_is() -> None:
+    assert document_of("a: &x {b: 1}\nc: *x\nd: &y 5\ne: [*y, *x]") == {
+        "a": {"b": 1}, "c": {"b": 1}, "d": 5, "e": [5, {"b": 1}],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a: *b", "there is no &b"),
+        ("a: &a [*a]", "there is no &a"),
+        ("a: 1\na: 2", "written twice"),
+        ("{a: 1, <<: {b: 2}}", "merge keys"),
+        ("? [a]\n: b", "plain word"),
+        ("a: 1\n---\nb: 2", "another after ---"),
+        ("a: !own b", "no meaning"),
+        ("a: !!set {b}", "no meaning"),
+        ("a: !!seq {b: c}", "no meaning"),
+        ("a: !!float fast", "is not of"),
+        ("a: !!int ''", "is not of"),
+        ("a: !!bool 7", "is not of"),
+        ("a: !!timestamp x", "is not of"),
+        ("[" * 100, "nested deeper"),
+        ("a: 2001-99-99", "is not of"),
+    ],
+)
+def test_what_no_description_needs_is_refused_with_its_place(text: str, said: str) -> None:
+    with pytest.raises(yaml.MarkedYAMLError, match=said) as caught:
+        document_of(text)
+    assert caught.value.problem_mark is not None
+
+
+def test_aliases_of_aliases_do_not_grow_without_bound() -> None:
+    rows = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
+    for level in range(1, 9):
+        inner = ", ".join([f"*a{level - 1}"] * 10)
+        rows.append(f"a{level}: &a{level} [{inner}]")
+    with pytest.raises(yaml.MarkedYAMLError, match="too large"):
+        document_of("\n".join(rows))
