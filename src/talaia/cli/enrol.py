@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
-from talaia.gateway.keyfile import KeyFile, KeyPlace, read_key_file
+from talaia.cli.keys import is_good, make_key
+from talaia.gateway.keyfile import KeyFile
 from talaia.gateway.settings import HubAddress
 from talaia.hub import accounts
 from talaia.hub.certificate import key_hash, own_certificate
@@ -47,17 +48,11 @@ def main(argv: Sequence[str]) -> int:
 def _keep(settings: Settings, options: argparse.Namespace) -> int:
     now = dt.datetime.now(dt.UTC)
     address = HubAddress.checked(options.hub)
-    if options.to.exists():
-        kept = read_key_file(options.to)
-        if asyncio.run(accounts.gateway_site(settings, kept.key)) == options.site:
-            print(f"{options.to} is good already", file=sys.stderr)
-            return 0
-    place = KeyPlace(options.to)
-    try:
-        pin = key_hash(own_certificate(settings, now).cert)
-        key = asyncio.run(accounts.create_gateway(settings, options.site))
-        place.keep(KeyFile(key=key, site=options.site, hub=address.url, fingerprint=pin))
-    finally:
-        place.close()
+    if asyncio.run(is_good(settings, options.to, options.site)):
+        print(f"{options.to} is good already", file=sys.stderr)
+        return 0
+    pin = key_hash(own_certificate(settings, now).cert)
+    content = KeyFile(key="", site=options.site, hub=address.url, fingerprint=pin)
+    asyncio.run(make_key(settings, options.to, content))
     print(f"{options.to}: the key of the gateway of {options.site}", file=sys.stderr)
     return 0

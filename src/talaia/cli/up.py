@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.cli.errors import CliError
+from talaia.cli.keys import is_good, make_key
 from talaia.cli.parts import Part, run_together, start
 from talaia.cli.places import DEFAULT_PORT, data_folder, free_port, has_screen, open_page
-from talaia.hub import accounts
+from talaia.gateway.errors import SettingsError
+from talaia.gateway.keyfile import KeyFile
 from talaia.hub.settings import Settings, is_loopback
 from talaia.model.check import raise_first
 from talaia.model.load import read_site
@@ -89,11 +91,7 @@ async def _start(options: argparse.Namespace, site: Site, data: Path, parts: lis
     settings = Settings(
         data=data, host=options.host, port=port, plain=plain, database_url=Settings.url_from()
     )
-    # A key of its own for every start: nothing to keep, nothing to lose, and the last one is void.
-    key = data / "gateway.key"
-    key.touch(mode=0o600)
-    key.chmod(0o600)
-    key.write_text(await accounts.create_gateway(settings, site.site))
+    key = await _key(settings, site.site, data / "gateway.key")
     hub = ["hub", "--data", str(data), "--host", options.host, "--port", str(port)]
     parts.append(await start("hub", [*hub, *(["--plain"] if plain else [])], data / "hub.log"))
     address = _found(_ADDRESS, await parts[0].says("ready: ", READY_S))
@@ -112,6 +110,19 @@ async def _start(options: argparse.Namespace, site: Site, data: Path, parts: lis
     await parts[1].says("linked to", READY_S)
     setup = next((found[0] for line in parts[0].last if (found := _SETUP.search(line))), "")
     return _Up(address, setup)
+
+
+async def _key(settings: Settings, site: str, path: Path) -> Path:
+    """See that the gateway has a key, the same one at every start: it stays the same gateway."""
+    try:
+        good = await is_good(settings, path, site)
+    except SettingsError:
+        # Cut short by a full disk or a power cut; the folder is ours.
+        await asyncio.to_thread(path.unlink)
+        good = False
+    if not good:
+        await make_key(settings, path, KeyFile(key="", site=site))
+    return path
 
 
 def _found(pattern: re.Pattern[str], line: str) -> str:

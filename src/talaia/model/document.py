@@ -110,7 +110,7 @@ class _Document:
 
     def _alias(self, event: object) -> Value:
         assert isinstance(event, yaml.AliasEvent)  # noqa: S101 - no other event begins a value
-        known = self._anchors.get(event.anchor)
+        known = self._anchors.get(event.anchor or "")
         if known is None:
             raise _wrong(f"there is no &{event.anchor} before this", event)
         self._size += known.size
@@ -157,7 +157,7 @@ class _Document:
     def _of(self, tag: str, event: yaml.ScalarEvent) -> Value:
         if tag not in _PLAIN:
             raise _wrong(f"the tag {tag} has no meaning here", event)
-        node = yaml.ScalarNode(tag, event.value, event.start_mark, event.end_mark)
+        node = yaml.ScalarNode(tag, event.value)
         try:
             return self._parser.construct_object(node)
         except (ValueError, LookupError, AttributeError, OverflowError) as error:
@@ -166,5 +166,5 @@ class _Document:
 
 
 def _wrong(problem: str, event: object) -> yaml.MarkedYAMLError:
-    mark = event.start_mark if isinstance(event, yaml.Event) else None
+    mark = cast("yaml.Mark | None", getattr(event, "start_mark", None))
     return yaml.constructor.ConstructorError(None, None, problem, mark)
