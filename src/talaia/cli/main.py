@@ -44,6 +44,7 @@ WORDS = {
     "probe": Word("talaia.cli.probe", "list what a live robot offers", "ros2"),
     "init": Word("talaia.cli.init", "write a site description of a live robot", ""),
     "check": Word("talaia.cli.check", "say whether a site description is right", ""),
+    "upgrade": Word("talaia.cli.upgrade", "bring a site description to the newest format", ""),
     "schema": Word("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }
 

@@ -13,11 +13,12 @@ from talaia.model.connection import Connection, ConnectionKind, ProcessConnectio
 from talaia.model.document import document_of
 from talaia.model.errors import DescriptionError, NotReadable, UnknownWord
 from talaia.model.site import Site
+from talaia.model.version import require_current
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["dump_site", "load_site", "read_site"]
+__all__ = ["dump_site", "load_site", "read_site", "text_of"]
 
 MAX_BYTES = 4 * 1024 * 1024
 
@@ -31,7 +32,7 @@ def read_site(path: Path) -> Site:
         DescriptionError: a file cannot be read, or `load_site` refuses what it says.
 
     """
-    text = _text_of(path)
+    text = text_of(path)
     if path.suffix == ".json":
         return site_of(text, _NO_WORD.sub("_", path.stem.lower()).strip("_0123456789") or "site")
     return _with_files(load_site(text), path.parent)
@@ -47,7 +48,7 @@ def _with_files(site: Site, folder: Path) -> Site:
             continue
         path = folder / connection.file
         try:
-            found = read_classic(_text_of(path), name)
+            found = read_classic(text_of(path), name)
         except DescriptionError as error:
             where = f"{path}: {error.where}"
             raise DescriptionError(where, error.problem, error.remedy) from error
@@ -60,7 +61,13 @@ def _with_files(site: Site, folder: Path) -> Site:
     return site
 
 
-def _text_of(path: Path) -> str:
+def text_of(path: Path) -> str:
+    """Read a description's file.
+
+    Raises:
+        NotReadable: it cannot be read, or is no text.
+
+    """
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -98,12 +105,7 @@ def load_site(text: str) -> Site:
         raise DescriptionError(
             "$", "expected a mapping with the keys talaia, site, name and devices"
         )
-    version = document.get("talaia")
-    if version != 1:
-        found = "it is missing" if version is None else f"found {version!r}"
-        raise DescriptionError(
-            "$.talaia", f"expected the format version 1, {found}", "write: talaia: 1"
-        )
+    require_current(document.get("talaia"))
     try:
         return msgspec.convert(document, Site)
     except msgspec.ValidationError as error:

@@ -5,54 +5,22 @@ Only what differs is touched. A form that edits one limit must not rewrite a per
 
 from __future__ import annotations
 
-import io
 import math
 from typing import TYPE_CHECKING
 
 import msgspec
 import yaml
-from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap
-from ruamel.yaml.constructor import RoundTripConstructor
-from ruamel.yaml.representer import RoundTripRepresenter
 from ruamel.yaml.scalarstring import DoubleQuotedScalarString
 
 from talaia.model.errors import DescriptionError
 from talaia.model.load import load_site
+from talaia.model.roundtrip import RESOLVER, WrittenFloat, tree_of, written_tree
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
 
 __all__ = ["saved"]
-
-_RESOLVER = yaml.resolver.Resolver()
-_FLOAT = "tag:yaml.org,2002:float"
-
-
-class _Float(str):
-    """A number as it is written: read and written again, its last digit could change."""
-
-    __slots__ = ()
-
-
-class _Constructor(RoundTripConstructor):
-    """Keeps numbers as they are written."""
-
-
-class _Representer(RoundTripRepresenter):
-    """Writes them so."""
-
-
-def _keep(_: _Constructor, node: yaml.ScalarNode) -> _Float:
-    return _Float(node.value)
-
-
-def _give(representer: _Representer, value: _Float) -> object:
-    return representer.represent_scalar(_FLOAT, str(value))
-
-
-_Constructor.add_constructor(_FLOAT, _keep)
-_Representer.add_representer(_Float, _give)
 
 
 def saved(text: str, site: Site) -> str:
@@ -65,17 +33,9 @@ def saved(text: str, site: Site) -> str:
     before = load_site(text)
     if before == site and _orders(before) == _orders(site):
         return text
-    round_trip = YAML(typ="rt")
-    round_trip.Constructor = _Constructor
-    round_trip.Representer = _Representer
-    round_trip.preserve_quotes = True
-    round_trip.width = 1_000_000
-    round_trip.indent(mapping=2, sequence=4, offset=2)
-    document = round_trip.load(text)
+    document = tree_of(text)
     _struct(document, before, site)
-    out = io.StringIO()
-    round_trip.dump(document, out)
-    after = out.getvalue()
+    after = written_tree(document)
     if load_site(after) != site:
         raise DescriptionError(
             "$",
@@ -153,12 +113,12 @@ def _plain(value: object) -> object:
     if isinstance(value, float) and math.isfinite(value):
         # YAML 1.1 knows no float without a point.
         written = repr(value)
-        return _Float(written if "." in written else written.replace("e", ".0e", 1))
+        return WrittenFloat(written if "." in written else written.replace("e", ".0e", 1))
     return _text(value) if isinstance(value, str) else value
 
 
 def _text(value: str) -> str:
     """Quote what the reader, which knows YAML 1.1, would take for a truth, a number or a time."""
-    read = _RESOLVER.resolve(yaml.ScalarNode, value, (True, False))  # type: ignore[no-untyped-call]
+    read = RESOLVER.resolve(yaml.ScalarNode, value, (True, False))  # type: ignore[no-untyped-call]
     plain = value.isprintable() and read == "tag:yaml.org,2002:str"
     return value if plain else DoubleQuotedScalarString(value)

@@ -1,0 +1,91 @@
+"""``talaia upgrade``: write an older site description as it is written today."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import difflib
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from talaia.cli.errors import CliError
+from talaia.model.check import check
+from talaia.model.errors import DescriptionError
+from talaia.model.load import load_site, text_of
+from talaia.model.upgrade import upgraded
+from talaia.model.version import FORMAT
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["main"]
+
+
+def main(argv: Sequence[str]) -> int:
+    """Show what would change, or write it; 0 when all are as they should be, else 1.
+
+    With ``--write`` a description that still has mistakes is written all the same, for they were
+    there before; the mistakes are told.
+    """
+    parser = argparse.ArgumentParser(
+        "talaia upgrade",
+        description=f"Bring site descriptions to the newest format (version {FORMAT}), with their "
+        "comments. Shows what would change; --write changes it.",
+    )
+    parser.add_argument("file", type=Path, nargs="+", help="a site description (YAML)")
+    parser.add_argument("--write", action="store_true", help="change the file")
+    options = parser.parse_args(argv)
+    left = 0
+    for path in options.file:
+        try:
+            left += _upgrade(path, write=options.write)
+        except DescriptionError as error:
+            print(f"{path}: {error}", file=sys.stderr)
+            left += 1
+    return 1 if left else 0
+
+
+def _upgrade(path: Path, *, write: bool) -> bool:
+    """Upgrade one file; tell whether something is left to do."""
+    before = text_of(path)
+    after, changes = upgraded(before)
+    if not changes:
+        print(f"{path}: is of the newest format already", file=sys.stderr)
+        return False
+    if not write:
+        name = str(path)
+        rows = difflib.unified_diff(
+            before.splitlines(keepends=True), after.splitlines(keepends=True), name, name
+        )
+        print("".join(rows), end="")
+    for each in changes:
+        print(f"{path}: {each}", file=sys.stderr)
+    findings = check(load_site(after))
+    for finding in findings:
+        print(f"{path}: {finding}", file=sys.stderr)
+    if write:
+        _replace(path.resolve(), after)
+        return bool(findings)
+    print(f"{path}: not changed; --write changes it", file=sys.stderr)
+    return True
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write the whole file or nothing of it; it stays whose and how readable it was."""
+    fresh = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        mode = path.stat().st_mode & 0o777
+        fresh.touch(mode=mode)
+        fresh.chmod(mode)
+        with fresh.open("w", encoding="utf-8", newline="") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        fresh.replace(path)
+    except OSError as error:
+        raise CliError(f"{path} cannot be written: {error.strerror}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            fresh.unlink()
