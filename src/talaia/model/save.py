@@ -108,7 +108,7 @@ def _plain(value: object) -> object:
         for key, each in value.items():
             made[_text(key)] = _plain(each)
         return made
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [_plain(each) for each in value]
     if isinstance(value, float) and math.isfinite(value):
         # YAML 1.1 knows no float without a point.
