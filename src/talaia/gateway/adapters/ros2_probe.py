@@ -23,9 +23,10 @@ from rclpy.signals import SignalHandlerOptions
 
 from talaia.gateway.adapters.cloudconnect import parse_metric
 from talaia.gateway.adapters.ros2_definitions import comment_of
+from talaia.gateway.adapters.ros2_kinds import kind_named, kind_of
 from talaia.gateway.adapters.ros2_qos import Quality, quality_for
 from talaia.gateway.adapters.ros2_requests import class_of
-from talaia.gateway.adapters.ros2_shapes import Shape, shape_of
+from talaia.gateway.adapters.shapes import Shape, shape_of
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
 from talaia.model.found import FORMAT, ActionFound, Found, ServiceFound, TopicFound
 
@@ -233,7 +234,9 @@ def _read(heard: _Heard) -> tuple[Shape, str]:
         except Exception as error:  # noqa: BLE001 - rclpy raises bare kinds for foreign bytes
             problem = f"a message that came is not a {heard.type_name}: {error}"
     package, _, name = heard.type_name.split("/")
-    return shape_of(heard.kind, f"{package}/{name}", message, comment_of), problem
+    return shape_of(
+        kind_of(heard.kind), f"{package}/{name}", kind_named, message, comment_of
+    ), problem
 
 
 def _asked(type_name: str, used_by: str, part: str, kind: str) -> tuple[Shape, str]:
@@ -242,7 +245,7 @@ def _asked(type_name: str, used_by: str, part: str, kind: str) -> tuple[Shape, s
         asked = getattr(class_of(type_name, used_by), part)
     except TypeMissing as error:
         return Shape((), ()), str(error)
-    shape = shape_of(asked, f"{type_name}{kind}", asked(), comment_of)
+    shape = shape_of(kind_of(asked), f"{type_name}{kind}", kind_named, asked(), comment_of)
     lists = [each.split(":", 1)[0] for each in shape.left_out]
     fields = tuple(each for each in shape.fields if "[" not in each.path)
     problem = f"its request holds lists ({', '.join(lists)})" if lists else ""

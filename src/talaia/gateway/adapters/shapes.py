@@ -1,23 +1,23 @@
-"""What a ROS message class holds: every number, truth and text in it, by path.
+"""What a ROS message holds: every number, truth and text in it, by path. Pure.
 
-Works on the classes' own lists of fields and constants, and on one message for the lengths of
-lists; imports no ROS itself.
+Works on lists of fields and constants, as a ROS 2 class (`ros2_kinds`) or a ROS 1 definition
+(`ros1_kinds`) tells them, and on one message for the lengths of lists.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
+from numbers import Real
+from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.found import FieldFound
 from talaia.model.meaning import Meaning, human, meaning_of, unit_in_comment, unit_in_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
-__all__ = ["Shape", "shape_of"]
+__all__ = ["Kind", "Shape", "shape_of"]
 
 # A list longer than this is a scan, a picture or a map, and its elements are no signals.
 MAX_ELEMENTS = 16
@@ -40,22 +40,38 @@ class Shape(NamedTuple):
     left_out: tuple[str, ...]
 
 
+class Kind(NamedTuple):
+    """A message type as its robot knows it.
+
+    Attributes:
+        fields: names, and types as ROS 2 writes them: ``double``, ``geometry_msgs/Point``,
+            ``float[3]``, ``sequence<string, 4>``.
+        constants: whole numbers by name.
+
+    """
+
+    fields: tuple[tuple[str, str], ...]
+    constants: Mapping[str, int]
+
+
 def shape_of(
-    kind: Any,  # noqa: ANN401 - generated classes are untyped
+    kind: Kind,
     type_name: str,
+    find: Callable[[str], Kind | None],
     message: object = None,
     comment_of: Callable[[str, str], str] = lambda _type, _field: "",
 ) -> Shape:
-    """List the fields of a class.
+    """List the fields of a type.
 
     Args:
-        kind: a message class, or a request's or goal's.
+        kind: of a message, a request or a goal.
         type_name: ``package/Name``.
+        find: gives the types of its parts, by ``package/Name``; none for one that is not known.
         message: one that was received, for the lengths of lists and the names of joints.
         comment_of: gives what the definition says beside a field of a type.
 
     """
-    walk = _Walk(comment_of)
+    walk = _Walk(find, comment_of)
     fields = tuple(walk.of(kind, type_name, message, "", None, 0))
     return Shape(fields[:MAX_FIELDS], tuple(walk.left_out))
 
@@ -63,13 +79,16 @@ def shape_of(
 class _Walk:
     """One descent through a message."""
 
-    def __init__(self, comment_of: Callable[[str, str], str]) -> None:
+    def __init__(
+        self, find: Callable[[str], Kind | None], comment_of: Callable[[str, str], str]
+    ) -> None:
         self.left_out: list[str] = []
+        self._find = find
         self._comment_of = comment_of
 
     def of(
         self,
-        kind: Any,  # noqa: ANN401
+        kind: Kind,
         type_name: str,
         message: object,
         prefix: str,
@@ -79,7 +98,7 @@ class _Walk:
         if depth > MAX_DEPTH:
             self.left_out.append(f"{prefix}: nested deeper than {MAX_DEPTH}")
             return
-        for field, declared in kind.get_fields_and_field_types().items():
+        for field, declared in kind.fields:
             path = f"{prefix}.{field}" if prefix else field
             value = getattr(message, field, None)
             meaning = self._meaning(type_name, field) or above
@@ -101,7 +120,7 @@ class _Walk:
 
     def _one(
         self,
-        kind: Any,  # noqa: ANN401
+        kind: Kind,
         field: str,
         declared: str,
         path: str,
@@ -111,7 +130,7 @@ class _Walk:
     ) -> Iterator[FieldFound]:
         simple = _simple(declared)
         if simple is None:
-            nested = _class_of(declared)
+            nested = self._find(declared)
             if nested is None:
                 self.left_out.append(f"{path}: the type {declared} is not known here")
             else:
@@ -149,7 +168,7 @@ class _Walk:
                 named = _item(names, index) if _length(names) == count else None
                 yield _field(at, simple, meaning, item, (), named if isinstance(named, str) else "")
                 continue
-            nested = _class_of(inner)
+            nested = self._find(inner)
             if nested is None:
                 self.left_out.append(f"{path}: the type {inner} is not known here")
                 return
@@ -166,7 +185,7 @@ def _field(
 ) -> FieldFound:
     numeric = simple in ("number", "integer") and not words
     unit = meaning if meaning is not None and numeric else Meaning("")
-    empty = isinstance(value, float) and math.isnan(value)
+    empty = isinstance(value, Real) and math.isnan(value)
     return FieldFound(path, simple, unit.unit, unit.scale, words, name[:100], empty)
 
 
@@ -180,26 +199,17 @@ def _simple(declared: str) -> str | None:
     return "text" if _TEXT.match(declared) else None
 
 
-def _class_of(declared: str) -> Any:  # noqa: ANN401
-    package, _, name = declared.partition("/")
-    try:
-        return getattr(import_module(f"{package}.msg"), name)
-    except (ImportError, AttributeError):
-        return None
-
-
-def _words(kind: Any, field: str) -> tuple[str, ...]:  # noqa: ANN401
-    """Name the states of a whole number by the class's constants that begin with its name.
+def _words(kind: Kind, field: str) -> tuple[str, ...]:
+    """Name the states of a whole number by the type's constants that begin with its name.
 
     Only a list that counts from 0 without a gap is one; flags and commands with holes are not.
     """
     start = f"{field.upper()}_"
-    found: dict[int, str] = {}
-    for each in dir(type(kind)):
-        if each.startswith(start):
-            value = getattr(kind, each, None)
-            if isinstance(value, int) and not isinstance(value, bool):
-                found[value] = human(each[len(start) :].lower())
+    found = {
+        value: human(name[len(start) :].lower())
+        for name, value in kind.constants.items()
+        if name.startswith(start)
+    }
     if len(found) < 2 or sorted(found) != list(range(len(found))):
         return ()
     words = tuple(found[index] for index in range(len(found)))
