@@ -53,7 +53,7 @@ def main(argv: Sequence[str]) -> int:
     shown = str(options.output) == "-"
     if not shown and options.output.exists() and not options.force:
         raise CliError(f"{options.output} is there already; choose another with -o, or --force")
-    found = _read(options.found) if options.found else look(options.seconds, options.domain)
+    found = _read(options.found) if options.found else look(options)
     host = socket.gethostname().split(".", 1)[0]
     made = propose(
         found,
@@ -61,7 +61,7 @@ def main(argv: Sequence[str]) -> int:
         options.name or host[:100] or "Robot",
         options.zone or _zone(),
     )
-    if not made.site.devices:
+    if not made.site.devices and not found.devices:
         raise CliError(
             f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "
             "lists; nothing was written"

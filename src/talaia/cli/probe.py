@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 import msgspec
 
@@ -13,37 +15,72 @@ from talaia.cli.errors import CliError, PartMissing
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.model.found import Found, TopicFound
+    from talaia.model.found import Found, PropertyFound, TopicFound
 
-__all__ = ["look", "main"]
+__all__ = ["add_options", "look", "main"]
 
 MAX_SECONDS = 600.0
+SECONDS, INDI_SECONDS = 5.0, 20.0
+INDI_PORT = 7624
+# What people look for first in a list of topics.
+_KNOWN = {
+    "cameras": ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"),
+    "positions": (
+        "sensor_msgs/msg/NavSatFix",
+        "geometry_msgs/msg/PoseStamped",
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+    ),
+    "odometry": ("nav_msgs/msg/Odometry",),
+    "batteries": ("sensor_msgs/msg/BatteryState",),
+}
 
 
 def main(argv: Sequence[str]) -> int:
-    """Look and print; 0 when something was found, 1 when the graph is empty."""
+    """Look and print; 0 when something was found, 1 when there is nothing."""
     parser = argparse.ArgumentParser(
         "talaia probe",
-        description="List what a live ROS 2 graph offers: topics with fields and rates, services, "
-        "actions. It only listens.",
+        description="List what a live robot offers: topics of ROS 2 or ROS 1 with fields and "
+        "rates, services, actions; or the devices and properties of an INDI server. It only "
+        "listens.",
     )
     add_options(parser)
+    parser.add_argument("--fields", action="store_true", help="list every field and property, too")
     parser.add_argument("--json", action="store_true", help="print JSON, as talaia init reads it")
     options = parser.parse_args(argv)
-    found = look(options.seconds, options.domain)
+    found = look(options)
     if options.json:
         print(msgspec.json.format(msgspec.json.encode(found), indent=1).decode())
+    elif found.protocol == "indi":
+        print(_devices_told(found, fields=options.fields))
     else:
-        print(_told(found))
-    return 0 if found.topics or found.services else 1
+        print(_told(found, fields=options.fields))
+    return 0 if found.topics or found.services or found.devices else 1
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what looking needs to know."""
     parser.add_argument(
-        "--seconds", type=_seconds, default=5.0, help="how long to listen (default: 5)"
-    )
-    parser.add_argument("--domain", type=int, help="ROS domain (default: ROS_DOMAIN_ID, or 0)")
+        "--seconds", type=_seconds,
+        help="how long to listen (default: 5; at an INDI server until nothing new comes, 20 at "
+        "most)",
+    )  # fmt: skip
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--ros2", action="store_true", help="look at ROS 2 (the default)")
+    which.add_argument(
+        "--ros1", nargs="?", const="", metavar="MASTER",
+        help="look at ROS 1 (default: the master of ROS_MASTER_URI, or http://localhost:11311); "
+        "where ROS_MASTER_URI is set and its master answers, this is the default",
+    )  # fmt: skip
+    which.add_argument(
+        "--indi", nargs="?", const="127.0.0.1", metavar="HOST[:PORT]",
+        help="look at an INDI server (default: 127.0.0.1:7624)",
+    )  # fmt: skip
+    parser.add_argument("--domain", type=int, help="ROS 2 domain (default: ROS_DOMAIN_ID, or 0)")
+    parser.add_argument(
+        "--connect", action="store_true",
+        help="INDI: tell drivers to connect to their hardware first, as the gateway does; before "
+        "that most of them show little",
+    )  # fmt: skip
 
 
 def _seconds(text: str) -> float:
@@ -53,29 +90,93 @@ def _seconds(text: str) -> float:
     return value
 
 
-def look(seconds: float, domain: int | None) -> Found:
-    """Look at the graph of this machine.
+def look(options: argparse.Namespace) -> Found:
+    """Look at what the options of `add_options` name.
 
     Raises:
-        PartMissing: there is no ROS 2 here.
-        CliError: the domain is not one.
-        AdapterLost: the graph cannot be joined.
+        PartMissing: what it takes is not installed here.
+        CliError: an option cannot be meant so.
+        AdapterLost: the robot's side cannot be reached.
 
     """
+    if options.connect and options.indi is None:
+        raise CliError("--connect is for --indi; whatever ROS has is there without it")
+    if options.indi is not None:
+        return _look_at_indi(options.indi, options.seconds or INDI_SECONDS, options.connect)
+    seconds = options.seconds or SECONDS
+    master = options.ros1
+    if master is None and not options.ros2 and options.domain is None:
+        master = _answering_master()
+    return _look_at_ros2(options.domain, seconds) if master is None else _look_at_ros1(master, seconds)
+
+
+def _look_at_ros2(domain: int | None, seconds: float) -> Found:
     if domain is not None and not 0 <= domain <= 232:
         raise CliError(f"--domain: expected a ROS domain id from 0 to 232, found {domain}")
     try:
         from talaia.gateway.adapters.ros2_probe import look as look_at_ros2
     except ImportError as error:
         raise PartMissing("talaia probe", error.name or "rclpy", "ros2") from error
-    print(f"listening for {seconds:g} s …", file=sys.stderr, flush=True)
+    _listening(seconds)
     return look_at_ros2(domain, seconds)
 
 
-def _told(found: Found) -> str:
+def _answering_master() -> str | None:
+    """Give the master of the environment, if there is one and it answers."""
+    named = os.environ.get("ROS_MASTER_URI", "")
+    if not named:
+        return None
+    from talaia.gateway.adapters.ros1_master import Master
+    from talaia.gateway.errors import AdapterLost
+
+    try:
+        Master(named).check()
+    except AdapterLost:
+        return None
+    print(f"looking at ROS 1, master {named}; --ros2 looks at ROS 2", file=sys.stderr)
+    return named
+
+
+def _look_at_ros1(master: str, seconds: float) -> Found:
+    try:
+        from talaia.gateway.adapters.ros1_probe import DEFAULT_MASTER, look as look_at_ros1
+    except ImportError as error:
+        raise PartMissing("talaia probe --ros1", error.name or "rosbags", "gateway") from error
+    uri = master or os.environ.get("ROS_MASTER_URI") or DEFAULT_MASTER
+    where = urlsplit(uri)
+    if where.scheme != "http" or not where.hostname:
+        raise CliError(f"--ros1: expected http://HOST:11311, found {uri!r}")
+    _listening(seconds)
+    return look_at_ros1(uri, seconds)
+
+
+def _look_at_indi(place: str, seconds: float, connect: bool) -> Found:  # noqa: FBT001
+    from talaia.gateway.adapters.indi_probe import look as look_at_indi
+
+    try:
+        where = urlsplit(f"//{place}")
+        host, port = where.hostname or "", where.port or INDI_PORT
+    except ValueError as error:
+        raise CliError(f"--indi: expected HOST or HOST:PORT, found {place!r}") from error
+    if not host:
+        raise CliError(f"--indi: expected HOST or HOST:PORT, found {place!r}")
+    print("asking …", file=sys.stderr, flush=True)
+    return look_at_indi(host, port, seconds, connect=connect)
+
+
+def _listening(seconds: float) -> None:
+    print(f"listening for {seconds:g} s …", file=sys.stderr, flush=True)
+
+
+def _told(found: Found, *, fields: bool) -> str:
     lines = [f"{found.where}, after {found.seconds:g} s"]
     lines += ["", "topics that are published"]
-    lines += [_row(each) for each in found.topics if each.publishers] or ["  none"]
+    for each in found.topics:
+        if each.publishers:
+            lines.append(_row(each))
+            lines += _fields(each) if fields else []
+    if not any(each.publishers for each in found.topics):
+        lines.append("  none")
     heard = [each for each in found.topics if not each.publishers]
     if heard:
         lines += ["", "topics that somebody only listens to"]
@@ -90,13 +191,52 @@ def _told(found: Found) -> str:
                 f"  {name:<36} {kind}" + (f"   ({problem})" if problem else "")
                 for name, kind, problem in rows
             ]
+    known = [(title, _of_types(found, types)) for title, types in _KNOWN.items()]
+    if any(topics for _, topics in known):
+        lines += ["", "of these"]
+        lines += [f"  {title:<12} {', '.join(topics)}" for title, topics in known if topics]
     if not found.topics and not found.services:
+        same = f"ROS domain ({found.domain})" if found.protocol == "ros2" else "master"
+        more = ", with the same RMW_IMPLEMENTATION" if found.protocol == "ros2" else ""
         lines += [
             "",
-            "Nothing was heard. Is the robot running, in the same ROS domain",
-            f"({found.domain}), on the same network, with the same RMW_IMPLEMENTATION?",
+            f"Nothing was heard. Is the robot running, in the same {same},",
+            f"on the same network{more}?",
         ]
     return "\n".join(lines)
+
+
+def _of_types(found: Found, types: tuple[str, ...]) -> list[str]:
+    return [each.topic for each in found.topics if each.publishers and each.type in types]
+
+
+def _fields(topic: TopicFound) -> list[str]:
+    named = [f"      {each}" for each in topic.names]
+    return named or [
+        f"      {each.path:<36} {each.type}" + (f" in {each.unit}" if each.unit else "")
+        for each in topic.fields
+    ]
+
+
+def _devices_told(found: Found, *, fields: bool) -> str:
+    lines = [f"{found.where}, after {found.seconds:g} s", "", "devices"]
+    for each in found.devices:
+        state = "connected" if each.connected else "not connected"
+        count = f"{len(each.properties)} properties"
+        lines.append(f"  {each.device:<28} {each.driver:<36} {state:<14} {count}")
+        lines += [_property(one) for one in each.properties] if fields else []
+    if not found.devices:
+        lines += ["  none", "", "Does indiserver run any driver?"]
+    if any(not each.connected for each in found.devices):
+        lines += ["", "A driver that is not connected shows little; --connect connects them."]
+    return "\n".join(lines)
+
+
+def _property(found: PropertyFound) -> str:
+    shown = ", ".join(f"{each.element} {each.value}".strip() for each in found.elements[:4])
+    more = ", …" if len(found.elements) > 4 else ""
+    kind = f"{found.type}{' (can be set)' if found.writable else ''}"
+    return f"      {found.property:<28} {kind:<22} {shown}{more}"
 
 
 def _row(topic: TopicFound) -> str:

@@ -8,10 +8,15 @@ from __future__ import annotations
 
 import msgspec
 
+from talaia.model.site import Device  # noqa: TC001 - msgspec reads it
+
 __all__ = [
     "ActionFound",
+    "DeviceFound",
+    "ElementFound",
     "FieldFound",
     "Found",
+    "PropertyFound",
     "ServiceFound",
     "TopicFound",
 ]
@@ -86,6 +91,64 @@ class ActionFound(msgspec.Struct, frozen=True, omit_defaults=True):
     problem: str = ""
 
 
+class ElementFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """One member of an INDI property.
+
+    Attributes:
+        label: what its driver calls it.
+        value: as it was, a number in digits; empty for pictures and for what is not known.
+        minimum: of a number; equal to ``maximum`` where the driver sets no limit.
+
+    """
+
+    element: str
+    label: str = ""
+    value: str = ""
+    minimum: float = 0.0
+    maximum: float = 0.0
+
+
+class PropertyFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A property of an INDI device.
+
+    Attributes:
+        type: ``number``, ``switch``, ``text``, ``light`` or ``blob``.
+        state: ``Idle``, ``Ok``, ``Busy`` or ``Alert``.
+        writable: whether a client may set it.
+
+    """
+
+    property: str
+    type: str
+    label: str = ""
+    group: str = ""
+    state: str = ""
+    writable: bool = False
+    elements: tuple[ElementFound, ...] = ()
+
+
+class DeviceFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A device that says itself what it is, as INDI's do.
+
+    Attributes:
+        device: its name at the server.
+        driver: the program behind it, and its version.
+        connected: whether the driver has reached its hardware; before that it shows little.
+        properties: all that it has.
+        word: its word in addresses.
+        described: as the site description would have it, by its own words; none for one that is
+            not connected, whom the gateway describes when it is.
+
+    """
+
+    device: str
+    driver: str = ""
+    connected: bool = False
+    properties: tuple[PropertyFound, ...] = ()
+    word: str = ""
+    described: Device | None = None
+
+
 class Found(msgspec.Struct, frozen=True, omit_defaults=True):
     """All that a probe saw.
 
@@ -95,6 +158,9 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
         where: which graph or server, in words.
         seconds: how long was looked (s).
         domain: the ROS domain id; none for other protocols.
+        master: where the ROS 1 master answers; empty for other protocols.
+        host: of the INDI server; empty for other protocols.
+        port: of the INDI server.
 
     """
 
@@ -106,3 +172,7 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
     topics: tuple[TopicFound, ...] = ()
     services: tuple[ServiceFound, ...] = ()
     actions: tuple[ActionFound, ...] = ()
+    master: str = ""
+    host: str = ""
+    port: int = 0
+    devices: tuple[DeviceFound, ...] = ()

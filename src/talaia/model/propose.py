@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 import msgspec
 
 from talaia.model.check import check
+from talaia.model.connection import IndiConnection, Ros1Connection
 from talaia.model.meaning import human, word_of
 from talaia.model.site import (
     Argument,
@@ -36,6 +37,7 @@ from talaia.model.site import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
+    from talaia.model.connection import Connection
     from talaia.model.found import ActionFound, FieldFound, Found, ServiceFound, TopicFound
 
 __all__ = ["Proposal", "propose"]
@@ -112,9 +114,10 @@ def propose(found: Found, site: str, name: str, zone: str) -> Proposal:
         name=name,
         zone=zone,
         ros2=Ros2Settings(domain=found.domain) if found.protocol == "ros2" else None,
-        devices=made.devices(),
+        connections=_connections(found),
+        devices={**made.devices(), **_described(found)},
     )
-    left_out = list(made.left_out)
+    left_out = [*made.left_out, *_not_there(found)]
     for _ in range(MAX_ROUNDS):
         # What the checks refuse is left out, with their words: the rest runs. Leaving something
         # out can make a reference to it wrong, hence the rounds.
@@ -124,6 +127,32 @@ def propose(found: Found, site: str, name: str, zone: str) -> Proposal:
         left_out += [str(each) for each in wrong]
         proposed = _without(proposed, [each.where.split(".") for each in wrong])
     return Proposal(proposed, tuple(left_out))
+
+
+def _connections(found: Found) -> dict[str, Connection]:
+    """Name how the robot is reached; ROS 2 has a key of its own."""
+    match found.protocol:
+        case "ros1":
+            return {"ros1": Ros1Connection(master=found.master)}
+        case "indi":
+            return {"indi": IndiConnection(host=found.host, port=found.port)}
+        case _:
+            return {}
+
+
+def _described(found: Found) -> dict[str, Device]:
+    """Take over the devices that say themselves what they are."""
+    return {each.word: each.described for each in found.devices if each.described is not None}
+
+
+def _not_there(found: Found) -> list[str]:
+    away = [each.device for each in found.devices if each.described is None]
+    if not away:
+        return []
+    return [
+        f"{', '.join(away)}: not connected to the hardware yet; the gateway connects these drivers "
+        "and then describes them by itself (to have them here, run: talaia init --connect)"
+    ]
 
 
 def _without(site: Site, wrong: Iterable[list[str]]) -> Site:

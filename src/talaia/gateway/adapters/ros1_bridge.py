@@ -281,6 +281,17 @@ class Bridge:
         """Tell the values of these from now on."""
         self._parameters = asked["names"]
 
+    def on_describe(self, asked: dict[str, Any]) -> None:
+        """Tell the definition of a message, or of a service's request; empty: not known here."""
+        service = asked["what"] == "srv"
+        find = ros_types.get_service_class if service else ros_types.get_message_class
+        try:
+            found = find(asked["type"])
+            text = (found._request_class if service else found)._full_text  # noqa: SLF001
+        except (AttributeError, ImportError, ValueError):
+            text = None
+        self._out.say(op="described", what=asked["what"], type=asked["type"], definition=text)
+
     # ── one-shot commands ──
 
     def on_act(self, asked: dict[str, Any]) -> None:

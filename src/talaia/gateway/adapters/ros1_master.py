@@ -6,16 +6,21 @@ https://wiki.ros.org/ROS/Master_API
 from __future__ import annotations
 
 import http.client
+import socket
+import struct
 
 # The master is the robot itself; expat refuses entities that grow.
 import xmlrpc.client
 from typing import NamedTuple, cast
+from urllib.parse import urlsplit
 
 from talaia.gateway.errors import AdapterLost
 
-__all__ = ["Graph", "Master"]
+__all__ = ["Graph", "Master", "System"]
 
 _WAIT_S = 1.0
+_MAX_HEADER = 64 * 1024
+_SIZE = struct.Struct("<I")
 
 
 class _Transport(xmlrpc.client.Transport):
@@ -36,6 +41,14 @@ class Graph(NamedTuple):
     published: frozenset[str]
     heard: frozenset[str]
     services: frozenset[str]
+
+
+class System(NamedTuple):
+    """Who publishes, hears and serves what: nodes by name of the topic or service."""
+
+    published: dict[str, frozenset[str]]
+    heard: dict[str, frozenset[str]]
+    services: dict[str, frozenset[str]]
 
 
 class Master:
@@ -82,9 +95,87 @@ class Master:
             AdapterLost: it is not there.
 
         """
+        return Graph(*(frozenset(each) for each in self.system()))
+
+    def system(self) -> System:
+        """Tell what is registered, and by which nodes.
+
+        Raises:
+            AdapterLost: it is not there.
+
+        """
         _, value = self._ask("getSystemState")
         try:
-            parts = [frozenset(str(name) for name, _ in part) for part in cast("list", value)]  # type: ignore[type-arg]
-            return Graph(*parts)
+            return System(
+                *(
+                    {str(name): frozenset(map(str, nodes)) for name, nodes in part}
+                    for part in cast("list", value)  # type: ignore[type-arg]
+                )
+            )
         except (TypeError, ValueError) as error:
             raise AdapterLost(f"what answers at {self.uri} is no ROS master") from error
+
+    def types(self) -> dict[str, str]:
+        """Tell the types of topics, ``package/Name``; those that nobody has told are left out.
+
+        Raises:
+            AdapterLost: it is not there.
+
+        """
+        _, value = self._ask("getTopicTypes")
+        try:
+            found = {str(topic): str(kind) for topic, kind in cast("list", value)}  # type: ignore[type-arg]
+        except (TypeError, ValueError) as error:
+            raise AdapterLost(f"what answers at {self.uri} is no ROS master") from error
+        return {topic: kind for topic, kind in found.items() if kind != "*"}
+
+    def service_type(self, service: str) -> str:
+        """Ask a service for its type, ``package/Name``; empty when it does not answer.
+
+        Raises:
+            AdapterLost: the master is not there.
+
+        """
+        code, uri = self._ask("lookupService", service)
+        where = urlsplit(str(uri))
+        try:
+            if code != 1 or not where.hostname or not where.port:
+                return ""
+            with socket.create_connection((where.hostname, where.port), _WAIT_S) as asked:
+                # ``probe``: only the header is exchanged, nothing is called.
+                asked.sendall(header_of({"callerid": "/talaia", "md5sum": "*", "probe": "1",
+                                         "service": service}))  # fmt: skip
+                size = _SIZE.unpack(_exactly(asked, _SIZE.size))[0]
+                said = fields_of(_exactly(asked, min(size, _MAX_HEADER)))
+        except (OSError, ValueError, struct.error):
+            return ""
+        return said.get("type", "")
+
+
+def header_of(fields: dict[str, str]) -> bytes:
+    """Write a connection header (https://wiki.ros.org/ROS/Connection%20Header)."""
+    rows = [f"{key}={value}".encode() for key, value in fields.items()]
+    body = b"".join(_SIZE.pack(len(row)) + row for row in rows)
+    return _SIZE.pack(len(body)) + body
+
+
+def fields_of(body: bytes) -> dict[str, str]:
+    """Read a connection header without its size; what is damaged is left out."""
+    found, at = {}, 0
+    while at + _SIZE.size <= len(body):
+        (size,) = _SIZE.unpack_from(body, at)
+        at += _SIZE.size
+        key, _, value = body[at : at + size].decode(errors="replace").partition("=")
+        found[key] = value
+        at += size
+    return found
+
+
+def _exactly(asked: socket.socket, size: int) -> bytes:
+    data = b""
+    while len(data) < size:
+        more = asked.recv(size - len(data))
+        if not more:
+            raise OSError("it was cut short")
+        data += more
+    return data
