@@ -107,7 +107,9 @@ def look(options: argparse.Namespace) -> Found:
     master = options.ros1
     if master is None and not options.ros2 and options.domain is None:
         master = _answering_master()
-    return _look_at_ros2(options.domain, seconds) if master is None else _look_at_ros1(master, seconds)
+    return (
+        _look_at_ros2(options.domain, seconds) if master is None else _look_at_ros1(master, seconds)
+    )
 
 
 def _look_at_ros2(domain: int | None, seconds: float) -> Found:
