@@ -6,26 +6,23 @@ import importlib.util
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
-import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import httpx
 import pytest
 from playwright.sync_api import expect, sync_playwright
 
 from talaia.model.check import check
 from talaia.model.load import read_site
+from talaia.model.site import Source
 from talaia.sim import domain
 
 from .conftest import CHROMIUM_FLAGS, missing
+from .walk import PASSWORD, talaia, until_stored, walked
 
 pytestmark = [pytest.mark.robot, pytest.mark.timeout(180)]
-PASSWORD = "a long enough password 7"  # noqa: S105 - of a hub that lives for one test
 
 
 @pytest.fixture(scope="module")
@@ -48,18 +45,6 @@ def robot() -> Iterator[dict[str, str]]:
         process.wait()
         assert process.stdout is not None
         process.stdout.close()
-
-
-def talaia(here: dict[str, str], *words: str, given: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "talaia", *words],
-        env=here,
-        input=given,
-        capture_output=True,
-        text=True,
-        timeout=90,
-        check=False,
-    )
 
 
 def test_what_a_probe_writes_on_the_robot_becomes_a_description_elsewhere(
@@ -96,80 +81,37 @@ def test_something_else_than_a_probe_is_told_and_nothing_is_written(tmp_path: Pa
 
 @pytest.mark.browser
 def test_an_unknown_robot_has_a_dashboard_with_every_numeric_field_within_a_minute(
-    robot: dict[str, str], tmp_path: Path, chromium: str
+    robot: dict[str, str],
+    tmp_path: Path,
+    chromium: str,
 ) -> None:
-    began = time.monotonic()
-    target = tmp_path / "site.yaml"
-    made = talaia(robot, "init", "-o", str(target), "--site", "rover", "--name", "Rover")
-    assert made.returncode == 0, made.stderr
-    site = read_site(target)
-    process = subprocess.Popen(
-        [sys.executable, "-m", "talaia", "up", str(target), "--no-browser",
-         "--data", str(tmp_path / "data")],
-        env=robot, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-    )  # fmt: skip
-    alarm = threading.Timer(60, process.kill)
-    alarm.start()
-    try:
-        said = ""
-        assert process.stdout is not None
-        for line in process.stdout:
-            said += line
-            if "Ctrl-C" in line:
-                break
-        link = re.search(r"(http://\S+)/setup#(\S+)", said)
-        assert link is not None, said
-        address, token = link.groups()
-        asked = {"token": token, "name": "ada", "password": PASSWORD}
-        with httpx.Client(base_url=address, timeout=60, headers={"origin": address}) as client:
-            assert client.post("/api/setup", json=asked).status_code == 200
-            wanted = {
-                each.address
-                for each in site.channels()
-                if not each.text and not _never(site, each.device, each.signal)
-            }
-            assert len(wanted) > 150
-            _all_are_stored(client, sorted(wanted))
+    with walked(robot, tmp_path, "--site", "rover", "--name", "Rover") as rover:
+        site = rover.site
+        never = {
+            f"{device}/{name}"
+            for device, each in site.devices.items()
+            for name, one in each.signals.items()
+            if _never(one.source)
+        }
+        wanted = rover.numbers() - never
+        assert len(wanted) > 150
+        until_stored(rover.client, "rover", wanted)
         with sync_playwright() as play:
             clean = {key: each for key, each in os.environ.items() if key != "LD_LIBRARY_PATH"}
             browser = play.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS, env=clean)
             page = browser.new_page(viewport={"width": 1440, "height": 1000})
-            page.goto(f"{address}/login")
+            page.goto(f"{rover.address}/login")
             page.get_by_label("Name").fill("ada")
             page.get_by_label("Password").fill(PASSWORD)
             page.get_by_role("button", name="Sign in").click()
             page.wait_for_url(re.compile("/home$"))
             expect(page.get_by_role("heading", name="Rover").first).to_be_visible()
             expect(page.get_by_text("50.0").first).to_be_visible()
-            assert time.monotonic() - began < 60
+            assert rover.seconds() < 60
+            rover.tell()
             browser.close()
-    finally:
-        alarm.cancel()
-        process.send_signal(signal.SIGINT)
-        assert process.wait(30) in (0, -signal.SIGKILL)
-        assert process.stdout is not None
-        process.stdout.close()
 
 
-def _never(site: object, device: str, signal_name: str) -> bool:
+def _never(source: Source) -> bool:
     """Tell whether this robot only ever says NaN there."""
-    source = site.devices[device].signals[signal_name].source  # type: ignore[attr-defined]
     return "battery" in source.topic and source.field == "temperature"
-
-
-def _all_are_stored(client: httpx.Client, wanted: list[str]) -> None:
-    """Wait until the history has a value of each."""
-    end = time.monotonic() + 20
-    while True:
-        now_us = int(time.time() * 1e6)
-        missed = set(wanted)
-        for start in range(0, len(wanted), 20):
-            asked = [("channel", each) for each in wanted[start : start + 20]]
-            answer = client.get(
-                "/api/sites/rover/last", params=[("before_us", str(now_us)), *asked]
-            )
-            assert answer.status_code == 200, answer.text
-            missed -= {each["address"] for each in answer.json()["values"]}
-        if not missed:
-            return
-        assert time.monotonic() < end, f"never stored: {sorted(missed)[:20]}"

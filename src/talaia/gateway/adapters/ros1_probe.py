@@ -181,6 +181,8 @@ class _Look:
                 self._heard[said["topic"]].learn(said["type"], said["definition"])
             case "described":
                 self._described[said["what"], said["type"]] = said["definition"]
+            case _:
+                return
 
     # ── listening ──
 

@@ -29,8 +29,14 @@ _TEXT = re.compile(r"w?string(<\d+>)?\Z")
 _LIST = re.compile(
     r"(?:sequence<(?P<inner>.+?)(?:, (?P<bound>\d+))?>|(?P<item>.+)\[(?P<size>\d+)\])\Z"
 )
-# Times are when, not what; they stand beside every sample already.
-_TIMES = {"builtin_interfaces/Time", "builtin_interfaces/Duration"}
+# When, where from and how it lies in memory: not what a sensor says. Times stand beside every
+# sample already.
+_ABOUT = {
+    "builtin_interfaces/Time",
+    "builtin_interfaces/Duration",
+    "std_msgs/Header",
+    "std_msgs/MultiArrayLayout",
+}
 
 
 class Shape(NamedTuple):
@@ -102,7 +108,7 @@ class _Walk:
             path = f"{prefix}.{field}" if prefix else field
             value = getattr(message, field, None)
             meaning = self._meaning(type_name, field) or above
-            if declared in _TIMES or declared == "std_msgs/Header" or field.endswith("frame_id"):
+            if declared in _ABOUT or field.endswith("frame_id"):
                 continue
             listed = _LIST.match(declared)
             if listed is None:
