@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.deploy.containers import DatabaseKind, compose, dockerfile
 from talaia.deploy.readme import readme
 from talaia.deploy.systemd import gateway_unit, hub_unit
+from talaia.model.connection import Ros1Connection, Ros2Connection
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -14,6 +15,17 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
 
 __all__ = ["Choice", "File", "project"]
+
+
+# rospy and what robots are told something by; to be read, a type needs no package.
+ROS1_PACKAGES = (
+    "python3-rospy",
+    "python3-actionlib",
+    "python3-std-srvs",
+    "python3-geometry-msgs",
+    "python3-sensor-msgs",
+    "python3-nav-msgs",
+)
 
 
 class File(NamedTuple):
@@ -64,7 +76,7 @@ def project(
         "site.yaml": File(description),
         "compose.yaml": File(compose(site.site, database, choice.port, choice.hosts, domain)),
         "hub.Dockerfile": File(dockerfile(extras, choice.version)),
-        "gateway.Dockerfile": File(dockerfile(["gateway", "ros2"], choice.version)),
+        "gateway.Dockerfile": File(_gateway_image(site, choice.version)),
         "wheels/.keep": File(""),
         ".dockerignore": File("secrets\nsystemd\n"),
         ".gitignore": File("secrets/\n"),
@@ -82,3 +94,15 @@ def project(
         # The hub's user in its container reads it, and only that container has it.
         files["secrets/database_url"] = File(url, 0o644)
     return files
+
+
+def _gateway_image(site: Site, version: str) -> str:
+    """Write the recipe of a gateway that has what the site's connections need."""
+    links = site.links().values()
+    extras = ["gateway"]
+    if any(isinstance(each, Ros2Connection) for each in links):
+        extras.append("ros2")
+    if site.recording is not None:
+        extras.append("recording")
+    old = any(isinstance(each, Ros1Connection) for each in links)
+    return dockerfile(extras, version, ROS1_PACKAGES if old else ())

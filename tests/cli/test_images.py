@@ -1,0 +1,96 @@
+"""What the images' recipes install, installed: in a clean virtual environment, by their own words.
+
+Docker itself does not run here; the steps it would run are read from the recipes, and those of
+pip are run as they stand. `wheels/` and the environment's own ``pip`` stand for the image's.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from talaia import __version__
+from talaia.cli.main import main
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples/agv/site.yaml"
+OLD = """\
+talaia: 1
+site: old
+name: Old
+connections: {old: {kind: ros1}}
+devices: {a: {name: A}}
+recording: {topics: [/odom]}
+"""
+CLEAN = {
+    key: value
+    for key, value in os.environ.items()
+    if key not in ("PYTHONPATH", "LD_LIBRARY_PATH", "VIRTUAL_ENV", "PYTHONHOME")
+}
+
+
+def run(*words: str | Path, within: float = 240) -> str:
+    done = subprocess.run(
+        [str(each) for each in words], env=CLEAN, capture_output=True, text=True,
+        timeout=within, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, f"{words}:\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
+    return done.stdout
+
+
+def steps(recipe: str) -> list[list[str]]:
+    """Give the steps that are written as lists of words, as Docker runs them: without a shell."""
+    return [json.loads(found) for found in re.findall(r"^RUN (\[.*\])$", recipe, re.MULTILINE)]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Talaia's own wheel, built from this tree."""
+    folder = tmp_path_factory.mktemp("wheel")
+    run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder, ROOT)
+    (made,) = folder.glob("*.whl")
+    return made
+
+
+@pytest.mark.timeout(400)
+@pytest.mark.parametrize(
+    ("image", "words"), [("hub", ("hub", "--help")), ("gateway", ("gateway", "--help"))]
+)
+def test_the_install_steps_of_an_image_work_in_a_clean_environment(
+    image: str, words: tuple[str, ...], wheel: Path, tmp_path: Path
+) -> None:
+    folder, place = tmp_path / "deployment", tmp_path / "environment"
+    assert main(["generate", str(EXAMPLE), "--to", str(folder), "--wheel", str(wheel)]) == 0
+    recipe = (folder / f"{image}.Dockerfile").read_text()
+    assert "COPY wheels/ /wheels/" in recipe
+    run(sys.executable, "-m", "venv", place)
+    (install,) = steps(recipe)
+    assert install[:2] == ["pip", "install"]
+    run(
+        place / "bin" / install[0],
+        *(str(folder / "wheels") if each == "/wheels" else each for each in install[1:]),
+    )
+    (entry,) = re.findall(r"^ENTRYPOINT (\[.*\])$", recipe, re.MULTILINE)
+    program = place / "bin" / json.loads(entry)[0]
+    assert run(program, "--version").strip() == f"talaia {__version__}"
+    assert "usage: talaia" in run(program, *words)
+    assert run(place / "bin/pip", "check").startswith("No broken requirements")
+
+
+def test_a_gateways_image_has_what_its_connections_need(tmp_path: Path) -> None:
+    site = tmp_path / "site.yaml"
+    site.write_text(OLD)
+    assert main(["generate", str(site), "--to", str(tmp_path / "old")]) == 0
+    recipe = (tmp_path / "old/gateway.Dockerfile").read_text()
+    assert steps(recipe)[0][-1] == f"talaia[gateway,recording]=={__version__}"
+    assert "python3-rospy" in recipe
+    assert main(["generate", str(EXAMPLE), "--to", str(tmp_path / "new")]) == 0
+    recipe = (tmp_path / "new/gateway.Dockerfile").read_text()
+    assert "ros2" in steps(recipe)[0][-1]
+    assert "apt-get" not in recipe
