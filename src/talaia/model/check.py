@@ -19,6 +19,7 @@ from talaia.model.connection import Ros1Connection, Ros2Connection
 from talaia.model.errors import DescriptionError, UnknownWord
 from talaia.model.site import ArgumentType, CommandKind, DriveMessage, SignalType, Site
 from talaia.model.unit import unit_of
+from talaia.model.version import FORMAT
 from talaia.model.words import (
     FIELD,
     Finding,
@@ -63,6 +64,9 @@ def raise_first(site: Site) -> Site:
 
 
 def _site(site: Site) -> Iterator[Finding]:
+    if site.talaia != FORMAT:
+        problem = f"expected the format version {FORMAT}, found {site.talaia}"
+        yield Finding("$.talaia", problem, f"write: talaia: {FORMAT}")
     yield from id_fits("$.site", site.site)
     yield from name_fits("$.name", site.name)
     if site.zone not in available_timezones():
