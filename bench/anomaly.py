@@ -57,12 +57,12 @@ class Peer(Detector, kw_only=True):
 
     def __post_init__(self) -> None:
         """Make the model."""
-        import pysad.models  # noqa: PLC0415 - heavy, and not always there
+        import pysad.models
 
-        global _PEER  # noqa: PLW0603 - structs hold no foreign models
+        global _PEER
         _PEER = pysad.models.KNNCAD(186)
 
-    def see(self, time_us: int, value: float) -> float:  # noqa: ARG002
+    def see(self, time_us: int, value: float) -> float:
         """Score one sample; a matrix without an inverse scores 0."""
         try:
             with contextlib.redirect_stdout(None):

@@ -76,7 +76,7 @@ def _worth(series: Series) -> tuple[np.ndarray, np.ndarray]:
     """Give for each sample what a detection there is worth, and its window (−1: none)."""
     count = len(series.values)
     worth, window = np.full(count, -A_FP), np.full(count, -1)
-    for at, (first, last) in enumerate(series.windows):
+    for first, last in series.windows:
         width = last - first + 1
         behind = np.arange(last + 1, count)
         worth[behind] = A_FP * _sigmoid((behind - last) / max(width - 1, 1))

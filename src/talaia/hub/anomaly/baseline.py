@@ -9,7 +9,7 @@ from collections.abc import Sequence  # noqa: TC003 - msgspec reads the annotati
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.kept import Detector, Floats, number, span
+from talaia.hub.anomaly.kept import Detector, Floats, number, span, tame
 
 __all__ = ["Baseline", "Quartiles", "Sorted"]
 
@@ -28,8 +28,8 @@ class Sorted(msgspec.Struct, kw_only=True):
     """The newest values, in the order they came and sorted."""
 
     most: int
-    came: list[float] = []
-    sorted: list[float] = []
+    came: list[float] = msgspec.field(default_factory=list)
+    sorted: list[float] = msgspec.field(default_factory=list)
     at: int = 0
 
     def add(self, value: float) -> None:
@@ -77,7 +77,7 @@ class Baseline(Detector, kw_only=True):
     offsets: Sorted = msgspec.field(default_factory=lambda: Sorted(most=_WINDOW))
     times: Floats = msgspec.field(default_factory=lambda: np.zeros(2))
     season: Floats = msgspec.field(default_factory=lambda: np.full(_SLOTS, np.nan))
-    slow: float = 0.0
+    seasonal: bool = False
     drift: float = 0.0
     counted: int = 0
     value: float = 0.0
@@ -88,6 +88,7 @@ class Baseline(Detector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score one sample against those before it, then take it in."""
+        value = tame(value)
         slot = (time_us // _SLOT_US) % _SLOTS
         season = self._season(slot)
         level = value - season
@@ -108,27 +109,36 @@ class Baseline(Detector, kw_only=True):
 
     def _season(self, slot: int) -> float:
         # Nothing is taken off before every slot of a day is known.
-        known = self.season[slot]
-        return 0.0 if np.isnan(known) or np.isnan(self.season).any() else float(known)
+        return float(self.season[slot]) if self.seasonal else 0.0
 
     def _learn(self, time_us: int, value: float, level: float, slot: int) -> None:
         if self.counted == 0:
-            self.slow = value
             self.times[0] = time_us
-        interval = max((time_us - self.times[0]) / 1e6 / max(self.counted, 1), 0.0)
+        interval = max((time_us - float(self.times[0])) / 1e6 / max(self.counted, 1), 0.0)
         self.length_s = interval * min(self.counted, _WINDOW)
-        self.slow += (value - self.slow) / min(self.counted + 1, 10 * _WINDOW)
-        before = self.season[slot]
-        off = value - self.slow
-        self.season[slot] = off if np.isnan(before) else before + (off - before) * 0.1
+        if self.recent.came:
+            known = self.season[slot]
+            off = value - self.recent.quantile(0.5) - self.drift
+            self.season[slot] = off if np.isnan(known) else known + (off - known) * 0.1
+            if not self.seasonal and not np.isnan(self.season).any():
+                # From here on the level is without season: what was learned with it does not fit.
+                self.seasonal = True
+                self.recent, self.offsets = Sorted(most=_WINDOW), Sorted(most=_WINDOW)
+                self.drift = 0.0
         self.recent.add(level)
         self.counted += 1
         if self.counted % 25 == 0 and len(self.recent.came) >= _WINDOW:
-            newest = self.recent.newest(_WINDOW)
-            half = _WINDOW // 2
-            rise = _quantile(sorted(newest[half:]), 0.5) - _quantile(sorted(newest[:half]), 0.5)
-            # Drift is what is clear above the spread; it carries the median on by half a window.
-            self.drift = rise if abs(rise) > self.spread / self.tolerance else 0.0
+            self.drift = self._drift()
+
+    def _drift(self) -> float:
+        """Give how far the value has gone since the median, if it goes on steadily."""
+        newest, third = self.recent.newest(_WINDOW), _WINDOW // 3
+        parts = (newest[:third], newest[third : 2 * third], newest[2 * third :])
+        first, second, last = (_quantile(sorted(part), 0.5) for part in parts)
+        # After a step one of the two is nothing, and so the step is no drift.
+        if (second - first) * (last - second) <= 0.0:
+            return 0.0
+        return 1.5 * min(second - first, last - second, key=abs)
 
     def why(self) -> str:
         """Say how many spreads from the usual value."""
@@ -167,8 +177,9 @@ class Quartiles(Detector, kw_only=True):
     high: float = 0.0
     peak: float = 0.0
 
-    def see(self, time_us: int, value: float) -> float:  # noqa: ARG002 - counts samples, not time
+    def see(self, time_us: int, value: float) -> float:
         """Score one sample against the quartiles of those before it."""
+        value = tame(value)
         score = 0.0
         if len(self.recent.came) >= _LEAST:
             self.value = value
@@ -197,8 +208,8 @@ class Quartiles(Detector, kw_only=True):
         )
 
     def forgive(self) -> bool:
-        """Take ``k`` so much greater that the latest peak is inside."""
+        """Take ``k`` so much greater that the latest peak is well inside."""
         if self.peak < 1e6:
-            self.k = max(self.k, 1.1 * self.peak)
+            self.k = max(self.k, 1.5 * self.peak)
         self.peak = 0.0
         return True

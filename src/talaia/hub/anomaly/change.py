@@ -11,7 +11,7 @@ import math
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.kept import Detector, Floats, number, span
+from talaia.hub.anomaly.kept import Detector, Floats, number, span, tame
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Change"]
@@ -39,7 +39,7 @@ class Change(Detector, kw_only=True):
             self.values[:_KEPT] = self.values[_KEPT:]
             self.times[:_KEPT] = self.times[_KEPT:]
             self.end = _KEPT
-        self.values[self.end], self.times[self.end] = value, time_us
+        self.values[self.end], self.times[self.end] = tame(value), time_us
         self.end += 1
         for at, pace in enumerate(_PACES):
             if self.end < 3 * pace:

@@ -13,7 +13,7 @@ import math
 import msgspec
 
 from talaia.hub.anomaly.baseline import Sorted
-from talaia.hub.anomaly.kept import Detector, number
+from talaia.hub.anomaly.kept import Detector, number, tame
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Context"]
@@ -32,10 +32,10 @@ class Context(Detector, kw_only=True):
 
     rarity: Rarity = msgspec.field(default_factory=Rarity)
     recent: Sorted = msgspec.field(default_factory=lambda: Sorted(most=1000))
-    edges: list[float] = []
-    before: list[int] = []
+    edges: list[float] = msgspec.field(default_factory=list)
+    before: list[int] = msgspec.field(default_factory=list)
     # Context (its levels as a text) to how often each level followed it.
-    followed: dict[str, list[int]] = {}
+    followed: dict[str, list[int]] = msgspec.field(default_factory=dict)
     counted: int = 0
     carried: float = 0.0
     peak: float = 0.0
@@ -43,9 +43,9 @@ class Context(Detector, kw_only=True):
     known: int = 0
     times: int = 0
 
-    def see(self, time_us: int, value: float) -> float:  # noqa: ARG002 - order, not time
+    def see(self, time_us: int, value: float) -> float:
         """Score one sample, then remember what it followed."""
-        self.value = value
+        self.value = value = tame(value)
         self._recut(value)
         if not self.edges:
             return 0.0

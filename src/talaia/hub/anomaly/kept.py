@@ -13,10 +13,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Detector", "Floats", "keep", "number", "span", "wake"]
+__all__ = ["Detector", "Floats", "keep", "number", "span", "tame", "wake"]
 
 Floats = NDArray[np.float64]
 _NDARRAY = np.ndarray
+_LARGEST = 1e150
 
 
 class Detector(msgspec.Struct, kw_only=True):
@@ -33,7 +34,7 @@ class Detector(msgspec.Struct, kw_only=True):
         """Take the next sample (µs since the epoch, a finite number); score it, 0 to 1."""
         raise NotImplementedError
 
-    def idle(self, time_us: int) -> float:  # noqa: ARG002 - only some care
+    def idle(self, time_us: int) -> float:
         """Score that nothing has come up to now; most detectors have no opinion (0)."""
         return 0.0
 
@@ -69,6 +70,11 @@ def keep(detector: Detector) -> bytes:
 def wake(kind: type[D], kept: bytes) -> D:
     """Make a detector of what `keep` gave; ``msgspec.ValidationError`` for anything else."""
     return msgspec.msgpack.decode(kept, type=kind, dec_hook=_decode)
+
+
+def tame(value: float) -> float:
+    """Give the value, or the largest whose square is still a number."""
+    return min(max(value, -_LARGEST), _LARGEST)
 
 
 def number(value: float) -> str:

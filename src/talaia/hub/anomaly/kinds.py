@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.anomaly.baseline import Baseline, Quartiles
 from talaia.hub.anomaly.change import Change
 from talaia.hub.anomaly.context import Context
-from talaia.hub.anomaly.kept import Detector
 from talaia.hub.anomaly.nearest import Nearest
 from talaia.hub.anomaly.plain import Limits, Missing, RateOfChange, Still
 from talaia.hub.anomaly.season import Season
 from talaia.hub.anomaly.together import Together
+
+if TYPE_CHECKING:
+    from talaia.hub.anomaly.kept import Detector
 
 __all__ = ["KINDS", "Kind"]
 

@@ -15,7 +15,7 @@ import math
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.kept import Detector, Floats, number
+from talaia.hub.anomaly.kept import Detector, Floats, number, tame
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Nearest"]
@@ -39,12 +39,12 @@ class Nearest(Detector, kw_only=True):
     # Stretches that a person called usual, one behind the other.
     forgiven: Floats = msgspec.field(default_factory=lambda: np.zeros(0))
 
-    def see(self, time_us: int, value: float) -> float:  # noqa: ARG002 - counts samples, not time
+    def see(self, time_us: int, value: float) -> float:
         """Score the stretch that ends with this sample."""
         if self.end == len(self.values):
             self.values[:_KEPT] = self.values[_KEPT:]
             self.end = _KEPT
-        self.values[self.end] = value
+        self.values[self.end] = tame(value)
         self.end += 1
         self.score = 0.0
         # Neighbours do not overlap the stretch itself.

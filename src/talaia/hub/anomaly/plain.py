@@ -1,4 +1,4 @@
-"""Detectors whose rule a person sets or reads at a glance: still, silent, too fast, out of limits."""
+"""Detectors whose rule is read at a glance: still, silent, too fast, out of limits."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import msgspec
 
 from talaia.hub.anomaly.baseline import Sorted
-from talaia.hub.anomaly.kept import Detector, number, span
+from talaia.hub.anomaly.kept import Detector, number, span, tame
 
 __all__ = ["Limits", "Missing", "RateOfChange", "Still"]
 
@@ -83,7 +83,7 @@ class Missing(Detector, kw_only=True):
     pauses: Sorted = msgspec.field(default_factory=lambda: Sorted(most=200))
     pause_s: float = 0.0
 
-    def see(self, time_us: int, value: float) -> float:  # noqa: ARG002 - that it came is all
+    def see(self, time_us: int, value: float) -> float:
         """Score the pause before this sample."""
         if self.last_us < 0:
             self.last_us = time_us
@@ -138,17 +138,19 @@ class RateOfChange(Detector, kw_only=True):
     last: float = 0.0
     rates: Sorted = msgspec.field(default_factory=lambda: Sorted(most=1000))
     rate: float = 0.0
+    peak: float = 0.0
 
     def see(self, time_us: int, value: float) -> float:
         """Score the change since the sample before."""
         score = 0.0
         if 0 <= self.last_us < time_us:
-            self.rate = abs(value - self.last) / ((time_us - self.last_us) / 1e6)
+            self.rate = abs(tame(value) - self.last) / ((time_us - self.last_us) / 1e6)
             usual = self._usual()
             score = self.rate / (self.rate + usual) if usual > 0.0 else 0.0
             self.rates.add(self.rate)
+            self.peak = max(self.rate, self.peak * 0.98)
         if time_us > self.last_us:
-            self.last_us, self.last = time_us, value
+            self.last_us, self.last = time_us, tame(value)
         return score
 
     def _usual(self) -> float:
@@ -164,9 +166,10 @@ class RateOfChange(Detector, kw_only=True):
     def forgive(self) -> bool:
         """Take such a change as usual."""
         if self.most:
-            self.most = max(self.most, 1.1 * self.rate)
+            self.most = max(self.most, 1.1 * self.peak)
         for _ in range(len(self.rates.came) // 20 + 1):
-            self.rates.add(self.rate)
+            self.rates.add(self.peak)
+        self.peak = 0.0
         return True
 
 
@@ -182,7 +185,7 @@ class Limits(Detector, kw_only=True):
     maximum: float | None = None
     value: float = 0.0
 
-    def see(self, time_us: int, value: float) -> float:  # noqa: ARG002 - a limit knows no time
+    def see(self, time_us: int, value: float) -> float:
         """Score 1 outside, 0 inside."""
         self.value = value
         return 1.0 if self._beyond() else 0.0

@@ -65,4 +65,7 @@ class Rarity(msgspec.Struct, kw_only=True):
 def _bin(magnitude: float) -> int:
     if magnitude < 1e-15:
         return 0
+    # A magnitude beyond all numbers is the greatest.
+    if magnitude > 1e300:
+        return _BINS - 1
     return min(_BINS - 1, max(1, int(math.log(magnitude) / _STEP) + _HALF))

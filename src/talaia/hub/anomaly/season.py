@@ -10,7 +10,7 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.kept import Detector, Floats, number
+from talaia.hub.anomaly.kept import Detector, Floats, number, tame
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Season"]
@@ -43,6 +43,7 @@ class Season(Detector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score the newest hours with this sample in them."""
+        value = tame(value)
         slot = time_us // _SLOT_US
         self._move(slot)
         at = self.slot % _KEPT

@@ -51,4 +51,5 @@ class Together(Detector, kw_only=True):
 
     def forgive(self) -> bool:
         """Let all three learn."""
-        return all([each.forgive() for each in (self.change, self.nearest, self.season)])
+        learned = [each.forgive() for each in (self.change, self.nearest, self.season)]
+        return all(learned)
