@@ -155,7 +155,7 @@ class Baseline(Detector, kw_only=True):
 
     def forgive(self) -> bool:
         """Take the spread so much wider that the latest peak scores below one half."""
-        wider = self.tolerance * max(1.0, 1.1 * self.peak / _USUAL)
+        wider = self.tolerance * max(1.0, 1.5 * self.peak / _USUAL)
         self.tolerance = min(wider, _MOST_TOLERANCE)
         self.peak = 0.0
         return True
