@@ -38,6 +38,7 @@ GOALS = {"nearest": 55.0, "together": 70.0}
 MOST_US = 1000.0
 # Thresholds that are tried: these parts of all scores lie above.
 PARTS = np.geomspace(1e-4, 3e-2, 60)
+FINER = 21
 # Limits and missing data have no opinion on these files: no limits are given, no data are missing.
 SKIPPED = ("limits",)
 
@@ -118,11 +119,20 @@ def measure(name: str, kind: type[Detector], series: Sequence[nab.Series]) -> Ro
     scores, microseconds = run(kind, series)
     halves = (series, series[0::2], series[1::2])
     totals: list[tuple[nab.Scored, ...]] = []
-    for bar in bars(series, scores):
-        if bar <= 0.0:
-            continue
-        kept = told(series, scores, float(bar))
-        totals.append(tuple(nab.score(half, kept, float(bar)) for half in halves))
+
+    def try_out(tried: np.ndarray) -> None:
+        for bar in tried[tried > 0.0].tolist():
+            kept = told(series, scores, bar)
+            totals.append(tuple(nab.score(half, kept, bar) for half in halves))
+
+    coarse = bars(series, scores)
+    try_out(coarse)
+    for half in (0, 1):  # finer around the best, of all and of the first half
+        if totals:
+            best = max(totals, key=lambda each: each[half].score)[half].threshold
+            near = int(np.searchsorted(coarse, best))
+            low, high = coarse[max(near - 1, 0)], coarse[min(near + 1, len(coarse) - 1)]
+            try_out(np.linspace(low, high, FINER))
     silent = nab.Scored(0.0, float("inf"), 0, sum(len(one.windows) for one in series), 0)
     if not totals:
         return Row(name, silent, silent, silent, microseconds)

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalySink, History
     from talaia.hub.store.learned import Learned
+    from talaia.model.anomaly import Watch
     from talaia.model.site import Site
 
 __all__ = ["Watching"]
@@ -203,7 +204,7 @@ class Watching:
             for signal_id, signal in device.signals.items():
                 address = f"{device_id}/{signal_id}"
                 made = [
-                    before.pop((address, each), None) or Watched(address, signal.unit, each)
+                    _again(before, address, each) or Watched(address, signal.unit, each)
                     for each in signal.anomalies
                 ]
                 if made:
@@ -309,3 +310,9 @@ class Watching:
             raise
         for site, address, detector, _ in rows:
             self._saved_at[site, address, detector] = now
+
+
+def _again(before: dict[tuple[str, Watch], Watched], address: str, watch: Watch) -> Watched | None:
+    """Take a detector over from the description of before, if it is asked for alike."""
+    key = (address, watch)
+    return before.pop(key) if key in before else None
