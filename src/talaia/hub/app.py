@@ -13,6 +13,7 @@ from fastapi import Depends, FastAPI
 from talaia.hub.api.access import Access
 from talaia.hub.api.account_parts import AccountParts
 from talaia.hub.api.accounts import Accounts
+from talaia.hub.api.anomalies import AnomalyPages
 from talaia.hub.api.archive import ArchivePages
 from talaia.hub.api.audit import AuditPages
 from talaia.hub.api.gateways import GatewayPages, Proof
@@ -54,11 +55,13 @@ from talaia.hub.live.reporting import Reporting
 from talaia.hub.live.seats import Seats
 from talaia.hub.live.sites import Sites
 from talaia.hub.live.uploads import Refused, Uploads
+from talaia.hub.live.watching import Watching
 from talaia.hub.store.audit import Audit
 from talaia.hub.store.browsers import KnownBrowsers
 from talaia.hub.store.database import Database
 from talaia.hub.store.enrolment import Enrolment
 from talaia.hub.store.factors import Factors
+from talaia.hub.store.learned import Learned
 from talaia.hub.store.people import People
 from talaia.hub.store.recordings import RecordingList
 from talaia.hub.store.register import Register
@@ -133,6 +136,7 @@ class Hub:
         self._recordings = Recordings(
             RecordingList(self._database), self._audit, settings.data, settings.recordings_bytes
         )
+        self._watching = Watching(self._sites, self._history, Learned(self._database, clock), clock)
         self._inbox = Inbox(self._history, settings.data / IMPORTS, self._on_imported)
         self._tasks: list[asyncio.Task[None]] = []
         self.app = self._application()
@@ -159,6 +163,7 @@ class Hub:
             asyncio.create_task(self._seats.watch(self.settings.check_s)),
             asyncio.create_task(self._links.watch(self.settings.check_s)),
             asyncio.create_task(self._inbox.run()),
+            asyncio.create_task(self._watching.run()),
         ]
         self._audit.note("hub started")
 
@@ -173,6 +178,7 @@ class Hub:
             self._audit.stop()
             self._registry.attendance.stop()
             await asyncio.gather(auditing, attending, *watching, return_exceptions=True)
+            await self._watching.close()
         await self._history.close()
         await self._database.close()
 
@@ -203,6 +209,7 @@ class Hub:
             *self._account_pages(access),
             self._site_pages(),
             HistoryPages(self._history),
+            AnomalyPages(self._watching, self._audit),
             ArchivePages(self._archive),
             RecordingPages(self._recordings, self._audit),
             self._gateway_pages(),
@@ -275,6 +282,7 @@ class Hub:
         browsers = self.browsers
         commanding = Commanding(self._sites, self._audit)
         reporting = Reporting(self._sites, browsers, self._audit, self._clock)
+        self._watching.listen(reporting)
         gateways = Gateways(
             self._sites,
             browsers,
@@ -286,6 +294,7 @@ class Hub:
             self._links,
             self._uploads,
             self._recordings,
+            self._watching,
             Admission(),
             self.settings,
             self._clock,

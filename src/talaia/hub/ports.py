@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Collection, Sequence
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
-__all__ = ["History"]
+__all__ = ["AnomalyNews", "AnomalySink", "History"]
 
 
 class History(Protocol):
@@ -121,4 +121,36 @@ class History(Protocol):
         width: int = 0,
     ) -> AsyncIterator[bytes]:
         """Give a window as the bytes of a file, in pieces."""
+        ...
+
+
+class AnomalyNews(NamedTuple):
+    """An anomaly began, or ended.
+
+    Attributes:
+        site: its short name.
+        channel: the signal's address, ``device/signal``.
+        detector: a word of `DetectorKind`.
+        began_us: when its first high score was (µs, UTC); with ``channel`` and ``detector`` it
+            tells anomalies apart.
+        ended_us: when its last high score was (µs, UTC); None while it is on.
+        score: 0 to 1; the greatest so far.
+        why: in words, with numbers and units.
+
+    """
+
+    site: str
+    channel: str
+    detector: str
+    began_us: int
+    ended_us: int | None
+    score: float
+    why: str
+
+
+class AnomalySink(Protocol):
+    """Who wants to hear of anomalies."""
+
+    def anomaly(self, news: AnomalyNews) -> None:
+        """Take the news in order, on the event loop; must not wait and not raise."""
         ...

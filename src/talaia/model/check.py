@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 from zoneinfo import available_timezones
 
+from talaia.model.check_anomalies import anomaly_findings
 from talaia.model.check_connections import (
     command_fits,
     connection_findings,
@@ -148,6 +149,8 @@ def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
 
 def _signal(where: str, signal: Signal) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", signal.name)
+    number = signal.type is SignalType.NUMBER
+    yield from anomaly_findings(where, signal.anomalies, number=number)
     try:
         unit_of(f"{where}.unit", signal.unit)
     except UnknownWord as error:

@@ -15,6 +15,7 @@ from enum import StrEnum
 import msgspec
 
 # These stand beside: what they need of a site is its addresses only.
+from talaia.model.anomaly import Watch  # noqa: TC001 - msgspec reads it
 from talaia.model.connection import Connection, Ros1Connection, Ros2Connection, Ros2Settings
 from talaia.model.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
@@ -175,6 +176,7 @@ class Signal(Shape, frozen=True, kw_only=True):
         frame: for a position: metres or degrees.
         yaw_from: for a local position: ``quaternion`` path of the orientation, or empty.
         primary: shown on the first page.
+        anomalies: detectors that watch it at the hub; numbers only. See `Watch`.
 
     """
 
@@ -195,6 +197,7 @@ class Signal(Shape, frozen=True, kw_only=True):
     yaw_from: str = ""
     primary: bool = True
     visibility: Visibility = Visibility.VIEW
+    anomalies: tuple[Watch, ...] = ()
 
 
 class Stream(Shape, frozen=True, kw_only=True):

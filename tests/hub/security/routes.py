@@ -217,6 +217,11 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/frames/{frame}/file"): _OF_PICTURE,
     ("GET", "/api/sites/{site}/frames/{frame}/preview"): _OF_PICTURE,
     ("GET", "/api/storage"): Recipe(plain()),
+    ("GET", "/api/sites/{site}/anomalies"): of_site(),
+    # No detector is at work there, which only those are told who may say it.
+    ("POST", "/api/sites/{site}/anomalies/forgiven"): of_site(
+        json={"address": "base/open", "detector": "change"}, done=(404,)
+    ),
     ("GET", "/api/sites/{site}/recordings"): of_site(),
     ("POST", "/api/sites/{site}/recordings"): of_site(json={"on": True}, done=(202,)),
     ("GET", "/api/sites/{site}/recordings/{recording}/file"): Recipe(_recording, SITES),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.hub.anomaly.watched import SCORES
 from talaia.hub.auth.permissions import Right, sees_signal
 from talaia.model.site import SignalType
 
@@ -90,6 +91,8 @@ def may_read(live: LiveSite, grants: Grants, address: str) -> bool:
     public is not known any more.
     """
     site = live.description
+    # Scores of a detector are open to those who may see the signal.
+    address = address.partition(SCORES)[0]
     device = address.partition("/")[0]
     for channel in live.channels:
         if channel.address == address:

@@ -9,6 +9,7 @@ import msgspec
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
+from talaia.hub.anomaly.watched import SCORES
 from talaia.hub.api.access import live_of, who_of
 from talaia.hub.api.channels import Asked, NoChannel, asked_channels, former_channel, may_read
 from talaia.hub.api.history_shapes import (
@@ -150,7 +151,8 @@ class HistoryPages:
             channels=[
                 _stored(each, self._history.kind_of(live.name, each.address), described)
                 for each in found
-                if may_read(live, grants, each.address)
+                # Scores stand beside their signal, and are not a signal of before.
+                if SCORES not in each.address and may_read(live, grants, each.address)
             ]
         )
 

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.reporting import Reporting
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.live.uploads import Upload, Uploads
+    from talaia.hub.live.watching import Watching
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
     from talaia.hub.store.sites import GatewayKey, SiteRegistry
@@ -78,6 +79,7 @@ class Gateways:
         links: Links,
         uploads: Uploads,
         recordings: Recordings,
+        watching: Watching,
         admission: Admission,
         settings: Settings,
         clock: Clock,
@@ -94,6 +96,7 @@ class Gateways:
         self._history = history
         self._registry = registry
         self._links = links
+        self._watching = watching
         self._admission = admission
         self._settings = settings
         self._clock = clock
@@ -286,6 +289,8 @@ class Gateways:
                         live.latest.update(batch.columns, self._clock.monotonic_ns())
                         self._fanout.publish(live, batch.columns)
                     ingest.put(batch)
+                    if batch.addresses is addresses:
+                        self._watching.put(live, batch.columns)
                 case frames.Gap():
                     ingest.put(message)
                 case frames.Beat():

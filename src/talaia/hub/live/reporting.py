@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.live.browsers import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import AnomalyNews
     from talaia.hub.store.audit import Audit
 
 __all__ = ["Reporting", "site_news"]
@@ -140,6 +141,21 @@ class Reporting:
                 good=good,
             )
         )
+
+    def anomaly(self, news: AnomalyNews) -> None:
+        """Tell of an anomaly that began or ended; see `AnomalySink`."""
+        live = self._sites.get(news.site)
+        if live is None:
+            return
+        device, _, signal = news.channel.partition("/")
+        described = live.description.devices.get(device)
+        known = described.signals.get(signal) if described is not None else None
+        name = known.name if known is not None else signal
+        kind, time_us = "anomaly began", news.began_us
+        if news.ended_us is not None:
+            kind, time_us = "anomaly ended", news.ended_us
+        good = news.ended_us is not None
+        self.event(live, kind, device, f"{name}: {news.why}", good=good, time_us=time_us)
 
     def rival_seen(self, live: LiveSite) -> None:
         """Show people that another gateway has this one's key, for as long as it goes on."""

@@ -13,12 +13,14 @@ from sqlalchemy import (
     ForeignKey,
     Index,
     Integer,
+    LargeBinary,
     MetaData,
     String,
     Table,
     Text,
     UniqueConstraint,
 )
+from sqlalchemy.dialects import mysql
 
 __all__ = [
     "api_tokens",
@@ -28,6 +30,7 @@ __all__ = [
     "frames",
     "gateways",
     "known_browsers",
+    "learned",
     "metadata",
     "permissions",
     "recordings",
@@ -292,4 +295,17 @@ frames = Table(
     UniqueConstraint("site", "digest", name="uq_frames_site"),
     Index("ix_frames_site_time_us", "site", "time_us"),
     Index("ix_frames_site_night", "site", "night"),
+)
+
+# What each anomaly detector has learned, so that a restart forgets nothing.
+learned = Table(
+    "learned",
+    metadata,
+    Column("site", String(_NAME), primary_key=True),
+    Column("address", String(_NAME), primary_key=True),
+    Column("detector", String(20), primary_key=True),
+    Column(
+        "state", LargeBinary().with_variant(mysql.LONGBLOB(), "mysql", "mariadb"), nullable=False
+    ),
+    Column("saved_us", BigInteger, nullable=False),
 )

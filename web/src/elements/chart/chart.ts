@@ -15,6 +15,7 @@ import { clockOf } from "../../series/zone.js";
 import { base } from "../base.js";
 import { Axes } from "./axes.js";
 import { drawMarks, type ChartMark } from "./draw-marks.js";
+import { drawOutliers, type OutlierPoints } from "./draw-outliers.js";
 import { drawSeries } from "./draw-series.js";
 import { Gestures } from "./gestures.js";
 import { keyWish } from "./keys.js";
@@ -36,6 +37,7 @@ declare global {
 const DRAWN: readonly (keyof Chart)[] = [
   "series",
   "marks",
+  "outliers",
   "span",
   "follow",
   "axis",
@@ -49,6 +51,7 @@ const NO_AXIS: Axis = { limits: { minimum: null, maximum: null }, least: 0 };
 /** The cursor finds a value within so many pixels. */
 const REACH = 14;
 const NO_INDENT: Indent = indentOf(0, 0);
+const NO_OUTLIERS: ReadonlyMap<string, OutlierPoints> = new Map();
 const NO_RANGE: Range = { low: 0, high: 1 };
 
 /**
@@ -63,6 +66,8 @@ export class Chart extends LitElement implements Paintable {
   @property({ attribute: false }) series: readonly ChartSeries[] = [];
   /** Where something happened, in ascending time. */
   @property({ attribute: false }) marks: readonly ChartMark[] = [];
+  /** Samples to point out, by the address of their series. */
+  @property({ attribute: false }) outliers: ReadonlyMap<string, OutlierPoints> = NO_OUTLIERS;
   /** The window of a chart that stands still. */
   @property({ attribute: false, hasChanged: isOther }) span: Span | null = null;
   /** Gives the window of a chart that moves; it wins over `span`. */
@@ -208,6 +213,10 @@ export class Chart extends LitElement implements Paintable {
     view.paint(span, ranges, (plot) => {
       drawSeries(plot, this.series, { palette, columnUs, moving: this.follow !== null, rangeOf });
       drawMarks(plot, this.marks, palette);
+      for (const one of this.series) {
+        const points = this.outliers.get(one.address);
+        if (points !== undefined) drawOutliers({ ...plot, range: rangeOf(one) }, points, palette);
+      }
     });
     this.placeCursor();
     const tell = window.__talaiaPainted;

@@ -32,7 +32,7 @@ export function xOf(plot: Plot, us: number): number {
   return plot.left + ((us - plot.span.fromUs) / lengthOf(plot.span)) * plot.width;
 }
 
-function yOf(plot: Plot, value: number): number {
+export function yOf(plot: Plot, value: number): number {
   const { low, high } = plot.range;
   return plot.top + (1 - (value - low) / (high - low)) * plot.height;
 }

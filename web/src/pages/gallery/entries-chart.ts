@@ -3,6 +3,7 @@
 import { html, type TemplateResult } from "lit";
 import { indentOf, type Axis, type ChartSeries } from "../../elements/chart/model.js";
 import { Trace } from "../../series/trace.js";
+import { outliersOf } from "../../series/outliers.js";
 import type { Span } from "../../series/window.js";
 import { ChartFeed, type Past, type Source } from "../../tiles/chart/feed.js";
 import type { DeviceInfo, SignalInfo, StatisticsInfo } from "../../wire/api.js";
@@ -159,7 +160,7 @@ function lane(without: readonly MarkKind[], more = false): TemplateResult {
 }
 
 function options(change: Partial<HistoryView>): TemplateResult {
-  const view: HistoryView = { channels: null, shown: SPAN, joined: false, without: [], versus: 0, ...change };
+  const view: HistoryView = { channels: null, shown: SPAN, joined: false, without: [], versus: 0, outliers: 0, ...change };
   return html`<t-view-options .view=${view} .span=${SPAN} zone=${ZONE}></t-view-options>`;
 }
 
@@ -216,6 +217,10 @@ export const entries: readonly GalleryEntry[] = [
         name: "marks of what happened",
         show: () => html`<t-chart .series=${[series()]} .span=${SPAN} .axis=${AXIS} .marks=${MARKS} zone=${ZONE} label="Marks"></t-chart>`,
       },
+      {
+        name: "outliers",
+        show: () => html`<t-chart .series=${[series()]} .span=${SPAN} .axis=${AXIS} .outliers=${new Map([["base/speed", outliersOf(series().samples.times, series().samples.values, SPAN, 1.5)]])} zone=${ZONE} label="Outliers"></t-chart>`,
+      },
       { name: "empty", show: () => chart([series({ samples: new Trace(Infinity, 5e6) })]) },
     ],
   },
@@ -243,6 +248,10 @@ export const entries: readonly GalleryEntry[] = [
     states: [
       { name: "two of a unit", show: () => historyChart(past(), null) },
       { name: "cursor from another chart", show: () => historyChart(past(), SPAN.fromUs + 8e6) },
+      {
+        name: "outliers",
+        show: () => html`<t-history-chart .group=${GROUP} .data=${past()} .numbers=${NUMBERS} .span=${SPAN} .outliers=${0.5} loaded zone=${ZONE}></t-history-chart>`,
+      },
       { name: "no samples", show: () => historyChart(new Map(), null) },
       {
         name: "another day behind",
@@ -269,8 +278,8 @@ export const entries: readonly GalleryEntry[] = [
     wide: true,
     states: [
       { name: "plain", show: () => options({}) },
-      { name: "units in one chart, a week before", show: () => options({ joined: true, versus: 7 }) },
-      { name: "another day", show: () => options({ versus: 12 }) },
+      { name: "units in one chart, a week before", show: () => options({ joined: true, versus: 7, outliers: 0 }) },
+      { name: "another day", show: () => options({ versus: 12, outliers: 0 }) },
     ],
   },
   {

@@ -11,6 +11,7 @@ import "../../elements/empty.js";
 import "../../elements/field.js";
 import "../../elements/icon.js";
 import "../../elements/loading.js";
+import "../../elements/outlier-tool.js";
 import "../../elements/menu.js";
 import "../../elements/problem.js";
 import "../../elements/status.js";
@@ -43,6 +44,13 @@ export const entries: readonly GalleryEntry[] = [
       { name: "pressed", show: () => html`<t-button pressed="true">Grid</t-button>` },
       { name: "disabled", show: () => html`<t-button disabled>Take control</t-button>` },
       { name: "busy", show: () => html`<t-button kind="primary" busy>Signing in…</t-button>` },
+    ],
+  },
+  {
+    tag: "t-outlier-tool",
+    states: [
+      { name: "off", show: () => html`<t-outlier-tool></t-outlier-tool>` },
+      { name: "on", show: () => html`<t-outlier-tool .k=${1.5}></t-outlier-tool>` },
     ],
   },
   {

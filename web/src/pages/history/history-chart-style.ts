@@ -155,4 +155,17 @@ export const historyChartStyle = css`
       display: none;
     }
   }
+  .outliers {
+    display: grid;
+    gap: var(--t-space-1);
+    margin: 0;
+    padding: 0;
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+    font-variant-numeric: tabular-nums;
+    list-style: none;
+  }
+  .outliers strong {
+    color: var(--t-text);
+  }
 `;

@@ -9,8 +9,10 @@ import type { Chart } from "../../elements/chart/chart.js";
 import { indentOf, type ChartSeries, type Indent } from "../../elements/chart/model.js";
 import type { Painter } from "../../elements/chart/painter.js";
 import { momentText, readOut } from "../../elements/chart/read-out.js";
-import { NOTHING } from "../../format/number.js";
+import { decimalsFor, formatNumber, NOTHING } from "../../format/number.js";
 import { knownZone, timeText } from "../../format/time.js";
+import { outlierWords } from "../../series/outlier-words.js";
+import { OutlierMemo, type Outliers } from "../../series/outliers.js";
 import { summary, type Summary } from "../../series/columns.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import { SECOND_US } from "../../series/zone.js";
@@ -46,6 +48,8 @@ export class HistoryChart extends LitElement {
   /** What the hub counted of the window. */
   @property({ attribute: false }) numbers: ReadonlyMap<string, StatisticsInfo> = new Map();
   @property({ attribute: false }) marks: readonly Mark[] = [];
+  /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
+  @property({ type: Number }) outliers = 0;
   @property({ attribute: false }) painter: Painter | null = null;
   /** When each channel was heard of last (µs), for a window without samples. */
   @property({ attribute: false }) newest: ReadonlyMap<string, number> = new Map();
@@ -61,10 +65,13 @@ export class HistoryChart extends LitElement {
   @query("t-chart") private readonly chart!: Chart | null;
 
   private series: readonly ChartSeries[] = [];
+  private points: ReadonlyMap<string, Outliers> = new Map();
+  private readonly memos = new Map<string, OutlierMemo>();
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     const moved = changed.has("ghostUs") && changed.get("ghostUs") !== this.ghostUs;
     if (changed.has("group") || changed.has("data") || changed.has("ghost") || moved) this.series = this.makeSeries();
+    this.seekOutliers();
   }
 
   override render(): TemplateResult | null {
@@ -83,14 +90,43 @@ export class HistoryChart extends LitElement {
           .span=${this.span}
           .cursorUs=${this.cursorUs}
           .marks=${this.marks}
+          .outliers=${this.points}
           .painter=${this.painter}
           zone=${this.zone}
           label=${`History of ${group.rows.map(({ name }) => name).join(", ")}`}
         ></t-chart>
         ${this.loaded && this.series.every((one) => !this.hasAny(one)) ? this.none(group) : nothing}
       </div>
+      ${this.outlierList()}
       ${group.type === "text" ? this.texts(group) : nothing}
     `;
+  }
+
+  private seekOutliers(): void {
+    const numbers = this.outliers === 0 ? [] : this.series.filter(({ states }) => states.length === 0);
+    const found = numbers.map(({ address, samples }): [string, Outliers] => {
+      const memo = this.memos.get(address) ?? new OutlierMemo();
+      this.memos.set(address, memo);
+      return [address, memo.of(samples, this.span, this.outliers)];
+    });
+    // The same points are the same map: the chart is drawn again for others only.
+    const same = found.length === this.points.size && found.every(([address, one]) => this.points.get(address) === one);
+    if (!same) this.points = new Map(found);
+  }
+
+  /** How many outliers, and of what: of a long window the chart holds the extremes of each pixel only. */
+  private outlierList(): unknown {
+    if (this.points.size === 0) return nothing;
+    const shown = this.series.flatMap((one) => {
+      const found = this.points.get(one.address);
+      if (found === undefined) return [];
+      const counted = this.numbers.get(one.address)?.count;
+      const exact = this.data.get(one.address)?.exact === true;
+      const words = outlierWords(found, one.unit, decimalsFor(one.unit, one.decimals), exact);
+      const more = exact || counted === undefined ? "" : ` The window has ${formatNumber(counted, 0)} samples: zoom in to look at each.`;
+      return [html`<li><strong>${one.name}</strong> ${words}.${more}</li>`];
+    });
+    return html`<ul class="outliers" role="status" aria-label="Outliers">${shown}</ul>`;
   }
 
   private table(group: Together): TemplateResult {

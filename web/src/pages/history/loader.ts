@@ -18,6 +18,8 @@ export interface Loaded {
   readonly trace: Trace;
   readonly gaps: readonly Gap[];
   readonly texts: readonly { readonly timeUs: number; readonly text: string }[];
+  /** Every sample is there, and not the least and greatest of each pixel. */
+  readonly exact: boolean;
   /** Samples or pairs of them in the answer. */
   readonly count: number;
 }
@@ -129,5 +131,5 @@ export function loadedOf(series: HistorySeries, maxAgeUs: number): Loaded {
   const texts = (series.text ?? []).flatMap((text, i) =>
     typeof series.v[i] === "number" ? [] : [{ timeUs: series.t_us[i] ?? NaN, text }],
   );
-  return { trace, gaps: [...known, ...silent], texts, count: series.t_us.length };
+  return { trace, gaps: [...known, ...silent], texts, exact: series.kind === "exact", count: series.t_us.length };
 }

@@ -219,6 +219,7 @@ export class PageHistory extends LitElement {
             .painter=${painter}
             .newest=${newest}
             .marks=${marks}
+            .outliers=${view.outliers}
             .indent=${indent}
             axis-width=${this.axisWidth}
             ?joined=${view.joined}

@@ -2,6 +2,7 @@
 
 import type { Span } from "../../series/window.js";
 import { KINDS, type MarkKind } from "./marks.js";
+import { LEAST_K, MOST_K } from "../../series/outliers.js";
 import { SECOND_US, type ZoneClock } from "../../series/zone.js";
 
 export interface HistoryView {
@@ -15,6 +16,8 @@ export interface HistoryView {
   readonly without: readonly MarkKind[];
   /** The window so many days before is drawn behind (negative: after); 0 for none. */
   readonly versus: number;
+  /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
+  readonly outliers: number;
 }
 
 export const FIRST_LAST = 900;
@@ -30,6 +33,7 @@ export function readView(search: string): HistoryView {
     joined: query.has("joined"),
     without: KINDS.map(({ kind }) => kind).filter((kind) => (query.get("without") ?? "").split(",").includes(kind)),
     versus: readVersus(query),
+    outliers: readOutliers(query),
   };
 }
 
@@ -46,6 +50,7 @@ export function writeView(view: HistoryView): string {
   }
   if (view.without.length > 0) query.set("without", view.without.join(","));
   if (view.versus !== 0) query.set("versus", String(view.versus));
+  if (view.outliers !== 0) query.set("outliers", String(view.outliers));
   if (view.joined) query.set("joined", "");
   // Slashes and commas may stand in a query, and addresses read better with them.
   return `?${query.toString().replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll(/=(?=&|$)/g, "")}`;
@@ -56,6 +61,11 @@ const MOST_DAYS = 3660;
 function readVersus(query: URLSearchParams): number {
   const days = Number(query.get("versus") ?? 0);
   return Number.isInteger(days) && Math.abs(days) <= MOST_DAYS ? days : 0;
+}
+
+function readOutliers(query: URLSearchParams): number {
+  const k = Number(query.get("outliers") ?? 0);
+  return k >= LEAST_K && k <= MOST_K ? k : 0;
 }
 
 /** How much before the shown window the other one lies (µs); whole days of the site's zone. */

@@ -10,6 +10,7 @@ import type { Span } from "../../series/window.js";
 import { DAY_US, clockOf, type ZoneClock } from "../../series/zone.js";
 import type { HistoryView } from "./query.js";
 import "../../elements/button.js";
+import "../../elements/outlier-tool.js";
 
 const DAYS = [
   { days: 1, name: "the day before" },
@@ -57,6 +58,7 @@ export class ViewOptions extends LitElement {
     const other = this.choosing || !known;
     return html`
       <t-button pressed=${view.joined ? "true" : "false"} @click=${this.join}>Units in one chart</t-button>
+      <t-outlier-tool .k=${view.outliers} @t-outliers=${this.pointOut}></t-outlier-tool>
       <label
         >Compare with
         <select @change=${this.compare}>
@@ -81,6 +83,10 @@ export class ViewOptions extends LitElement {
 
   private readonly join = (): void => {
     this.tell({ joined: this.view?.joined !== true });
+  };
+
+  private readonly pointOut = (event: CustomEvent<number>): void => {
+    this.tell({ outliers: event.detail });
   };
 
   private readonly compare = (event: Event): void => {

@@ -24,6 +24,7 @@ import "../../elements/choice.js";
 import "../../elements/clock.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
+import "../../elements/outlier-tool.js";
 import "../../elements/problem.js";
 import "../../tiles/chart/chart-tile.js";
 
@@ -51,6 +52,7 @@ export class PageLive extends LitElement {
   @state() private seconds = FIRST_WINDOW;
   @state() private paused = false;
   @state() private all = false;
+  @state() private outliers = 0;
   @state() private filter = "";
   @state() private refused: ReadonlySet<string> = new Set();
 
@@ -125,6 +127,7 @@ export class PageLive extends LitElement {
               >Show all <span class="count">+${secondary}</span></t-button
             >`
       }
+      <t-outlier-tool .k=${this.outliers} @t-outliers=${this.pointOut}></t-outlier-tool>
       <input
         type="search"
         aria-label="Filter signals"
@@ -178,6 +181,7 @@ export class PageLive extends LitElement {
               .colour=${device.signals.indexOf(signal)}
               .paused=${this.paused}
               .cut=${this.cut()}
+              .outliers=${this.outliers}
               .forbidden=${signal.channels.some((channel) => this.refused.has(channel))}
               zone=${detail.zone}
             ></t-chart-tile>`,
@@ -236,6 +240,10 @@ export class PageLive extends LitElement {
 
   private readonly togglePause = (): void => {
     this.paused = !this.paused;
+  };
+
+  private readonly pointOut = (event: CustomEvent<number>): void => {
+    this.outliers = event.detail;
   };
 
   private readonly toggleAll = (): void => {

@@ -15,6 +15,8 @@ import { formatAge } from "../../format/duration.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
 import { stateWord } from "../../format/reading.js";
 import { formatClock } from "../../format/time.js";
+import { outlierWords } from "../../series/outlier-words.js";
+import { OutlierMemo, type Outliers } from "../../series/outliers.js";
 import { summary } from "../../series/columns.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import { reachContext } from "../../state/contexts.js";
@@ -46,6 +48,8 @@ export class ChartTile extends LitElement {
   @property({ type: Boolean }) paused = false;
   /** Nothing can come, because a link on the way is down: no value is fresh, however young. */
   @property({ type: Boolean }) cut = false;
+  /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
+  @property({ type: Number }) outliers = 0;
   /** The person may not see it. */
   @property({ type: Boolean }) forbidden = false;
 
@@ -56,6 +60,9 @@ export class ChartTile extends LitElement {
   private frozen: { span: Span; series: ChartSeries } | null = null;
   private series: ChartSeries | null = null;
   private axis: Axis | null = null;
+  private readonly memo = new OutlierMemo();
+  private found: Outliers | null = null;
+  private points: ReadonlyMap<string, Outliers> = new Map();
 
   private readonly reach = new StoreController(this, reachContext);
 
@@ -185,21 +192,37 @@ export class ChartTile extends LitElement {
     const stale = this.freshness() === "stale";
     if (series.stale !== stale) this.restate(stale);
     const now = this.frozen?.series ?? this.series ?? series;
+    this.seekOutliers(now);
     return html`<t-chart
         class=${signal.type}
         .series=${this.asList(now)}
         .axis=${this.axis}
         .span=${this.frozen?.span ?? null}
         .follow=${this.frozen === null ? this.follow() : null}
+        .outliers=${this.points}
         .painter=${this.painter}
         zone=${this.zone}
         label=${`${signal.name}, ${this.frozen === null ? "live" : "paused"}`}
       ></t-chart>
+      ${this.found === null ? nothing : html`<p class="outliers">${outlierWords(this.found, signal.unit, decimalsFor(signal.unit, signal.decimals), false)}</p>`}
       ${
         this.frozen === null
           ? nothing
           : html`<p class="still">Chart paused at ${formatClock(this.frozen.span.toUs, this.zone)}; the value goes on.</p>`
       }`;
+  }
+
+  /** Of what the chart holds: the hub sends no more of a fast signal than a screen can show. */
+  private seekOutliers({ samples, address, states }: ChartSeries): void {
+    const span = this.frozen?.span ?? this.feed?.window(performance.now());
+    if (this.outliers === 0 || states.length > 0 || span === undefined) {
+      if (this.found !== null) this.points = new Map();
+      this.found = null;
+      return;
+    }
+    const found = this.memo.of(samples, span, this.outliers);
+    if (found !== this.found) this.points = new Map([[address, found]]);
+    this.found = found;
   }
 
   private list: readonly ChartSeries[] = [];

@@ -122,6 +122,11 @@ export const tileStyle = css`
     block-size: 5rem;
     margin-block-start: auto;
   }
+  .outliers {
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+    font-variant-numeric: tabular-nums;
+  }
   .still {
     color: var(--t-warn);
     font-size: var(--t-size-s);

@@ -13,17 +13,17 @@ const NOW = Date.parse("2026-11-21T10:00:00Z") * 1000;
 describe("the address of the history page", () => {
   it("reads back what it wrote", () => {
     const views: HistoryView[] = [
-      { channels: ["base/speed", "base/pose.x"], shown: { last: 3600 }, joined: true, without: ["stop", "link"], versus: 7 },
-      { channels: [], shown: { fromUs: 1_795_000_000_000_001, toUs: 1_795_000_000_500_000 }, joined: false, without: [], versus: 0 },
-      { channels: null, shown: { last: 300 }, joined: false, without: [], versus: 0 },
-      { channels: ["odd/ä&c=x"], shown: { last: 7 }, joined: false, without: [], versus: 0 },
+      { channels: ["base/speed", "base/pose.x"], shown: { last: 3600 }, joined: true, without: ["stop", "link"], versus: 7, outliers: 2.5 },
+      { channels: [], shown: { fromUs: 1_795_000_000_000_001, toUs: 1_795_000_000_500_000 }, joined: false, without: [], versus: 0, outliers: 0 },
+      { channels: null, shown: { last: 300 }, joined: false, without: [], versus: 0, outliers: 0 },
+      { channels: ["odd/ä&c=x"], shown: { last: 7 }, joined: false, without: [], versus: 0, outliers: 0 },
     ];
     for (const view of views) expect(readView(writeView(view))).toEqual(view);
   });
 
   it("is as if empty where it makes no sense", () => {
     for (const search of ["", "?from=5&to=4", "?without=nothing", "?versus=0.5", "?versus=x", "?last=-3", "?last=x", "?from=1e99&to=2e99", "?from=1"]) {
-      expect(readView(search)).toEqual({ channels: null, shown: { last: 900 }, joined: false, without: [], versus: 0 });
+      expect(readView(search)).toEqual({ channels: null, shown: { last: 900 }, joined: false, without: [], versus: 0, outliers: 0 });
     }
     expect(readView("?c=a&c=a").channels).toEqual(["a"]);
   });

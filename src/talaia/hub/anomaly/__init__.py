@@ -1,0 +1,1 @@
+"""Anomaly detection: pure, one sample at a time, without clock or socket."""

@@ -1,0 +1,82 @@
+"""Changes of level at several paces: the newest samples against a much longer stretch before.
+
+A step, a spike, a slow departure and a change of pace each show at one of the paces; that they are
+judged together keeps a single noisy sample from counting for much.
+"""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+import numpy as np
+
+from talaia.hub.anomaly.kept import Detector, Floats, number, span, tame
+from talaia.hub.anomaly.rarity import Rarity
+
+__all__ = ["Change"]
+
+# Newest samples that make a mean; the stretch before it is 32 times as long.
+_PACES = (1, 3, 12, 24)
+_BEFORE = 32
+_KEPT = _PACES[-1] * (_BEFORE + 1)
+
+
+class Change(Detector, kw_only=True):
+    """Scores how unusual the newest changes of level are, for this signal."""
+
+    rarities: list[Rarity] = msgspec.field(default_factory=lambda: [Rarity() for _ in _PACES])
+    values: Floats = msgspec.field(default_factory=lambda: np.zeros(2 * _KEPT))
+    times: Floats = msgspec.field(default_factory=lambda: np.zeros(2 * _KEPT))
+    end: int = 0
+    scores: list[float] = msgspec.field(default_factory=lambda: [0.0] * len(_PACES))
+    changes: list[float] = msgspec.field(default_factory=lambda: [0.0] * len(_PACES))
+    peak: list[float] = msgspec.field(default_factory=lambda: [0.0] * len(_PACES))
+
+    def see(self, time_us: int, value: float) -> float:
+        """Score the newest sample: the mean square of its rarities at all paces."""
+        if self.end == len(self.values):
+            self.values[:_KEPT] = self.values[_KEPT:]
+            self.times[:_KEPT] = self.times[_KEPT:]
+            self.end = _KEPT
+        self.values[self.end], self.times[self.end] = tame(value), time_us
+        self.end += 1
+        for at, pace in enumerate(_PACES):
+            if self.end < 3 * pace:
+                break
+            newest, before = self._levels(pace)
+            self.changes[at] = newest - before
+            self.scores[at] = self.rarities[at].see(abs(newest - before))
+            # What it was forgiven for is the greatest of late.
+            self.peak[at] = max(abs(newest - before), self.peak[at] * 0.98)
+        return math.sqrt(sum(score * score for score in self.scores) / len(_PACES))
+
+    def _levels(self, pace: int) -> tuple[float, float]:
+        split = self.end - pace
+        first = max(0, split - _BEFORE * pace)
+        newest = float(self.values[split : self.end].sum()) / pace
+        return newest, float(self.values[first:split].sum()) / (split - first)
+
+    def why(self) -> str:
+        """Name the pace at which the change is rarest."""
+        at = max(range(len(_PACES)), key=lambda each: self.scores[each])
+        pace = _PACES[at]
+        if self.end < 3 * pace:
+            return "too few samples yet"
+        newest, before = self._levels(pace)
+        first = max(0, self.end - pace - _BEFORE * pace)
+        while_s = (self.times[self.end - 1] - self.times[first]) / 1e6
+        what = number(newest) if pace == 1 else f"the mean of the newest {pace}, {number(newest)}"
+        way = "above" if newest >= before else "below"
+        return (
+            f"{what} {self.unit}".rstrip()
+            + f" is {number(abs(newest - before))} {self.unit}".rstrip()
+            + f" {way} the {number(before)} {self.unit}".rstrip()
+            + f" of the last {span(while_s)}, a change greater than nearly all before"
+        )
+
+    def forgive(self) -> bool:
+        """Count changes like those of late as usual."""
+        for rarity, peak in zip(self.rarities, self.peak, strict=True):
+            rarity.learn(peak)
+        return True

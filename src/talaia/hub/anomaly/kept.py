@@ -1,0 +1,94 @@
+"""What all detectors share: they see samples, give a score with a reason, and can be kept.
+
+A detector is a struct of plain numbers and arrays, bounded however long it runs, so that its
+state is the detector itself: `keep` makes bytes of it and `wake` a detector of the bytes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TypeVar, get_origin
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Detector", "Floats", "keep", "number", "span", "tame", "wake"]
+
+Floats = NDArray[np.float64]
+_NDARRAY = np.ndarray
+_LARGEST = 1e150
+
+
+class Detector(msgspec.Struct, kw_only=True):
+    """Sees one sample at a time and scores it; knows nothing of what comes.
+
+    Attributes:
+        unit: of the values, for the words.
+
+    """
+
+    unit: str = ""
+
+    def see(self, time_us: int, value: float) -> float:
+        """Take the next sample (µs since the epoch, a finite number); score it, 0 to 1."""
+        raise NotImplementedError
+
+    def idle(self, time_us: int) -> float:
+        """Score that nothing has come up to now; most detectors have no opinion (0)."""
+        return 0.0
+
+    def why(self) -> str:
+        """Say in words what the newest score stands on."""
+        raise NotImplementedError
+
+    def forgive(self) -> bool:
+        """Learn that the newest peak was not an anomaly; false where nothing can be learned."""
+        return False
+
+
+D = TypeVar("D", bound=Detector)
+
+
+def _encode(thing: object) -> object:
+    if isinstance(thing, _NDARRAY):
+        return thing.astype("<f8").tobytes()
+    raise NotImplementedError
+
+
+def _decode(kind: type, raw: object) -> object:
+    if (get_origin(kind) or kind) is _NDARRAY and isinstance(raw, bytes):
+        return np.frombuffer(raw, "<f8").copy()
+    raise NotImplementedError
+
+
+def keep(detector: Detector) -> bytes:
+    """Make bytes of a detector and all it has learned."""
+    return msgspec.msgpack.encode(detector, enc_hook=_encode)
+
+
+def wake(kind: type[D], kept: bytes) -> D:
+    """Make a detector of what `keep` gave; ``msgspec.ValidationError`` for anything else."""
+    return msgspec.msgpack.decode(kept, type=kind, dec_hook=_decode)
+
+
+def tame(value: float) -> float:
+    """Give the value, or the largest whose square is still a number."""
+    return min(max(value, -_LARGEST), _LARGEST)
+
+
+def number(value: float) -> str:
+    """Write a number as people read it: four digits that say something."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:g}"
+    digits = max(0, 3 - math.floor(math.log10(abs(value))))
+    text = f"{value:.{min(digits, 9)}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def span(seconds: float) -> str:
+    """Write a length of time: ``40 s``, ``5 min``, ``2 h``, ``3 days``."""
+    for name, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 1.5 * length:
+            return f"{seconds / length:.0f} {name}"
+    return f"{seconds:.0f} s" if seconds >= 1.0 else f"{seconds * 1000:.0f} ms"

@@ -1,0 +1,48 @@
+"""Every kind of detector by its name in the site description, with the bar it is told from."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.hub.anomaly.baseline import Baseline, Quartiles
+from talaia.hub.anomaly.change import Change
+from talaia.hub.anomaly.context import Context
+from talaia.hub.anomaly.nearest import Nearest
+from talaia.hub.anomaly.plain import Limits, Missing, RateOfChange, Still
+from talaia.hub.anomaly.season import Season
+from talaia.hub.anomaly.together import Together
+
+if TYPE_CHECKING:
+    from talaia.hub.anomaly.kept import Detector
+
+__all__ = ["KINDS", "Kind"]
+
+
+class Kind(NamedTuple):
+    """One kind of detector.
+
+    Attributes:
+        make: its class.
+        bar: a score from here on is an anomaly, unless the description says another.
+        name: as pages call it.
+
+    """
+
+    make: type[Detector]
+    bar: float
+    name: str
+
+
+KINDS: dict[str, Kind] = {
+    "together": Kind(Together, 0.65, "all together"),
+    "change": Kind(Change, 0.66, "change of level"),
+    "nearest": Kind(Nearest, 0.51, "nearest stretches (KNN-CAD)"),
+    "season": Kind(Season, 0.7, "time of day"),
+    "baseline": Kind(Baseline, 0.5, "robust baseline"),
+    "context": Kind(Context, 0.7, "context"),
+    "iqr": Kind(Quartiles, 0.5, "quartiles"),
+    "still": Kind(Still, 0.5, "flat line"),
+    "missing": Kind(Missing, 0.5, "missing data"),
+    "rate": Kind(RateOfChange, 0.5, "rate of change"),
+    "limits": Kind(Limits, 0.5, "limits"),
+}

@@ -1,0 +1,65 @@
+import { describe, expect, it } from "vitest";
+import { outlierWords } from "../../src/series/outlier-words.js";
+import { OutlierMemo, outliersOf, quantile } from "../../src/series/outliers.js";
+
+const SPAN = { fromUs: 0, toUs: 99 };
+const times = Array.from({ length: 100 }, (_, i) => i);
+
+function level(change: Record<number, number> = {}): number[] {
+  return times.map((i) => change[i] ?? 12 + (i % 5) / 10);
+}
+
+describe("outliers", () => {
+  it("are what lies more than 1.5 times the distance of the quartiles beyond them", () => {
+    // Quartiles 12.1 and 12.3: the fences stand at 11.8 and 12.6.
+    const found = outliersOf(times, level({ 10: 12.61, 50: 11.79, 70: 12.59 }), SPAN, 1.5);
+    expect(found.times).toEqual([10, 50]);
+    expect(found.values).toEqual([12.61, 11.79]);
+    expect(found.low).toBeCloseTo(11.8);
+    expect(found.high).toBeCloseTo(12.6);
+    expect(found.samples).toBe(100);
+  });
+
+  it("are fewer with a greater k", () => {
+    expect(outliersOf(times, level({ 10: 12.61 }), SPAN, 3).count).toBe(0);
+  });
+
+  it("are looked for in the window only, and numbers only", () => {
+    const values = level({ 10: 99, 20: NaN });
+    const found = outliersOf(times, values, { fromUs: 11, toUs: 99 }, 1.5);
+    expect(found.count).toBe(0);
+    expect(found.samples).toBe(88);
+  });
+
+  it("are not told of a handful of samples", () => {
+    const found = outliersOf([1, 2, 3], [1, 1, 99], SPAN, 1.5);
+    expect(found.count).toBe(0);
+    expect(found.low).toBeNaN();
+    expect(outlierWords(found, "V", 1, true)).toBe("Too few samples for quartiles");
+  });
+
+  it("are the same answer for the same question", () => {
+    const memo = new OutlierMemo();
+    const samples = { times, values: level({ 10: 99 }), version: 1 };
+    const first = memo.of(samples, SPAN, 1.5);
+    expect(memo.of(samples, { ...SPAN }, 1.5)).toBe(first);
+    expect(memo.of({ ...samples, version: 2 }, SPAN, 1.5)).not.toBe(first);
+  });
+
+  it("quantiles lie between neighbours by share", () => {
+    expect(quantile([1, 2, 3, 4], 0.25)).toBe(1.75);
+    expect(quantile([5], 0.9)).toBe(5);
+  });
+});
+
+describe("outliers in words", () => {
+  it("say count, share and fences, and what was looked at", () => {
+    const found = outliersOf(times, level({ 10: 99 }), SPAN, 1.5);
+    expect(outlierWords(found, "V", 1, true)).toBe("1 outlier of 100 samples (1.0\u202f%), outside 11.8 to 12.6\u202fV");
+    expect(outlierWords(found, "", 1, false)).toBe("1 outlier of 100 points on the chart (1.0\u202f%), outside 11.8 to 12.6");
+  });
+
+  it("say that there are none", () => {
+    expect(outlierWords(outliersOf(times, level(), SPAN, 1.5), "V", 1, true)).toBe("No outliers of 100 samples, outside 11.8 to 12.6\u202fV");
+  });
+});
