@@ -16,7 +16,7 @@ from talaia.model.site import Site
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["dump_site", "load_site", "read_site"]
+__all__ = ["beside_of", "dump_site", "load_site", "read_site", "site_in", "text_of"]
 
 MAX_BYTES = 4 * 1024 * 1024
 _Base = yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader
@@ -54,10 +54,28 @@ def read_site(path: Path) -> Site:
         DescriptionError: a file cannot be read, or `load_site` refuses what it says.
 
     """
-    text = _text_of(path)
+    return site_in(text_of(path), path)
+
+
+def site_in(text: str, path: Path) -> Site:
+    """Make a description of ``text`` as if it stood in a file; see `read_site`.
+
+    Raises:
+        DescriptionError: `load_site` refuses it, or a file that it names cannot be read.
+
+    """
     if path.suffix == ".json":
         return site_of(text, _NO_WORD.sub("_", path.stem.lower()).strip("_0123456789") or "site")
     return _with_files(load_site(text), path.parent)
+
+
+def beside_of(site: Site, folder: Path) -> list[Path]:
+    """Name the files that a description in ``folder`` takes in."""
+    return [
+        folder / each.file
+        for each in site.connections.values()
+        if isinstance(each, ProcessConnection) and each.file
+    ]
 
 
 _NO_WORD = re.compile(r"[^a-z0-9]+")
@@ -70,7 +88,7 @@ def _with_files(site: Site, folder: Path) -> Site:
             continue
         path = folder / connection.file
         try:
-            found = read_classic(_text_of(path), name)
+            found = read_classic(text_of(path), name)
         except DescriptionError as error:
             where = f"{path}: {error.where}"
             raise DescriptionError(where, error.problem, error.remedy) from error
@@ -83,7 +101,13 @@ def _with_files(site: Site, folder: Path) -> Site:
     return site
 
 
-def _text_of(path: Path) -> str:
+def text_of(path: Path) -> str:
+    """Read a file's text.
+
+    Raises:
+        NotReadable: it cannot be read, or is not UTF-8.
+
+    """
     try:
         data = path.read_bytes()
     except OSError as error:

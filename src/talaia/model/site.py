@@ -175,6 +175,8 @@ class Signal(Shape, frozen=True, kw_only=True):
         frame: for a position: metres or degrees.
         yaw_from: for a local position: ``quaternion`` path of the orientation, or empty.
         primary: shown on the first page.
+        was: the address that it had before (``base/speed``), or its name where the device is the
+            same: its history goes on under the new one.
 
     """
 
@@ -195,6 +197,7 @@ class Signal(Shape, frozen=True, kw_only=True):
     yaw_from: str = ""
     primary: bool = True
     visibility: Visibility = Visibility.VIEW
+    was: str = ""
 
 
 class Stream(Shape, frozen=True, kw_only=True):
