@@ -142,7 +142,7 @@ async def running(
     """A gateway in this process, ended cleanly whatever happens; with ``file`` it follows that."""
     copy = None
     if file is not None:
-        file.write_text(text)
+        file.write_text(text)  # noqa: ASYNC240 - before anything runs
         copy = OwnCopy(file)
     site = raise_first(load_site(text))
     hub = HubAddress.checked(url, fingerprint=fingerprint, allow_plain=True)

@@ -68,7 +68,9 @@ def step(number: int) -> str:
     if number % 3 == 0:
         text = with_signal(text, "again", NUMBER)
     if number % 4 == 1:
-        text = text.replace("      mode:", "      way:").replace("name: Mode,", "name: W, was: mode,")
+        text = text.replace("      mode:", "      way:").replace(
+            "name: Mode,", "name: W, was: mode,"
+        )
     if number % 5 < 2:
         text += WEATHER
     if number % 7 == 3:

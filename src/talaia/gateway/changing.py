@@ -263,9 +263,6 @@ class Changing:
             return Refused(str(error))
         copy.counts(site, text)
         log.info("the description was changed%s", f" by {who}" if who else "")
-        self._events.tell(
-            "description_changed", "" if who else "at the gateway", who=who, good=True
-        )
         return None
 
 

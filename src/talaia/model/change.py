@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Signal, Site
 
-__all__ = ["former_findings", "former_of", "renames", "touched"]
+__all__ = ["former_findings", "former_of", "formers", "renames", "touched"]
 
 
 def former_of(device: str, signal: Signal) -> str:
@@ -42,6 +42,19 @@ def renames(before: Site, after: Site) -> dict[str, str]:
         for part in parts_of(has[new]):
             tail = f".{part}" if part else ""
             channels[old + tail] = new + tail
+    return channels
+
+
+def formers(site: Site) -> dict[str, str]:
+    """Give the channels that say what they were, by what they were."""
+    has = _signals(site)
+    channels: dict[str, str] = {}
+    for address, signal in has.items():
+        former = former_of(address.split("/", 1)[0], signal)
+        if former and former not in has:
+            for part in parts_of(signal):
+                tail = f".{part}" if part else ""
+                channels[former + tail] = address + tail
     return channels
 
 

@@ -16,7 +16,15 @@ from talaia.model.site import Site
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["beside_of", "dump_site", "load_site", "read_site", "site_in", "text_of"]
+__all__ = [
+    "beside_of",
+    "dump_site",
+    "load_site",
+    "read_site",
+    "site_in",
+    "site_of_plain",
+    "text_of",
+]
 
 MAX_BYTES = 4 * 1024 * 1024
 _Base = yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader
@@ -151,9 +159,19 @@ def load_site(text: str) -> Site:
         raise DescriptionError(
             "$.talaia", f"expected the format version 1, {found}", "write: talaia: 1"
         )
+    return site_of_plain(document)
+
+
+def site_of_plain(document: dict[str, object]) -> Site:
+    """Make a `Site` of what YAML or JSON says.
+
+    Raises:
+        DescriptionError: it does not have the shape of a description; see `load_site`.
+
+    """
     try:
         return msgspec.convert(document, Site)
-    except msgspec.ValidationError as error:
+    except (msgspec.ValidationError, RecursionError) as error:
         raise _told(str(error), document) from error
 
 

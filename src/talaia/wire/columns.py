@@ -62,9 +62,7 @@ def renumbered(columns: Columns, order: NDArray[np.int64]) -> Columns:
     channel = order[columns.channel]
     kept = np.flatnonzero(channel >= 0)
     if kept.size == channel.size:
-        return Columns(
-            channel.astype(np.uint16), columns.time_us, columns.value, columns.texts
-        )
+        return Columns(channel.astype(np.uint16), columns.time_us, columns.value, columns.texts)
     place = {int(old): new for new, old in enumerate(kept)} if columns.texts else {}
     return Columns(
         channel[kept].astype(np.uint16),
