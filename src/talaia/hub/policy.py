@@ -112,7 +112,7 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("POST", "/api/sites/{site}/descriptions/check"): Need.ADMIN,
     ("POST", "/api/sites/{site}/descriptions/edit"): Need.ADMIN,
     ("POST", "/api/sites/{site}/descriptions/{number}/restore"): Need.ADMIN,
-    ("GET", "/api/description-schema"): Need.ADMIN,
+    ("GET", "/api/description-schema"): Need.SESSION,
     ("GET", "/api/gateways"): Need.ADMIN,
     ("POST", "/api/gateways/codes"): Need.ADMIN,
     ("DELETE", "/api/gateways/codes/{code}"): Need.ADMIN,
