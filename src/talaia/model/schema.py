@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from inspect import cleandoc
+from typing import Any
 
 import msgspec
 
@@ -16,8 +18,8 @@ __all__ = ["site_schema"]
 def site_schema() -> dict[str, object]:
     """Give the schema (JSON Schema 2020-12) of a whole description."""
     (reference,), parts = msgspec.json.schema_components([Site], ref_template="#/$defs/{name}")
-    for part in parts.values():
-        _explain(part)
+    for kind in _structs(msgspec.inspect.type_info(Site), {}).values():
+        _explain(kind, parts[kind.__name__])
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Talaia site description",
@@ -26,18 +28,28 @@ def site_schema() -> dict[str, object]:
     }
 
 
-def _explain(part: dict[str, object]) -> None:
-    """Move what a docstring says of each attribute to where editors look for it."""
-    head, _, attributes = str(part.get("description", "")).partition("Attributes:")
-    if head:
-        part["description"] = _in_one_line(head)
-    properties = part.get("properties")
-    if not isinstance(properties, dict):
-        return
+def _structs(kind: object, found: dict[str, type]) -> dict[str, type]:
+    """Find every shape that a type is made of, by name."""
+    match kind:
+        case msgspec.inspect.StructType():
+            if kind.cls.__name__ not in found:
+                found[kind.cls.__name__] = kind.cls
+                for field in kind.fields:
+                    _structs(field.type, found)
+        case msgspec.inspect.UnionType():
+            for one in kind.types:
+                _structs(one, found)
+        case msgspec.inspect.DictType():
+            _structs(kind.value_type, found)
+        case msgspec.inspect.VarTupleType():
+            _structs(kind.item_type, found)
+    return found
+
+
+def _explain(kind: type, part: dict[str, Any]) -> None:
+    """Say of each attribute what the docstring does, where editors look for it."""
+    _, _, attributes = cleandoc(kind.__doc__ or "").partition("Attributes:")
+    properties = part.get("properties", {})
     for name, said in _ATTRIBUTE.findall(attributes):
-        if isinstance(properties.get(name), dict):
-            properties[name]["description"] = _in_one_line(said)
-
-
-def _in_one_line(text: str) -> str:
-    return " ".join(text.replace("``", "").replace("`", "").split())
+        if name in properties:
+            properties[name]["description"] = " ".join(said.replace("`", "").split())

@@ -665,11 +665,14 @@ export interface ChangeAnswer {
 export interface CheckAnswer {
   readonly findings: readonly FindingShape[];
   readonly site: Readonly<Record<string, unknown>> | null;
+  readonly parts: readonly DifferenceShape[];
+  readonly lines: readonly string[];
 }
 
-/** A description's text to look at. */
+/** A description's text to look at; ``against`` is a version to hold it against, 0 for none. */
 export interface CheckAsk {
   readonly text: string;
+  readonly against?: number;
 }
 
 /** Go by this text; ``base`` is the SHA-256 of the text that it was made from. */

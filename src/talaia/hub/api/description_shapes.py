@@ -105,16 +105,22 @@ class DifferenceAnswer(Shape):
 
 
 class CheckAsk(Shape):
-    """A description's text to look at."""
+    """A description's text to look at; ``against`` is a version to hold it against, 0 for none."""
 
     text: str = _TEXT
+    against: int = Field(default=0, ge=0, le=2**53)
 
 
 class CheckAnswer(Shape):
-    """What does not fit in it, and what it says as JSON; null where it cannot be read."""
+    """What does not fit in it, and what it says as JSON; null where it cannot be read.
+
+    ``parts`` and ``lines`` are what differs from the version it was held against.
+    """
 
     findings: list[FindingShape]
     site: dict[str, Any] | None
+    parts: list[DifferenceShape]
+    lines: list[str]
 
 
 class EditAsk(Shape):

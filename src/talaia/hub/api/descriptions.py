@@ -132,7 +132,16 @@ class DescriptionPages:
     async def check(self, site: str, asked: CheckAsk) -> CheckAnswer:
         """Say what does not fit in a text, as ``talaia check`` does."""
         findings = await self._read(_check, asked.text)
-        return CheckAnswer(findings=findings, site=await self._read(_plain, asked.text))
+        parts, lines = [], []
+        if asked.against:
+            before = await self._text(site, str(asked.against))
+            parts, lines = await self._read(_differ, before, asked.text)
+        return CheckAnswer(
+            findings=findings,
+            site=await self._read(_plain, asked.text),
+            parts=parts,
+            lines=lines[:_MOST_LINES],
+        )
 
     async def edit(self, site: str, asked: EditAsk) -> EditAnswer:
         """Write a change into a text: comments, order and spelling of the rest survive."""
