@@ -2,7 +2,7 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, state } from "lit/decorators.js";
+import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
@@ -74,6 +74,9 @@ export class PageDescription extends LitElement {
     `,
   ];
 
+  /** Set by the frame for every page; this one is of no single site. */
+  @property() site = "";
+
   @state() private chosen = "";
   @state() private page = "versions";
   @state() private shown: Version | null = null;
@@ -88,12 +91,13 @@ export class PageDescription extends LitElement {
   private readonly action = new ActionController(this);
   private edition = "";
 
-  private get site(): string {
+  /** The site that is shown: the one that was chosen, or the first. */
+  private get about(): string {
     return this.chosen || (this.sites.store?.list[0]?.site ?? "");
   }
 
   override willUpdate(): void {
-    const { site } = this;
+    const site = this.about;
     if (site === "") return;
     const edition = `${site} ${this.sites.store?.catalogueOf(site) ?? ""} ${String(this.sites.store?.row(site)?.online ?? false)}`;
     if (edition !== this.edition) {
@@ -120,10 +124,10 @@ export class PageDescription extends LitElement {
         ${sites.length < 2
           ? nothing
           : html`<select aria-label="Site" @change=${this.choose}>
-              ${map(sites, (row) => html`<option value=${row.site} ?selected=${row.site === this.site}>${row.name}</option>`)}
+              ${map(sites, (row) => html`<option value=${row.site} ?selected=${row.site === this.about}>${row.name}</option>`)}
             </select>`}
       </div>
-      ${this.site === "" && this.sites.store !== undefined
+      ${this.about === "" && this.sites.store !== undefined
         ? html`<t-empty heading="No site is known yet" icon="info"><p>A site appears here once its gateway has connected.</p></t-empty>`
         : nothing}
       ${this.trouble()} ${known === undefined ? this.waiting() : this.content(known)}`;
@@ -137,7 +141,7 @@ export class PageDescription extends LitElement {
   }
 
   private waiting(): unknown {
-    if (this.known.result.state === "failed" || this.site === "") return nothing;
+    if (this.known.result.state === "failed" || this.about === "") return nothing;
     return html`<t-loading what="Loading the description"></t-loading>`;
   }
 
@@ -156,7 +160,7 @@ export class PageDescription extends LitElement {
       </section>
       <t-choice label="What to do" .options=${PAGES} chosen=${this.page} @t-choose=${this.turn}></t-choice>
       ${this.page === "edit"
-        ? html`<t-description-editor .site=${this.site} .known=${known} @t-applied=${this.again}></t-description-editor>`
+        ? html`<t-description-editor .site=${this.about} .known=${known} @t-applied=${this.again}></t-description-editor>`
         : this.versions(known)}`;
   }
 
@@ -256,7 +260,7 @@ export class PageDescription extends LitElement {
     void this.action.run(
       "list older versions",
       async () => {
-        const found = await new DescriptionsApi(this.api).list(this.site, last.number);
+        const found = await new DescriptionsApi(this.api).list(this.about, last.number);
         this.older = [...this.older, ...found.versions];
       },
       "",
@@ -290,7 +294,7 @@ export class PageDescription extends LitElement {
       const api = new DescriptionsApi(this.api);
       void this.action
         .run(`go back to version ${String(row.number)}`, async () => {
-          this.answer = await api.restore(this.site, row.number, known.digest);
+          this.answer = await api.restore(this.about, row.number, known.digest);
         })
         .then((done) => {
           if (done && this.answer?.phase === "applied") this.backTo = null;
