@@ -41,7 +41,14 @@ UNIONS = (
     ("MediaToBrowser", browser.MediaToBrowser),
     ("MediaFromBrowser", browser.MediaFromBrowser),
 )
-SHAPES = (shapes, people_shapes, history_shapes, recording_shapes, archive_shapes, description_shapes)
+SHAPES = (
+    shapes,
+    people_shapes,
+    history_shapes,
+    recording_shapes,
+    archive_shapes,
+    description_shapes,
+)
 # Texts of the API that come from a closed list.
 CLOSED = {
     ("SignalShape", "type"): [kind.value for kind in SignalType],

@@ -110,7 +110,14 @@ class Describing:
         for state in states:
             self._reporting.tell(live, state)
 
-    async def store(self, description: Site, told: frames.Described, said: str, source: str) -> int:
+    def note_of(self, told: frames.Described) -> str:
+        """Say in a few words how a description came about; asked when it comes."""
+        kept = "sent through the hub" if told.id else "changed at the gateway"
+        return self._changes.note_of(told.id) or kept
+
+    async def store(
+        self, description: Site, told: frames.Described, said: str, source: str, note: str
+    ) -> int:
         """Make room in the history for what is described, and keep it; the version's number.
 
         Raises:
@@ -121,9 +128,6 @@ class Describing:
         live = self._sites.get(site)
         await self._history.describe(description)
         await self._registry.said_hello(site, said, told.catalogue)
-        note = self._changes.note_of(told.id) or (
-            "sent through the hub" if told.id else "changed at the gateway"
-        )
         gateway = 0 if live is None else live.gateway
         return await self._versions.add(site, source or said, gateway, told.who, note)
 
@@ -164,7 +168,7 @@ class Redescription:
         self._live = live
         self._lists = lists
         self._ingest = ingest
-        self._waiting: asyncio.Queue[tuple[frames.Described, asyncio.Event]] = asyncio.Queue()
+        self._waiting: asyncio.Queue[tuple[frames.Described, str, asyncio.Event]] = asyncio.Queue()
         self._later: list[frames.DeviceState] = []
         self.pending = 0
 
@@ -174,7 +178,8 @@ class Redescription:
         renamed = {old: told.renamed.get(new, new) for old, new in self._live.renamed.items()}
         self._live.renamed = {**renamed, **told.renamed}
         self.pending += 1
-        self._waiting.put_nowait((told, self._ingest.rename(told.renamed)))
+        note = self._describing.note_of(told)
+        self._waiting.put_nowait((told, note, self._ingest.rename(told.renamed)))
 
     def later(self, state: frames.DeviceState) -> None:
         """Tell it once the device may be known."""
@@ -188,15 +193,15 @@ class Redescription:
 
         """
         while True:
-            told, renamed = await self._waiting.get()
+            told, note, renamed = await self._waiting.get()
             # Before channels of the new names are made.
             await renamed.wait()
-            await self._put(told)
+            await self._put(told, note)
             self.pending -= 1
             later, self._later = self._later, []
             self._describing.later(self._live, later)
 
-    async def _put(self, told: frames.Described) -> None:
+    async def _put(self, told: frames.Described, note: str) -> None:
         live = self._live
         source = source_of(told)
         said, description = await asyncio.to_thread(_read, told.description)
@@ -204,19 +209,19 @@ class Redescription:
             raise PeerError(f"the description is of {description.site!r}, not {live.name!r}")
         if [each.address for each in description.channels()] != list(told.addresses):
             raise PeerError("the description has other channels than its list")
-        number = await self._stored(description, told, said, source)
+        number = await self._stored(description, told, said, source, note)
         self._describing.show(live, description, told, said, source, number)
         self._lists.shown(tuple(channel.address for channel in live.channels))
         _LOG.info("%s is described anew: version %d", live.name, number)
 
     async def _stored(
-        self, description: Site, told: frames.Described, said: str, source: str
+        self, description: Site, told: frames.Described, said: str, source: str, note: str
     ) -> int:
         """Store it, however long the database is away; give the version's number."""
         failing = False
         while True:
             try:
-                return await self._describing.store(description, told, said, source)
+                return await self._describing.store(description, told, said, source, note)
             except _STORE_FAILS:
                 if not failing:
                     _LOG.exception(

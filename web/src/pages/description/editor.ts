@@ -58,7 +58,7 @@ export class DescriptionEditor extends LitElement {
       }
       .tools {
         position: sticky;
-        inset-block-start: 4rem;
+        inset-block-start: 3.4rem;
         z-index: 5;
         display: flex;
         flex-wrap: wrap;

@@ -54,6 +54,9 @@ export class PageDescription extends LitElement {
         flex-wrap: wrap;
         gap: var(--t-space-2);
       }
+      t-choice {
+        justify-self: start;
+      }
       .whole {
         grid-column: 1 / -1;
       }
