@@ -122,7 +122,7 @@ def test_full_roster_says_so_and_stays_as_it_was(monkeypatch: pytest.MonkeyPatch
 )
 def test_hub_may_change_what_the_gateway_permits_and_no_more(
     change: tuple[str, str],
-    readings: bool,
+    readings: bool,  # noqa: FBT001
     everything: bool,  # noqa: FBT001
 ) -> None:
     after = changed(change)
