@@ -232,6 +232,8 @@ def default_words(field: msgspec.inspect.Field) -> str:
     """Say what an absent field means."""
     if field.default is msgspec.NODEFAULT:
         return "empty"
+    if isinstance(field.default, bytes):
+        return "empty"
     if isinstance(field.default, StrEnum):
         return f"`{field.default.value}`"
     return "none" if field.default is None else f"`{json.dumps(field.default, ensure_ascii=False)}`"

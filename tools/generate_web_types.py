@@ -11,7 +11,7 @@ import json
 import sys
 import types
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
 
 import msgspec
 from msgspec import inspect
@@ -19,6 +19,7 @@ from pydantic import BaseModel
 
 from talaia.hub.api import (
     archive_shapes,
+    description_shapes,
     history_shapes,
     people_shapes,
     recording_shapes,
@@ -40,7 +41,14 @@ UNIONS = (
     ("MediaToBrowser", browser.MediaToBrowser),
     ("MediaFromBrowser", browser.MediaFromBrowser),
 )
-SHAPES = (shapes, people_shapes, history_shapes, recording_shapes, archive_shapes)
+SHAPES = (
+    shapes,
+    people_shapes,
+    history_shapes,
+    recording_shapes,
+    archive_shapes,
+    description_shapes,
+)
 # Texts of the API that come from a closed list.
 CLOSED = {
     ("SignalShape", "type"): [kind.value for kind in SignalType],
@@ -203,6 +211,8 @@ def api_type(hint: object, words: list[str] | None) -> str:
         return SIMPLE[hint]
     if isinstance(hint, type) and issubclass(hint, BaseModel):
         return hint.__name__
+    if hint == dict[str, Any]:
+        return "Readonly<Record<string, unknown>>"
     inner = [api_type(one, words) for one in get_args(hint)]
     if get_origin(hint) is list:
         return f"readonly ({inner[0]})[]" if "|" in inner[0] else f"readonly {inner[0]}[]"

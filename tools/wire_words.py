@@ -8,6 +8,16 @@ from msgspec import inspect
 __all__ = ["CHANNELS", "CLOSE_CODES", "GLOSSARY", "limits", "meaning"]
 
 GLOSSARY = {
+    "accepts": "changes that the gateway takes from the hub: `no`, `readings` or `all`",
+    "base": "SHA-256 of the text that it was made from, in hex",
+    "description": "the site description (YAML), the gateway's own copy",
+    "problem": "what does not fit",
+    "problems": "what does not fit in the description",
+    "remedy": "what to do about it; empty where nobody knows",
+    "renamed": "former address of a channel to its new one",
+    "seal": "HMAC-SHA256 of the change under the SHA-256 of the gateway's key, in hex",
+    "source": "the description's text as a person wrote it, deflated (zlib)",
+    "where": "the path of the part (`$.devices.base.name`), or a line",
     "again": "what came did not follow on; send from `below` on",
     "digest": "SHA-256 of the whole, in hex",
     "done": "the whole is there and kept",
@@ -103,6 +113,9 @@ GLOSSARY = {
 }
 # Fields that mean something else in one message than everywhere else.
 ELSEWHERE = {
+    ("Described", "addresses"): "of the channels that the catalogue names, in order",
+    ("Described", "description"): "the site description (YAML), deflated (zlib)",
+    ("ChangeAsk", "source"): "the description's text, deflated (zlib)",
     ("UploadState", "below"): "all bytes before this are there",
     ("UploadState", "refused"): "why it is not wanted; empty otherwise",
     ("UploadOffer", "kind"): "what it is, and so where it goes",

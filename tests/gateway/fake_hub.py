@@ -26,6 +26,7 @@ from talaia.wire.frames import (
     Ack,
     Beat,
     BeatReply,
+    Described,
     FileHave,
     FileOffer,
     Gap,
@@ -72,7 +73,7 @@ class FakeHub:
         self.cut_after = 10**9
         self._changed = asyncio.Event()
         self._boot = ""
-        self._addresses: list[str] = []
+        self._lists: dict[str, list[str]] = {}
         self.catalogue: Callable[[Hello], list[str]] = lambda _: []
 
     # ── what a test does ──
@@ -190,7 +191,7 @@ class FakeHub:
         hello = LINK_FROM_GATEWAY.decode(await socket.recv())
         assert isinstance(hello, Hello)
         self._boot = hello.boot
-        self._addresses = self.catalogue(hello)
+        self._lists[hello.catalogue] = self.catalogue(hello)
         welcome = Welcome(acked=self.below(hello.boot))
         await socket.send(LINK_FROM_HUB.encode(welcome))
         self.hellos.append(hello)
@@ -210,6 +211,9 @@ class FakeHub:
             if self.acking:
                 ack = Ack(boot=message.boot, below=self.below(message.boot))
                 await socket.send(LINK_FROM_HUB.encode(ack))
+        elif isinstance(message, Described):
+            self._lists[message.catalogue] = message.addresses
+            self.messages.append(message)
         elif isinstance(message, Tick):
             self.tick = message.tick
         else:
@@ -217,7 +221,7 @@ class FakeHub:
 
     def _store(self, frame: Samples) -> None:
         self.old_batches += not frame.live
-        addresses = frame.addresses or self._addresses
+        addresses = frame.addresses or self._lists[frame.catalogue]
         columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
         have = self.samples[frame.boot]
         for index in range(len(columns)):

@@ -8,6 +8,8 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
+from talaia.gateway.own_copy import OwnCopy
+from talaia.gateway.permitting import Accepts
 from talaia.gateway.run import Gateway
 from talaia.gateway.settings import HubAddress, Settings
 from talaia.model.check import raise_first
@@ -129,12 +131,23 @@ class Peer:
 
 @asynccontextmanager
 async def running(
-    url: str, data: Path, text: str = SITE, key: str = "test-key", fingerprint: str = ""
+    url: str,
+    data: Path,
+    text: str = SITE,
+    key: str = "test-key",
+    fingerprint: str = "",
+    file: Path | None = None,
+    accepts: Accepts = Accepts.NO,
 ) -> AsyncIterator[Gateway]:
-    """A gateway in this process, ended cleanly whatever happens."""
+    """A gateway in this process, ended cleanly whatever happens; with ``file`` it follows that."""
+    copy = None
+    if file is not None:
+        file.write_text(text)  # noqa: ASYNC240 - before anything runs
+        copy = OwnCopy(file)
     site = raise_first(load_site(text))
     hub = HubAddress.checked(url, fingerprint=fingerprint, allow_plain=True)
-    gateway = Gateway(site, Settings(hub=hub, key=key, data=data), SystemClock())
+    settings = Settings(hub=hub, key=key, data=data, accepts=accepts)
+    gateway = Gateway(site, settings, SystemClock(), copy)
     ended = asyncio.Event()
     task = asyncio.ensure_future(gateway.run(ended))
     try:

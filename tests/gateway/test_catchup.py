@@ -52,7 +52,7 @@ async def test_what_the_hub_asks_for_again_is_sent_again_and_no_more(tmp_path: P
     keeper, lanes = keeper_of(tmp_path), Lanes(lambda: None)
     lanes.link_up()
     running = asyncio.ensure_future(
-        CatchUp(keeper, lanes, "b", "c", 10_000_000).run(BATCHES * SIZE)
+        CatchUp(keeper, lanes, "b", lambda: "c", 10_000_000).run(BATCHES * SIZE)
     )
     assert await sent(lanes, BATCHES) == [*range(0, BATCHES * SIZE, SIZE)]
     lanes.owe("b", 105, 121)
@@ -69,7 +69,9 @@ async def test_what_was_packed_is_not_sent_at_one_blow(tmp_path: Path, monkeypat
     batches, rate = 2500, 40_000
     keeper, lanes = keeper_of(tmp_path, batches), Lanes(lambda: None)
     lanes.link_up()
-    running = asyncio.ensure_future(CatchUp(keeper, lanes, "b", "c", rate).run(batches * SIZE))
+    running = asyncio.ensure_future(
+        CatchUp(keeper, lanes, "b", lambda: "c", rate).run(batches * SIZE)
+    )
     loop = asyncio.get_running_loop()
     began, got, largest = loop.time(), 0, 0
     while loop.time() - began < 1.5:
@@ -92,7 +94,9 @@ async def test_old_samples_wait_while_the_hub_stores_nothing_and_stop_never_wait
     monkeypatch.setattr(catchup, "MOST_UNHEARD", 1000)
     keeper, lanes = keeper_of(tmp_path), Lanes(lambda: None)
     lanes.link_up()
-    running = asyncio.ensure_future(CatchUp(keeper, lanes, "b", "c", 20_000).run(BATCHES * SIZE))
+    running = asyncio.ensure_future(
+        CatchUp(keeper, lanes, "b", lambda: "c", 20_000).run(BATCHES * SIZE)
+    )
     taken = 0
     # Long enough for all of them at this rate.
     until = asyncio.get_running_loop().time() + 1.5

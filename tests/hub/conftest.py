@@ -60,6 +60,12 @@ class MemoryHistory:
 
     async def describe(self, site) -> None: ...
 
+    async def rename(self, site, moves) -> None:
+        for (where, _), stored in self.samples.items():
+            for number, row in stored.items():
+                if where == site and row and row[0] in moves:
+                    stored[number] = (moves[row[0]], *row[1:])
+
     async def append(self, site, boot, first, addresses, columns) -> None:
         await self.gate.wait()
         for at in range(len(columns)):

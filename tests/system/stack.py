@@ -148,6 +148,8 @@ class Stack:
     """A hub, a gateway and a robot in one folder."""
 
     description = DESCRIPTION
+    # Which changes of the description the gateway takes from the hub.
+    accepts = "no"
 
     def __init__(
         self,
@@ -210,6 +212,7 @@ class Stack:
             "--hub", f"ws://127.0.0.1:{self._link_port or self.port}",
             "--key-file", str(self.folder / "key"),
             "--data", str(self.folder / "gateway"), "--ros-domain", str(self._world.domain),
+            "--accept-changes", self.accepts,
         ]  # fmt: skip
         self.gateway = Process(words, self.folder / "gateway.log", self._ros)
         return self.gateway

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.keyfile import read_key_file
+from talaia.gateway.permitting import Accepts
 from talaia.gateway.settings import DoorSettings, HubAddress, Settings
 
 if TYPE_CHECKING:
@@ -49,6 +50,13 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
         help="longest that samples wait for the hub",
     )  # fmt: skip
     parser.add_argument("--ros-domain", type=int, metavar="N", help="overrides the description's")
+    parser.add_argument(
+        "--accept-changes", type=Accepts, choices=list(Accepts), default=Accepts.NO,
+        metavar="{no,readings,all}",
+        help="which changes of the description people with the right may send through the hub: "
+        "none, of what is read and shown, or also of commands, driving and interlocks "
+        "(default: no)",
+    )  # fmt: skip
     classic = parser.add_argument_group(
         "door for clients of the founding observatory (WebSocket messages over TLS)"
     )
@@ -106,6 +114,7 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
         spool_bytes=round(arguments.spool_mb * 1024 * 1024),
         spool_age_s=arguments.spool_days * 86400.0,
         door=_door(arguments),
+        accepts=arguments.accept_changes,
     )
 
 

@@ -16,12 +16,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.gateway.spool.segment import Record
-from talaia.wire.columns import MAX_SAMPLES, Columns, pack, part
+from talaia.wire.columns import MAX_SAMPLES, Columns, pack, part, renumbered
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 if TYPE_CHECKING:
     import asyncio
     from collections.abc import Callable
+
+    from numpy.typing import NDArray
 
 __all__ = ["Batcher", "joined", "records_of"]
 
@@ -121,6 +123,7 @@ class Batcher:
         self._ripe = 0.0
         self._dropped = 0
         self._dropped_us = 0
+        self._order: NDArray[np.int64] | None = None
         self.next = 0
 
     def put(self, columns: Columns) -> None:
@@ -138,6 +141,19 @@ class Batcher:
         elif not self._called and time.monotonic() >= self._ripe:
             self._called = True
             self._loop.call_soon_threadsafe(self.flush)
+
+    def redescribe(self, catalogue: str, order: NDArray[np.int64]) -> None:
+        """Number by another channel list from here on; event loop only.
+
+        What was put before goes out by the old one.
+
+        Args:
+            catalogue: the new list's name.
+            order: see `Roster.order`.
+
+        """
+        self.flush()
+        self._catalogue, self._order = catalogue, order
 
     def _arm(self) -> None:
         left = self._ripe - time.monotonic()
@@ -159,7 +175,10 @@ class Batcher:
             chunks.append(self._chunks.popleft())
         self._waiting = 0
         if chunks:
-            made = records_of(joined(chunks), self._boot, self._catalogue, self.next)
+            columns = joined(chunks)
+            if self._order is not None:
+                columns = renumbered(columns, self._order)
+            made = records_of(columns, self._boot, self._catalogue, self.next)
             self.next = made[-1].end if made else self.next
             for record in made:
                 self._keep(record)

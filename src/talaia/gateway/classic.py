@@ -50,14 +50,21 @@ class _Value(NamedTuple):
 class Newest:
     """A `SampleSink` that keeps the newest value of each channel, and passes all on. Any thread."""
 
-    def __init__(self, site: Site, onward: SampleSink, now_ns: Callable[[], int]) -> None:
-        """Stand before another sink; ``now_ns`` gives monotonic time."""
+    def __init__(
+        self, first: Mapping[str, int], onward: SampleSink, now_ns: Callable[[], int]
+    ) -> None:
+        """Stand before another sink; ``now_ns`` gives monotonic time.
+
+        ``first`` has the number of each signal's first channel by its address, see `Roster`.
+        """
         self._onward = onward
         self._now_ns = now_ns
         self._values: dict[int, _Value] = {}
-        self._first: dict[str, int] = {}
-        for index, each in enumerate(site.channels()):
-            self._first.setdefault(f"{each.device}/{each.signal}", index)
+        self._first = first
+
+    def redescribe(self, first: Mapping[str, int]) -> None:
+        """Know the signals of another description from here on."""
+        self._first = first
 
     def put(self, columns: Columns) -> None:
         """See `SampleSink.put`."""

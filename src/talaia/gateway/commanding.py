@@ -21,7 +21,7 @@ from talaia.model.arguments import args_of, fields_of, unit_problem
 from talaia.wire.frames import CommandPhase, CommandState
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Collection
     from pathlib import Path
 
     from talaia.clock import Clock
@@ -145,6 +145,18 @@ class Commanding:
     def busy(self) -> bool:
         """Whether a command is under way."""
         return bool(self._timers)
+
+    def busy_with(self, devices: Collection[str]) -> str:
+        """Name a command of these devices that is under way, if any."""
+        for command_id in self._timers:
+            state = self._book.get(command_id)
+            if state is not None and state.device in devices:
+                return f"{state.device}/{state.command}"
+        return ""
+
+    def redescribe(self, site: Site) -> None:
+        """Take commands by another description from here on."""
+        self._site = site
 
     def report(self) -> None:
         """Tell a new link of the commands that a restart interrupted; once."""

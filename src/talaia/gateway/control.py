@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["Control", "Ticks"]
 
 TICK_NS = 50 * MS
+CHANGING = "its description is being changed"
 
 
 class Ticks:
@@ -96,6 +97,8 @@ class Control:
         self.ticks = Ticks()
         self._linked = False
         self._away: set[str] = set()
+        self._changing: frozenset[str] = frozenset()
+        self._next_epoch = next_epoch
         self.seats = {
             name: Seat(name, device.drive, mouth, next_epoch, stops.get(name))
             for name, device in site.devices.items()
@@ -196,6 +199,49 @@ class Control:
         if seat.latch.latched is was:
             seat.on_reset(ask.who, self._clock.monotonic_ns())
 
+    # ── another description ──
+
+    def leave(self, devices: Collection[str]) -> None:
+        """End leases and holds of devices whose description is about to change, with zeros.
+
+        Nobody drives them until `redescribe`, or until this is called with none.
+        """
+        self._changing = frozenset(devices)
+        now = self._clock.monotonic_ns()
+        for device in devices:
+            if (seat := self.seats.get(device)) is not None:
+                held = seat.lease.holder(now) is not None
+                seat.vacate(now, CHANGING, stop_robot=False)
+                if held:
+                    self._mouth.send(seat.lease_state(now))
+
+    def silent(self, devices: Collection[str]) -> bool:
+        """Tell whether all zeros of these devices have been published."""
+        seats = [self.seats[each] for each in devices if each in self.seats]
+        return all(seat.driving.silent for seat in seats)
+
+    def redescribe(self, site: Site, devices: Collection[str]) -> None:
+        """Take another description, after `leave` with the ``devices`` that it touches.
+
+        Those that are not touched go on as they were, drivers included. STOP stays where it is.
+        """
+        now = self._clock.monotonic_ns()
+        # Whoever took a lease since then has driven nothing, for it was barred.
+        self.leave([each for each in devices if each in self.seats])
+        before, self._site, self._changing = self.seats, site, frozenset()
+        self.seats = {}
+        for name, device in site.devices.items():
+            if device.drive is None:
+                continue
+            seat = before.get(name)
+            if seat is None or seat.rule != device.drive:
+                stopped = self._stops.get(name) if seat is None else seat.latch.latched
+                seat = Seat(name, device.drive, self._mouth, self._next_epoch, stopped)
+                self._mouth.send(seat.stop_state())
+                self._mouth.send(seat.lease_state(now))
+            self.seats[name] = seat
+        self._away &= site.devices.keys()
+
     # ── link and time ──
 
     def link_up(self) -> None:
@@ -266,6 +312,8 @@ class Control:
             self._tick(now)
 
     def _barred(self, device: str, now_ns: int) -> str:
+        if device in self._changing:
+            return CHANGING
         if device in self._away:
             return "the robot's side cannot be reached now"
         if self._interlocks is None:

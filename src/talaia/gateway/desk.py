@@ -10,6 +10,7 @@ from talaia.model.recording import Trigger
 from talaia.wire.frames import (
     Ack,
     Again,
+    ChangeAsk,
     CommandAsk,
     CommandCancel,
     CommandPhase,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Coroutine
 
     from talaia.clock import Clock
+    from talaia.gateway.changing import Changing
     from talaia.gateway.commanding import Commanding
     from talaia.gateway.control import Control
     from talaia.gateway.frames.upload import Upload
@@ -163,10 +165,12 @@ class FrontDesk:
         reach: Reach,
         upload: Upload,
         recorder: Recorder | None = None,
+        changing: Changing | None = None,
     ) -> None:
         """Take all who act, the voice that tells how it went, and the lanes to the hub."""
         self._reach = reach
         self._recorder = recorder
+        self._changing = changing
         self._upload = upload
         self._voice = voice
         self._lanes = lanes
@@ -192,6 +196,8 @@ class FrontDesk:
         self._control.link_up()
         self._commanding.report()
         self._reach.report()
+        if self._changing is not None:
+            self._changing.link_up()
         self._pacer.touch()
 
     def link_lost(self) -> None:
@@ -225,6 +231,9 @@ class FrontDesk:
                 self._spawn(self._control.reset(message))
             case CommandAsk():
                 self._spawn(self._commanding.ask(message))
+            case ChangeAsk():
+                if self._changing is not None:
+                    self._spawn(self._changing.ask(message))
             case CommandCancel():
                 self._commanding.cancel(message)
             case OverrideAsk():

@@ -137,6 +137,10 @@ class Door:
         self._wrong = asyncio.Lock()
         self.port = settings.port
 
+    def redescribe(self, site: Site) -> None:
+        """Answer by another description from here on."""
+        self._site = site
+
     async def run(self) -> None:
         """Serve until cancelled.
 

@@ -4,6 +4,7 @@ GatewayError
 ├── FieldError        a message does not hold what the description says
 ├── TypeMissing       a message or service type that this machine does not know
 ├── AdapterLost       the robot's side cannot be reached
+├── RosterFull        too many channels have been described since the start
 ├── SpoolError        the data folder cannot be used
 ├── SettingsError     the gateway was started with settings that do not fit
 ├── EnrolRefused      the hub does not take the one-time code
@@ -24,6 +25,7 @@ __all__ = [
     "HubUnreachable",
     "KeyRefused",
     "LinkLost",
+    "RosterFull",
     "SettingsError",
     "SpoolError",
     "TypeMissing",
@@ -66,6 +68,10 @@ class TypeMissing(GatewayError):
 
 class AdapterLost(GatewayError):
     """The robot's side cannot be reached."""
+
+
+class RosterFull(GatewayError):
+    """Too many channels have been described since the start."""
 
 
 class SpoolError(GatewayError):

@@ -12,6 +12,8 @@ import math
 import time
 from typing import TYPE_CHECKING, Protocol
 
+import msgspec
+
 from talaia.clock import MS, SECOND
 from talaia.gateway.enclosure import Act, EnclosureGuard, Follower, Said, Seen
 from talaia.gateway.latch import Change, Latch, Verdict
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.ports import Field, Mouth, Reading, Readings
     from talaia.model.enclosure import Sighting
-    from talaia.model.interlock import Condition, Step
+    from talaia.model.interlock import Condition, LinkLossPolicy, Step
     from talaia.model.site import Signal, Site
     from talaia.wire.frames import OverrideAsk
 
@@ -121,7 +123,8 @@ class Interlocks:
         self._readings = readings
         self._mouth = mouth
         self._run = run
-        self._began_ns = now_ns
+        # From when on a signal that has never said anything has been listened to.
+        self._began_ns = dict.fromkeys(site.guarded(), now_ns)
         self._lost_ns: int | None = now_ns
         self._looked_ns = now_ns - LOOK_NS
         self._wires = {
@@ -136,12 +139,56 @@ class Interlocks:
             if rule.follow is not None
         }
         self._latches = {name: Latch(name, rule, now_ns) for name, rule in site.interlocks.items()}
-        self._waiting = {
-            name: device.link_loss
-            for name, device in site.devices.items()
-            if device.link_loss is not None
-        }
+        self._waiting = _policies(site)
         self._due = dict(self._waiting)
+
+    def redescribe(self, site: Site, now_ns: int) -> None:
+        """Judge by another description from here on.
+
+        What is described as it was, with the signals it looks at, goes on with its dwell time and
+        its override. All else begins locked, as after a restart.
+        """
+        before, self._site = self._site, site
+        had = before.guarded()
+        fresh = {
+            each
+            for each in site.guarded()
+            if each not in had or _heard(before, each) != _heard(site, each)
+        }
+        self._began_ns = {
+            each: now_ns if each in fresh else self._began_ns.get(each, now_ns)
+            for each in site.guarded()
+        }
+        latches, wires = self._latches, self._wires
+        self._latches, self._wires = {}, {}
+        for name, rule in site.interlocks.items():
+            old = before.interlocks.get(name)
+            watched = {each.signal for each in rule.when}
+            watched |= {part.signal for each in rule.when for part in each.all_of}
+            if old == rule and not any(_meant(before, a) != _meant(site, a) for a in watched if a):
+                self._latches[name], self._wires[name] = latches[name], wires[name]
+                continue
+            known = latches.get(name)
+            if known is not None and (over := known.override) is not None:
+                self._mouth.note("override_ended", "", name, over.who, good=True)
+            latch = Latch(name, rule, now_ns)
+            latch.why = "it has just been described"
+            self._latches[name] = latch if known is None else known.redescribed(rule, now_ns)
+            self._wires[name] = [Tripwire(each) for each in rule.when]
+            self._mouth.send(self._latches[name].state(now_ns))
+        self._redescribe_enclosures(before, site)
+        acted = self._waiting.keys() - self._due.keys()
+        self._waiting = _policies(site)
+        self._due = {name: rule for name, rule in self._waiting.items() if name not in acted}
+
+    def _redescribe_enclosures(self, before: Site, site: Site) -> None:
+        guards, followers = self._enclosures, self._followers
+        self._enclosures, self._followers = {}, {}
+        for name, rule in site.enclosures.items():
+            same = before.enclosures.get(name) == rule
+            self._enclosures[name] = guards[name] if same else EnclosureGuard(name, rule)
+            if rule.follow is not None:
+                self._followers[name] = followers[name] if same else Follower(rule.follow)
 
     def refusal(
         self, device: str, what: str, now_ns: int, args: Mapping[str, Field] | None = None
@@ -329,9 +376,32 @@ class Interlocks:
             return Verdict(f"the hub has been out of reach for {condition.link_lost:g} s")
         device, _, signal = condition.signal.partition("/")
         reading = self._readings.latest(condition.signal)
-        since = self._began_ns if reading is None else reading.mono_ns
+        since = self._began_ns[condition.signal] if reading is None else reading.mono_ns
         described = self._site.devices[device].signals[signal]
         return judged(condition, described, reading, now_ns - since)
 
     def _note(self, kind: str, message: str, *, good: bool) -> None:
         self._mouth.note(kind, "", message, "", good=good)
+
+
+def _policies(site: Site) -> dict[str, LinkLossPolicy]:
+    return {
+        name: device.link_loss
+        for name, device in site.devices.items()
+        if device.link_loss is not None
+    }
+
+
+def _meant(site: Site, address: str) -> Signal | None:
+    """Give what is described of a signal, but for what people call it."""
+    device, _, name = address.partition("/")
+    described = site.devices.get(device)
+    signal = None if described is None else described.signals.get(name)
+    return None if signal is None else msgspec.structs.replace(signal, name="", was="")
+
+
+def _heard(site: Site, address: str) -> tuple[Signal | None, str]:
+    """Give all that decides whether a newest reading of a signal is at hand."""
+    device = address.partition("/")[0]
+    connection = site.connection_of(device) if device in site.devices else ""
+    return _meant(site, address), connection

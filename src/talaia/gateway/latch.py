@@ -82,6 +82,17 @@ class Latch:
         """Who has overridden it, if anybody."""
         return self._override
 
+    def redescribed(self, rule: Interlock, now_ns: int) -> Latch:
+        """Give the latch of another rule of this name: locked, and no override is left.
+
+        What was unsafe and has not been safe for long enough goes on to demand what it did; while
+        it is unsafe, another sequence is run as if it had just become so.
+        """
+        latch = Latch(self._name, rule, now_ns)
+        latch.why = self.why or "its description has changed"
+        latch._fired = self._fired and (not self._unsafe or rule.run == self._rule.run)
+        return latch
+
     def look(self, verdict: Verdict, now_ns: int) -> list[Change]:
         """Take in what the conditions say; give what follows."""
         changes: list[Change] = []

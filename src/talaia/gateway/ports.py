@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
     from pathlib import Path
 
     from talaia.clock import Clock
+    from talaia.gateway.share import Share
     from talaia.model.site import Device
     from talaia.wire.columns import Columns
     from talaia.wire.frames import CommandPhase, FromGateway, Picture
@@ -17,6 +18,7 @@ __all__ = [
     "Adapter",
     "CommandTarget",
     "EventSink",
+    "Flexible",
     "FrameSink",
     "Mouth",
     "Outcome",
@@ -254,6 +256,18 @@ class Adapter(CommandTarget, Readings, Protocol):
         ``done`` is called once, from any thread, within some seconds: *succeeded* when all of it
         is there, else *failed* with what is not.
         """
+        ...
+
+
+@runtime_checkable
+class Flexible(Protocol):
+    """An `Adapter` that takes another share of the site while it runs.
+
+    What is the same in both goes on without a break: none of its samples is lost or comes twice.
+    """
+
+    def redescribe(self, share: Share) -> None:
+        """Serve this from here on. Its connection is the one it has. Returns at once."""
         ...
 
 

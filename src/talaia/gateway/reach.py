@@ -40,6 +40,19 @@ class Reach:
         self._away: dict[str, str] = {}
         self._said: dict[str, tuple[str, int]] = {}
 
+    def redescribe(self, of: Mapping[str, str]) -> None:
+        """Take other devices; what was known of those that stay where they were stays true."""
+        moved = {device for device, name in self._of.items() if of.get(device) != name}
+        self._of = of
+        for device in moved:
+            self._away.pop(device, None)
+            if device in of:
+                self._tell(device)
+            else:
+                self._said.pop(device, None)
+        for device in of:
+            self._tell(device)
+
     def lost(self, connection: str, why: str) -> list[str]:
         """Take a connection as gone; give its devices."""
         self._lost[connection] = why

@@ -28,21 +28,26 @@ from talaia.gateway.adapters.catalog import adapter_of
 from talaia.gateway.adapters.many import Many, Post
 from talaia.gateway.arguments import parsed, settings_of
 from talaia.gateway.batching import Batcher
+from talaia.gateway.changing import Changing
 from talaia.gateway.classic import Newest
 from talaia.gateway.commanding import Commanding, Journal
 from talaia.gateway.control import Control
 from talaia.gateway.desk import FrontDesk, Pacer, Voice
 from talaia.gateway.door import Door, keys_of
 from talaia.gateway.errors import SettingsError
+from talaia.gateway.exchange import Exchange, Parts, catalogue_of, prepared
 from talaia.gateway.found import joined, keep_found, kept_of, with_kept
 from talaia.gateway.frames.outbox import Outbox
 from talaia.gateway.frames.taking import FrameTaker
 from talaia.gateway.frames.upload import Upload
 from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.keep import Epochs, KeptStops, locked
+from talaia.gateway.own_copy import OwnCopy
+from talaia.gateway.permitting import Accepts
 from talaia.gateway.ports import Outlets
 from talaia.gateway.reach import Reach
 from talaia.gateway.recording.shelf import Shelf
+from talaia.gateway.roster import Roster
 from talaia.gateway.sequences import Sequences
 from talaia.gateway.share import shares_of
 from talaia.gateway.spool.journal import Head, Spool
@@ -56,15 +61,18 @@ from talaia.gateway.uplink.lanes import Lanes
 from talaia.gateway.uplink.pictures import Pictures
 from talaia.gateway.uplink.tls import Trust
 from talaia.model.check import raise_first
-from talaia.model.load import dump_site, read_site
+from talaia.model.load import site_in
 from talaia.wire.frames import Hello
+from talaia.wire.sealing import deflated
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping, Sequence
 
     from talaia.clock import Clock
+    from talaia.gateway.ports import Adapter
     from talaia.gateway.recording.recorder import Recorder
     from talaia.gateway.settings import Settings
+    from talaia.gateway.share import Share
     from talaia.gateway.spool.segment import Record
     from talaia.model.site import Device, Site
     from talaia.wire.frames import RecordState, Welcome
@@ -73,12 +81,6 @@ __all__ = ["Gateway", "catalogue_of", "main", "new_boot", "serve"]
 
 log = logging.getLogger(__name__)
 END_S = 1.5
-
-
-def catalogue_of(site: Site) -> str:
-    """Name the channel list: the same list has the same name, in every run."""
-    listed = "\n".join(f"{each.address} {each.text:d}" for each in site.channels())
-    return hashlib.sha256(listed.encode()).hexdigest()[:16]
 
 
 def new_boot() -> str:
@@ -94,8 +96,16 @@ class Gateway:
 
     """
 
-    def __init__(self, site: Site, settings: Settings, clock: Clock) -> None:
+    def __init__(
+        self, site: Site, settings: Settings, clock: Clock, copy: OwnCopy | None = None
+    ) -> None:
         """Build every part and take up what an earlier run left in the data folder.
+
+        Args:
+            site: the description, with the devices that were found.
+            settings: see `Settings`.
+            clock: every part's.
+            copy: the description's file; none leaves it as it is until the end.
 
         Raises:
             SpoolError: the data folder cannot be used.
@@ -105,8 +115,11 @@ class Gateway:
         # Set when a robot's side has shown more than the description knew.
         self.redescribed: Site | None = None
         self._again = asyncio.Event()
-        self._site, self._settings, self._clock = site, settings, clock
-        self._boot, self._catalogue = new_boot(), catalogue_of(site)
+        self._settings, self._clock = settings, clock
+        begun = prepared(site, copy.text if copy is not None and copy.editable else "")
+        self._boot = new_boot()
+        roster = Roster(site)
+        self._told = 0
         self._loop = loop = asyncio.get_running_loop()
         data = settings.data
         self._lock = locked(data)
@@ -118,7 +131,7 @@ class Gateway:
         self._lanes = Lanes(self._wake.set)
         self._voice = Voice(loop, clock, self._lanes)
         self._pictures = Pictures(loop)
-        head = Head(self._boot, self._catalogue, [each.address for each in site.channels()])
+        head = Head(self._boot, begun.catalogue, begun.addresses)
         spool = Spool(
             data / "spool",
             head,
@@ -129,7 +142,7 @@ class Gateway:
         )
         self._keeper = Keeper(spool)
         self._batcher = Batcher(
-            loop, self._boot, self._catalogue, settings.flush, self._on_batch, self._keeper.lose
+            loop, self._boot, begun.catalogue, settings.flush, self._on_batch, self._keeper.lose
         )
         self._reach = Reach(
             {device: site.connection_of(device) for device in site.devices},
@@ -146,12 +159,15 @@ class Gateway:
         )
         self._shelf: Shelf | None = None
         self._to_send = asyncio.Event()
-        self._recorder = self._make_recorder(loop)
+        self._recorder = self._make_recorder(loop, site)
         self._answers: dict[str, str] = {}
         self._newest: Newest | None = None
         if settings.door is not None:
-            self._newest = Newest(site, self._batcher, clock.monotonic_ns)
-        self._adapter = self._make_adapter(loop)
+            self._newest = Newest(roster.numbers(site), self._batcher, clock.monotonic_ns)
+        outlets = self._make_outlets(site)
+        make = partial(self._make_adapter, loop, outlets)
+        adapters = {each.name: make(each) for each in shares_of(site, roster)}
+        self._adapter = self._make_many(site, adapters)
         self._voice.adapter = self._adapter
         self._voice.recorder = self._recorder
         interlocks = Interlocks(
@@ -186,6 +202,17 @@ class Gateway:
             interlocks.commanded,
         )
         self._sequences: Sequences = Sequences(self._commanding, self._voice, self._boot)
+        self.door = self._make_door(site)
+        parts = Parts(
+            self._boot, clock, roster, self._batcher, self._keeper, self._reach, self._adapter,
+            adapters, make, interlocks, self._control, self._pacer, self._commanding,
+            self._sequences, self._newest, self._recorder, self.door,
+        )  # fmt: skip
+        self._exchange = Exchange(begun, parts, self._lanes.send, self._begin_again)
+        self._changing = Changing(
+            copy, settings.accepts, hashlib.sha256(settings.key.encode()).hexdigest(), data,
+            self._exchange, self._lanes.send, self._voice, self._on_disk,
+        )  # fmt: skip
         self._desk = FrontDesk(
             self._boot,
             self._control,
@@ -198,11 +225,16 @@ class Gateway:
             self._reach,
             self._upload,
             self._recorder,
+            self._changing,
         )
         self._trust = Trust(settings.hub)
-        self.door = self._make_door()
 
-    def _make_door(self) -> Door | None:
+    @property
+    def _site(self) -> Site:
+        """The description that counts now."""
+        return self._exchange.now.site
+
+    def _make_door(self, site: Site) -> Door | None:
         """Make the door for founding clients, where it is asked for.
 
         Raises:
@@ -214,35 +246,39 @@ class Gateway:
             return None
         keys = keys_of(settings.door, settings.data)
         return Door(
-            settings.door, keys, self._site, self._clock, self._commanding, self._newest,
+            settings.door, keys, site, self._clock, self._commanding, self._newest,
             self._answers, self._voice,
         )  # fmt: skip
 
-    def _make_adapter(self, loop: asyncio.AbstractEventLoop) -> Many:
-        outlets = Outlets(
+    def _make_outlets(self, site: Site) -> Outlets:
+        return Outlets(
             self._clock, self._newest or self._batcher, self._pictures, self._voice,
             self._settings.folder, self._settings.domain, self._answers, raw=self._recorder,
             frames=FrameTaker(
                 self._settings.data / "taking", self._outbox, self._voice, self._clock, self._files
             ),
-            site=self._site.name,
+            site=site.name,
         )  # fmt: skip
-        adapters = {}
-        for share in shares_of(self._site):
-            post = Post(share.name, loop, self._reach)
-            post.on_found = partial(self._on_found, share.name)
-            adapters[share.name] = (adapter_of(share, outlets, post), post)
+
+    def _make_adapter(
+        self, loop: asyncio.AbstractEventLoop, outlets: Outlets, share: Share
+    ) -> tuple[Adapter, Post]:
+        post = Post(share.name, loop, self._reach)
+        post.on_found = partial(self._on_found, share.name)
+        return adapter_of(share, outlets, post), post
+
+    def _make_many(self, site: Site, adapters: Mapping[str, tuple[Adapter, Post]]) -> Many:
         return Many(
-            {device: self._site.connection_of(device) for device in self._site.devices},
-            adapters,
+            {device: site.connection_of(device) for device in site.devices},
+            dict(adapters),
             self._reach,
             self._voice,
             lambda devices: self._control.robot_lost(devices),
             lambda devices: self._control.robot_back(devices),
         )
 
-    def _make_recorder(self, loop: asyncio.AbstractEventLoop) -> Recorder | None:
-        plan = self._site.recording
+    def _make_recorder(self, loop: asyncio.AbstractEventLoop, site: Site) -> Recorder | None:
+        plan = site.recording
         if plan is None:
             return None
         try:
@@ -274,7 +310,7 @@ class Gateway:
 
         return Recorder(
             plan,
-            self._site.recorded(),
+            site.recorded(),
             shelf,
             self._clock,
             lambda name: definition_of(name, fields_of),
@@ -297,6 +333,10 @@ class Gateway:
             keep_found(self._settings.data, connection, devices)
         except OSError as error:
             log.warning("%s: what was found cannot be kept: %s", connection, error)
+        self._begin_again(site)
+
+    def _begin_again(self, site: Site) -> None:
+        """End in favour of another gateway with this description, once nothing moves."""
         self.redescribed = site
         self._again.set()
 
@@ -326,6 +366,7 @@ class Gateway:
             self._recorder.start()
         parts = [self._adapter.run, self._run_link, self._run_media, self._run_sync]
         parts.append(partial(watch_stalls, self._clock, self._batcher.missed))
+        parts.append(self._changing.watch)
         if self._shelf is not None:
             parts.append(self._run_files)
         if self.door is not None:
@@ -369,13 +410,16 @@ class Gateway:
             await part()
 
     def _hello(self) -> Hello:
+        now, self._told = self._exchange.now, self._exchange.turn
         return Hello(
             version=__version__,
-            site=self._site.site,
+            site=now.site.site,
             boot=self._boot,
-            description=dump_site(self._site),
-            catalogue=self._catalogue,
+            description=now.said,
+            catalogue=now.catalogue,
             time_us=self._clock.wall_ns() // 1000,
+            source=deflated(now.source) if now.source else b"",
+            accepts=self._settings.accepts if now.source else Accepts.NO,
         )
 
     async def _run_link(self) -> None:
@@ -387,12 +431,13 @@ class Gateway:
 
         def beside(welcome: Welcome) -> asyncio.Task[None]:
             outage.back()
+            self._exchange.said_since(self._told)
             log.debug("the hub has %d samples of this run", welcome.acked)
             catchup = CatchUp(
                 self._keeper,
                 self._lanes,
                 self._boot,
-                self._catalogue,
+                lambda: self._exchange.now.catalogue,
                 self._settings.backfill_bytes,
             )
             return asyncio.ensure_future(
@@ -459,19 +504,26 @@ class Gateway:
             await self._keeper.sync()
 
 
-async def _serve(site: Site, settings: Settings) -> None:
+async def _serve(site: Site, settings: Settings, copy: OwnCopy) -> None:
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    await serve(site, settings, ended)
+    await serve(site, settings, ended, copy)
 
 
-async def serve(site: Site, settings: Settings, ended: asyncio.Event) -> None:
-    """Run gateways until ``ended``: one after the other as devices are found."""
+async def serve(
+    site: Site, settings: Settings, ended: asyncio.Event, copy: OwnCopy | None = None
+) -> None:
+    """Run gateways until ``ended``: one after the other as devices are found.
+
+    With a ``copy`` the description follows its file; see `OwnCopy`.
+    """
+    if copy is not None:
+        copy.counts(site, copy.text)
     following: Site | None = with_kept(settings.data, site)
     while following is not None and not ended.is_set():
-        gateway = Gateway(following, settings, SystemClock())
+        gateway = Gateway(following, settings, SystemClock(), copy)
         await gateway.run(ended)
         following = gateway.redescribed
 
@@ -490,10 +542,11 @@ def main(argv: Sequence[str]) -> int:
         # A thread that decodes may hold the interpreter this long before a driving frame gets it;
         # Python's own 5 ms would be the largest part of the frame's way to the robot.
         sys.setswitchinterval(0.0005)
-        site = raise_first(read_site(arguments.site))
+        copy = OwnCopy(arguments.site)
+        site = raise_first(site_in(copy.text, arguments.site))
         settings = settings_of(arguments, site)
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
-            runner.run(_serve(site, settings))
+            runner.run(_serve(site, settings, copy))
     except TalaiaError as error:
         sys.stderr.write(f"talaia gateway: {error}\n")
         return 2

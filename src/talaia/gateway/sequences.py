@@ -31,6 +31,11 @@ class Sequences:
         """Whether a sequence is under way."""
         return bool(self._running)
 
+    @property
+    def running(self) -> tuple[str, ...]:
+        """Name the sequences that are under way."""
+        return tuple(self._running)
+
     def begin(self, label: str, steps: tuple[Step, ...]) -> None:
         """See `Runner`."""
         if not steps or label in self._running:

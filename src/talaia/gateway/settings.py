@@ -7,6 +7,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from talaia.gateway.errors import SettingsError
+from talaia.gateway.permitting import Accepts
 
 __all__ = ["DoorSettings", "HubAddress", "Settings"]
 
@@ -103,6 +104,7 @@ class Settings:
             oldest give way.
         upload_bytes: files go out at this rate, below everything else (bytes/s).
         door: for founding clients; none leaves it closed.
+        accepts: which changes of the description it takes from the hub.
         backfill_bytes: old samples go out at this rate beside the live ones (bytes/s).
 
     """
@@ -121,3 +123,4 @@ class Settings:
     upload_bytes: int = 1024 * 1024
     backfill_bytes: int = 512 * 1024
     door: DoorSettings | None = None
+    accepts: Accepts = Accepts.NO

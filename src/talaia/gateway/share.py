@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.gateway.roster import Roster
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -19,8 +21,8 @@ class Share(NamedTuple):
     Attributes:
         name: of the connection.
         devices: those reached by it, by name.
-        channel: by the address of a signal of theirs: the index of its first channel in
-            `Site.channels` of the whole site, which is what samples carry.
+        channel: by the address of a signal of theirs: the number of its first channel, which is
+            what samples carry; see `Roster`.
         guarded: signals of theirs whose newest readings must be at hand; see `Site.guarded`.
 
     """
@@ -32,11 +34,12 @@ class Share(NamedTuple):
     guarded: frozenset[str]
 
 
-def shares_of(site: Site) -> list[Share]:
-    """Cut a site into what each of its connections serves, in the order of the description."""
-    first: dict[str, int] = {}
-    for index, each in enumerate(site.channels()):
-        first.setdefault(f"{each.device}/{each.signal}", index)
+def shares_of(site: Site, roster: Roster | None = None) -> list[Share]:
+    """Cut a site into what each of its connections serves, in the order of the description.
+
+    Without a ``roster`` channels are numbered by their place in `Site.channels`.
+    """
+    first = (roster or Roster(site)).numbers(site)
     guarded = site.guarded()
     of = {device: site.connection_of(device) for device in site.devices}
     shares = []

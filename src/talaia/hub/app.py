@@ -16,6 +16,7 @@ from talaia.hub.api.accounts import Accounts
 from talaia.hub.api.anomalies import AnomalyPages
 from talaia.hub.api.archive import ArchivePages
 from talaia.hub.api.audit import AuditPages
+from talaia.hub.api.descriptions import DescriptionPages
 from talaia.hub.api.gateways import GatewayPages, Proof
 from talaia.hub.api.history import HistoryPages
 from talaia.hub.api.limits import Limits
@@ -43,10 +44,12 @@ from talaia.hub.history.parcel import FOLDER as IMPORTS
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.live.admission import Admission
 from talaia.hub.live.browsers import Browsers
+from talaia.hub.live.changes import Changes
 from talaia.hub.live.commanding import Commanding
+from talaia.hub.live.describing import Describing
 from talaia.hub.live.fanout import Fanout
 from talaia.hub.live.gate import Gate
-from talaia.hub.live.gateways import Gateways, told_by
+from talaia.hub.live.gateways import Gateways
 from talaia.hub.live.inbox import Inbox
 from talaia.hub.live.links import Links
 from talaia.hub.live.media import Media
@@ -54,11 +57,13 @@ from talaia.hub.live.recordings import Recordings
 from talaia.hub.live.reporting import Reporting
 from talaia.hub.live.seats import Seats
 from talaia.hub.live.sites import Sites
+from talaia.hub.live.told import told_by
 from talaia.hub.live.uploads import Refused, Uploads
 from talaia.hub.live.watching import Watching
 from talaia.hub.store.audit import Audit
 from talaia.hub.store.browsers import KnownBrowsers
 from talaia.hub.store.database import Database
+from talaia.hub.store.descriptions import Descriptions
 from talaia.hub.store.enrolment import Enrolment
 from talaia.hub.store.factors import Factors
 from talaia.hub.store.learned import Learned
@@ -130,6 +135,8 @@ class Hub:
         self._seats = Seats(Register(self._sessions, self._tokens), clock, settings)
         self._sites = Sites()
         self._links = Links(self._sites, self._registry)
+        self._descriptions = Descriptions(self._database, clock)
+        self._changes = Changes(self._registry)
         self.browsers = Browsers()
         self.fanout = Fanout(self._sites, clock)
         self._media = Media(self._sites, clock, settings.linger_s)
@@ -212,6 +219,7 @@ class Hub:
             AnomalyPages(self._watching, self._audit),
             ArchivePages(self._archive),
             RecordingPages(self._recordings, self._audit),
+            DescriptionPages(self._descriptions, self._changes, self._audit),
             self._gateway_pages(),
             AuditPages(self._audit),
             ApiDescription(lambda: app),
@@ -283,6 +291,17 @@ class Hub:
         commanding = Commanding(self._sites, self._audit)
         reporting = Reporting(self._sites, browsers, self._audit, self._clock)
         self._watching.listen(reporting)
+        describing = Describing(
+            self._sites,
+            browsers,
+            self.fanout,
+            reporting,
+            self._media,
+            self._history,
+            self._registry,
+            self._descriptions,
+            self._changes,
+        )
         gateways = Gateways(
             self._sites,
             browsers,
@@ -295,6 +314,7 @@ class Hub:
             self._uploads,
             self._recordings,
             self._watching,
+            describing,
             Admission(),
             self.settings,
             self._clock,

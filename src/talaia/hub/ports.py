@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Collection, Sequence
+    from collections.abc import AsyncIterator, Collection, Mapping, Sequence
 
     from talaia.hub.history.channels import StoredChannel
     from talaia.hub.history.forms import ExportColumn, FileForm
@@ -32,6 +32,10 @@ class History(Protocol):
 
     async def describe(self, site: Site) -> None:
         """Make a place for every signal of a description; the rest of the history stays."""
+        ...
+
+    async def rename(self, site: str, moves: Mapping[str, str]) -> None:
+        """Let channels go on under other addresses (``moves``: new by former), with all of it."""
         ...
 
     async def append(

@@ -18,7 +18,15 @@ from talaia.model.version import require_current
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["dump_site", "load_site", "read_site", "text_of"]
+__all__ = [
+    "beside_of",
+    "dump_site",
+    "load_site",
+    "read_site",
+    "site_in",
+    "site_of_plain",
+    "text_of",
+]
 
 MAX_BYTES = 4 * 1024 * 1024
 
@@ -32,10 +40,28 @@ def read_site(path: Path) -> Site:
         DescriptionError: a file cannot be read, or `load_site` refuses what it says.
 
     """
-    text = text_of(path)
+    return site_in(text_of(path), path)
+
+
+def site_in(text: str, path: Path) -> Site:
+    """Make a description of ``text`` as if it stood in a file; see `read_site`.
+
+    Raises:
+        DescriptionError: `load_site` refuses it, or a file that it names cannot be read.
+
+    """
     if path.suffix == ".json":
         return site_of(text, _NO_WORD.sub("_", path.stem.lower()).strip("_0123456789") or "site")
     return _with_files(load_site(text), path.parent)
+
+
+def beside_of(site: Site, folder: Path) -> list[Path]:
+    """Name the files that a description in ``folder`` takes in."""
+    return [
+        folder / each.file
+        for each in site.connections.values()
+        if isinstance(each, ProcessConnection) and each.file
+    ]
 
 
 _NO_WORD = re.compile(r"[^a-z0-9]+")
@@ -106,9 +132,19 @@ def load_site(text: str) -> Site:
             "$", "expected a mapping with the keys talaia, site, name and devices"
         )
     require_current(document.get("talaia"))
+    return site_of_plain(document)
+
+
+def site_of_plain(document: dict[str, object]) -> Site:
+    """Make a `Site` of what YAML or JSON says.
+
+    Raises:
+        DescriptionError: it does not have the shape of a description; see `load_site`.
+
+    """
     try:
         return msgspec.convert(document, Site)
-    except msgspec.ValidationError as error:
+    except (msgspec.ValidationError, RecursionError) as error:
         raise _told(str(error), document) from error
 
 

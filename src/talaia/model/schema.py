@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from inspect import cleandoc
+from typing import Any
+
 import msgspec
 
 from talaia.model.site import Site
+
+_ATTRIBUTE = re.compile(r"^ {4}(\w+): (.*(?:\n {8,}.*)*)", re.MULTILINE)
 
 __all__ = ["site_schema"]
 
@@ -12,9 +18,38 @@ __all__ = ["site_schema"]
 def site_schema() -> dict[str, object]:
     """Give the schema (JSON Schema 2020-12) of a whole description."""
     (reference,), parts = msgspec.json.schema_components([Site], ref_template="#/$defs/{name}")
+    for kind in _structs(msgspec.inspect.type_info(Site), {}).values():
+        _explain(kind, parts[kind.__name__])
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Talaia site description",
         **reference,
         "$defs": parts,
     }
+
+
+def _structs(kind: object, found: dict[str, type]) -> dict[str, type]:
+    """Find every shape that a type is made of, by name."""
+    match kind:
+        case msgspec.inspect.StructType():
+            if kind.cls.__name__ not in found:
+                found[kind.cls.__name__] = kind.cls
+                for field in kind.fields:
+                    _structs(field.type, found)
+        case msgspec.inspect.UnionType():
+            for one in kind.types:
+                _structs(one, found)
+        case msgspec.inspect.DictType():
+            _structs(kind.value_type, found)
+        case msgspec.inspect.VarTupleType():
+            _structs(kind.item_type, found)
+    return found
+
+
+def _explain(kind: type, part: dict[str, Any]) -> None:
+    """Say of each attribute what the docstring does, where editors look for it."""
+    _, _, attributes = cleandoc(kind.__doc__ or "").partition("Attributes:")
+    properties = part.get("properties", {})
+    for name, said in _ATTRIBUTE.findall(attributes):
+        if name in properties:
+            properties[name]["description"] = " ".join(said.replace("`", "").split())

@@ -177,6 +177,8 @@ class Signal(Shape, frozen=True, kw_only=True):
         yaw_from: for a local position: ``quaternion`` path of the orientation, or empty.
         primary: shown on the first page.
         anomalies: detectors that watch it at the hub; numbers only. See `Watch`.
+        was: the address that it had before (``base/speed``), or its name where the device is the
+            same: its history goes on under the new one.
 
     """
 
@@ -198,6 +200,7 @@ class Signal(Shape, frozen=True, kw_only=True):
     primary: bool = True
     visibility: Visibility = Visibility.VIEW
     anomalies: tuple[Watch, ...] = ()
+    was: str = ""
 
 
 class Stream(Shape, frozen=True, kw_only=True):

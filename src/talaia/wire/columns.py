@@ -14,7 +14,7 @@ from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run tim
 
 from talaia.wire.errors import PeerError
 
-__all__ = ["MAX_SAMPLES", "Columns", "pack", "part", "unpack"]
+__all__ = ["MAX_SAMPLES", "Columns", "pack", "part", "renumbered", "unpack"]
 
 MAX_SAMPLES = 65_536
 MAX_SPAN_US = 2**31 - 1
@@ -48,6 +48,27 @@ def part(columns: Columns, begin: int, end: int) -> Columns:
         columns.time_us[begin:end],
         columns.value[begin:end],
         {at - begin: text for at, text in columns.texts.items() if begin <= at < end},
+    )
+
+
+def renumbered(columns: Columns, order: NDArray[np.int64]) -> Columns:
+    """Give the samples with the channels numbered by another list.
+
+    Args:
+        columns: the samples.
+        order: by the channel's number: its new one, or -1 for what the other list does not have.
+
+    """
+    channel = order[columns.channel]
+    kept = np.flatnonzero(channel >= 0)
+    if kept.size == channel.size:
+        return Columns(channel.astype(np.uint16), columns.time_us, columns.value, columns.texts)
+    place = {int(old): new for new, old in enumerate(kept)} if columns.texts else {}
+    return Columns(
+        channel[kept].astype(np.uint16),
+        columns.time_us[kept],
+        columns.value[kept],
+        {place[at]: text for at, text in columns.texts.items() if at in place},
     )
 
 

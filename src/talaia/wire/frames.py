@@ -34,10 +34,14 @@ __all__ = [
     "Beat",
     "BeatReply",
     "Bye",
+    "ChangeAsk",
+    "ChangePhase",
+    "ChangeState",
     "CommandAsk",
     "CommandCancel",
     "CommandPhase",
     "CommandState",
+    "Described",
     "DeviceState",
     "Drive",
     "DriveState",
@@ -56,6 +60,7 @@ __all__ = [
     "LeaseState",
     "OverrideAsk",
     "Picture",
+    "Problem",
     "Reconnect",
     "RecordAsk",
     "RecordState",
@@ -91,6 +96,9 @@ ValueColumn = Annotated[bytes, Meta(max_length=8 * MAX_SAMPLES)]
 Texts = Annotated[dict[int, Sentence], Meta(max_length=MAX_SAMPLES)]
 Digest = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
 FileId = Annotated[str, Meta(pattern="^[0-9A-Za-z]{1,32}(-[0-9a-z]{1,16})?$")]
+# A description's text, deflated (zlib), so that it stands before a driving frame for little.
+Deflated = Annotated[bytes, Meta(max_length=1024 * 1024)]
+AskedText = Annotated[bytes, Meta(max_length=768 * 1024)]
 # Bytes of a recording that go in one frame.
 PIECE = 64 * 1024
 # A picture is at most this large; a link frame is far smaller.
@@ -124,6 +132,14 @@ class CommandPhase(StrEnum):
     UNKNOWN = "unknown"
 
 
+class ChangePhase(StrEnum):
+    """Where a change of the description stands. The last two are final."""
+
+    WAITING = "waiting"
+    APPLIED = "applied"
+    REFUSED = "refused"
+
+
 # ── gateway to hub ──────────────────────────────────────────────────────────────────────────
 
 
@@ -134,6 +150,9 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
         boot: names this run of the gateway; sample sequences count from 0 in each.
         description: the site description as YAML text, the gateway's own copy.
         catalogue: names the channel list that `Samples.channel` indexes (see `Site.channels`).
+        source: the text of the description's file as a person wrote it, deflated; empty where it
+            is not from one file that may be changed.
+        accepts: which changes the gateway takes from the hub: ``no``, ``readings`` or ``all``.
 
     """
 
@@ -144,6 +163,54 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
     description: Annotated[str, Meta(max_length=4 * 1024 * 1024)]
     catalogue: Name
     time_us: Micros = 0
+    source: Deflated = b""
+    accepts: Word = ""
+
+
+class Described(Message, frozen=True, kw_only=True, tag="described"):
+    """The gateway goes by another description from here on; the link and the boot stay.
+
+    Attributes:
+        description: as in `Hello`, deflated.
+        catalogue: as in `Hello`; batches with the one before may still come behind this.
+        addresses: of the channels that the new catalogue names, in order.
+        renamed: channels that have another address now, by the former one.
+        source: as in `Hello`.
+        id: of the `ChangeAsk` that brought it; empty when the file was changed at the gateway.
+        who: asked for it.
+
+    """
+
+    description: Deflated
+    catalogue: Name
+    addresses: Annotated[list[Name], Meta(max_length=MAX_SAMPLES)] = []
+    renamed: Annotated[dict[Name, Name], Meta(max_length=MAX_SAMPLES)] = {}
+    source: Deflated = b""
+    id: Word = ""
+    who: Sentence = ""
+
+
+class Problem(Message, frozen=True, kw_only=True, tag="problem"):
+    """What does not fit in a description: where, what, and what to do."""
+
+    where: Sentence
+    problem: Sentence
+    remedy: Sentence = ""
+
+
+class ChangeState(Message, frozen=True, kw_only=True, tag="change_state"):
+    """Where a change that was asked for stands; or, without an id, one of the file's own.
+
+    Attributes:
+        message: what it waits for, or why it was refused.
+        problems: what does not fit in it; not all, if there are many.
+
+    """
+
+    id: Word = ""
+    phase: ChangePhase
+    message: Sentence = ""
+    problems: Annotated[list[Problem], Meta(max_length=100)] = []
 
 
 class Samples(Message, frozen=True, kw_only=True, tag="samples"):
@@ -518,6 +585,23 @@ class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
     who: Name
 
 
+class ChangeAsk(Message, frozen=True, kw_only=True, tag="change"):
+    """Go by another description. The hub has seen to the right; the gateway judges for itself.
+
+    Attributes:
+        source: the text, deflated (zlib).
+        base: SHA-256 of the text that it was made from, as the hub knows it.
+        seal: HMAC-SHA256 under the SHA-256 of the gateway's key, see `wire.sealing`.
+
+    """
+
+    id: Name
+    source: AskedText
+    base: Digest
+    who: Name
+    seal: Digest
+
+
 class CommandCancel(Message, frozen=True, kw_only=True, tag="command_cancel"):
     """End a command that is under way, if the robot can; its state tells what came of it."""
 
@@ -619,6 +703,8 @@ FromGateway = (
     | InterlockState
     | RecordState
     | DeviceState
+    | Described
+    | ChangeState
     | UploadOffer
     | UploadPart
     | Event
@@ -636,6 +722,7 @@ FromHub = (
     | StopAsk
     | ResetAsk
     | CommandAsk
+    | ChangeAsk
     | CommandCancel
     | OverrideAsk
     | UploadState

@@ -444,3 +444,22 @@ async def test_a_mistake_of_ours_leaves_nobody_waiting_and_is_over_with_the_next
                 await feed(store, 500, first=500)
         await feed(store, 500, first=500)
         assert await store.stored_below("agv", "b1") == 1000
+
+
+async def test_a_renamed_channel_keeps_all_it_had_and_goes_on_also_after_a_restart(url) -> None:
+    async with opened(url) as store:
+        await store.append("agv", "b1", 0, ["base/speed"], batch([(0, START, 1.0)]))
+        await store.rename("agv", {"base/speed": "base/velocity"})
+        await store.append("agv", "b1", 1, ["base/velocity"], batch([(0, START + 1, 2.0)]))
+        # Another one takes the old name, and has nothing of its history.
+        both = ["base/velocity", "base/speed"]
+        await store.append("agv", "b1", 2, both, batch([(1, START + 2, 3.0)]))
+    async with opened(url) as store:
+        renamed, new = await store.read("agv", both, START, START + SECOND, 100)
+        assert renamed.value.tolist() == [1.0, 2.0]
+        assert new.value.tolist() == [3.0]
+        # Where there is a history already, nothing is mixed.
+        await store.rename("agv", {"base/speed": "base/velocity"})
+        assert (await store.read("agv", both, START, START + SECOND, 100))[1].value.tolist() == [
+            3.0
+        ]

@@ -50,6 +50,15 @@ def plain(**ask: object) -> Callable[[World, httpx.AsyncClient, str], Awaitable[
     return make
 
 
+def of_version(**ask: object) -> Recipe:
+    """Ask about the first description of both sites."""
+
+    async def make(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+        return Ask(params={"site": about, "number": "1"}, **ask)
+
+    return Recipe(make, ("agv", "moon"))
+
+
 def of_site(**ask: object) -> Recipe:
     """Ask about both sites."""
 
@@ -216,6 +225,21 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/frames/{frame}"): _OF_PICTURE,
     ("GET", "/api/sites/{site}/frames/{frame}/file"): _OF_PICTURE,
     ("GET", "/api/sites/{site}/frames/{frame}/preview"): _OF_PICTURE,
+    ("GET", "/api/sites/{site}/descriptions"): of_site(),
+    ("GET", "/api/sites/{site}/descriptions/{number}"): of_version(),
+    ("GET", "/api/sites/{site}/descriptions/{number}/difference"): of_version(query={"to": 1}),
+    # What these gateways go by is not one file, so nobody changes it from here.
+    ("POST", "/api/sites/{site}/descriptions"): of_site(
+        json={"text": "talaia: 1", "base": "0" * 64}, done=(409,)
+    ),
+    ("POST", "/api/sites/{site}/descriptions/{number}/restore"): of_version(
+        json={"base": "0" * 64}, done=(409,)
+    ),
+    ("POST", "/api/sites/{site}/descriptions/check"): of_site(json={"text": "talaia: 1"}),
+    ("POST", "/api/sites/{site}/descriptions/edit"): of_site(
+        json={"text": "talaia: 1", "site": {}}
+    ),
+    ("GET", "/api/description-schema"): Recipe(plain()),
     ("GET", "/api/storage"): Recipe(plain()),
     ("GET", "/api/sites/{site}/anomalies"): of_site(),
     # No detector is at work there, which only those are told who may say it.

@@ -653,3 +653,105 @@ export interface NightShape {
   readonly frames: number;
   readonly bytes: number;
 }
+
+/** How it ended: ``applied``, ``refused``, or ``unknown`` when nobody answered in time. */
+export interface ChangeAnswer {
+  readonly phase: "applied" | "refused" | "unknown";
+  readonly message: string;
+  readonly findings: readonly FindingShape[];
+}
+
+/** What does not fit in it, and what it says as JSON; null where it cannot be read. */
+export interface CheckAnswer {
+  readonly findings: readonly FindingShape[];
+  readonly site: Readonly<Record<string, unknown>> | null;
+  readonly parts: readonly DifferenceShape[];
+  readonly lines: readonly string[];
+}
+
+/** A description's text to look at; ``against`` is a version to hold it against, 0 for none. */
+export interface CheckAsk {
+  readonly text: string;
+  readonly against?: number;
+}
+
+/** Go by this text; ``base`` is the SHA-256 of the text that it was made from. */
+export interface DescribeAsk {
+  readonly text: string;
+  readonly base: string;
+}
+
+/** A site's versions, the newest first, and whether another can be sent. */
+export interface DescriptionList {
+  readonly zone: string;
+  readonly online: boolean;
+  readonly accepts: string;
+  readonly editable: boolean;
+  readonly digest: string;
+  readonly versions: readonly VersionShape[];
+  readonly more: boolean;
+  readonly problem: string;
+  readonly findings: readonly FindingShape[];
+}
+
+/** A version's text, and what it says as JSON; ``site`` is null where it cannot be read. */
+export interface DescriptionText {
+  readonly number: number;
+  readonly digest: string;
+  readonly text: string;
+  readonly site: Readonly<Record<string, unknown>> | null;
+}
+
+/** Two versions held against each other; ``lines`` begin with ``+``, ``-``, a blank or ``@@``. */
+export interface DifferenceAnswer {
+  readonly before: number;
+  readonly after: number;
+  readonly parts: readonly DifferenceShape[];
+  readonly lines: readonly string[];
+  readonly long: boolean;
+}
+
+/** A part that is not the same in two versions. */
+export interface DifferenceShape {
+  readonly kind: "added" | "removed" | "changed" | "renamed";
+  readonly path: string;
+  readonly before: string;
+  readonly after: string;
+}
+
+/** The text that says it; empty where that does not have the shape of a description. */
+export interface EditAnswer {
+  readonly text: string;
+  readonly findings: readonly FindingShape[];
+}
+
+/** A text, and what it is to say instead; comments and order stay where they can. */
+export interface EditAsk {
+  readonly text: string;
+  readonly site: Readonly<Record<string, unknown>>;
+}
+
+/** What does not fit: where, what, what to do; line and column from 1, 0 if not known. */
+export interface FindingShape {
+  readonly where: string;
+  readonly problem: string;
+  readonly remedy: string;
+  readonly line: number;
+  readonly column: number;
+}
+
+/** Go back; ``base`` is the SHA-256 of what counts now, as the person saw it. */
+export interface RestoreAsk {
+  readonly base: string;
+}
+
+/** A description that counted from ``time_us`` on. */
+export interface VersionShape {
+  readonly number: number;
+  readonly digest: string;
+  readonly time_us: number;
+  readonly gateway: number;
+  readonly who: string;
+  readonly note: string;
+  readonly current: boolean;
+}

@@ -11,6 +11,7 @@ const TABS: readonly (readonly [PageName, string])[] = [
   ["roles", "Roles"],
   ["gateways", "Gateways"],
   ["storage", "Storage"],
+  ["description", "Description"],
   ["audit", "Audit log"],
 ];
 

@@ -24,6 +24,11 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   gateways: { tag: "t-page-gateways", title: "Gateways", load: () => import("./gateways/page-gateways.js") },
   storage: { tag: "t-page-storage", title: "Storage", load: () => import("./storage/page-storage.js") },
   audit: { tag: "t-page-audit", title: "Audit log", load: () => import("./audit/page-audit.js") },
+  description: {
+    tag: "t-page-description",
+    title: "Description",
+    load: () => import("./description/page-description.js"),
+  },
   live: { tag: "t-page-live", title: "Real-time", load: () => import("./live/page-live.js") },
   history: { tag: "t-page-history", title: "History", load: () => import("./history/page-history.js") },
   recordings: {

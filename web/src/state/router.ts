@@ -21,6 +21,7 @@ export type PageName =
   | "gateways"
   | "storage"
   | "audit"
+  | "description"
   | "gallery"
   | "missing";
 
@@ -48,11 +49,12 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/admin/gateways": "gateways",
   "/admin/storage": "storage",
   "/admin/audit": "audit",
+  "/admin/description": "description",
   "/gallery": "gallery",
 };
 
 /** The pages that only an admin of the whole hub may open. */
-export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "storage", "audit"];
+export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "storage", "description", "audit"];
 
 /** Reads a path. Anything unknown is the `missing` page, not an error. */
 export function routeOf(path: string): Route {

@@ -81,6 +81,10 @@ class Many:
         self._nobody = Nobody()
         self._lost: set[str] = set()
         self._running: set[str] = set()
+        self._streams: tuple[str, ...] = ()
+        self._group: asyncio.TaskGroup | None = None
+        self._tasks: dict[str, asyncio.Task[None]] = {}
+        self._ending: set[asyncio.Task[None]] = set()
 
     async def run(self) -> None:
         """Run all of them until cancelled; whichever is lost is begun again by itself.
@@ -91,12 +95,52 @@ class Many:
             async with asyncio.TaskGroup() as group:
                 # So that it lasts also when there is none.
                 group.create_task(asyncio.Event().wait())
-                for name, (adapter, post) in self._adapters.items():
-                    group.create_task(self._keep(name, adapter, post))
+                self._group = group
+                for name in self._adapters:
+                    self._begin(name)
         except BaseExceptionGroup as failed:
             raise failed.exceptions[0] from failed
+        finally:
+            self._group = None
 
-    async def _keep(self, name: str, adapter: Adapter, post: Post) -> None:
+    def redescribe(
+        self, of: Mapping[str, str], adapters: Mapping[str, tuple[Adapter, Post]]
+    ) -> None:
+        """Serve other devices, by adapters of which those that were here already go on.
+
+        What has no place any more is ended. One that has taken another's place begins when that
+        one has released everything.
+        """
+        before, self._adapters = self._adapters, adapters
+        gone = [name for name, pair in before.items() if adapters.get(name) != pair]
+        for name in gone:
+            if name in adapters:
+                self._gone(name, "its description has changed; connecting anew")
+            else:
+                self._lost.discard(name)
+        self._of = of
+        for name in [each for each in adapters if each in gone or each not in before]:
+            self._begin(name)
+        for name in [each for each in gone if each not in adapters]:
+            if (task := self._tasks.pop(name, None)) is not None:
+                task.cancel()
+        self.watch(self._streams)
+
+    def _begin(self, name: str) -> None:
+        if self._group is None:
+            return
+        if (task := self._tasks.get(name)) is not None:
+            task.cancel()
+            self._ending.add(task)
+        self._ending = {each for each in self._ending if not each.done()}
+        before = tuple(self._ending)
+        self._tasks[name] = self._group.create_task(self._keep(name, *self._adapters[name], before))
+
+    async def _keep(
+        self, name: str, adapter: Adapter, post: Post, before: Collection[asyncio.Task[None]]
+    ) -> None:
+        if before:
+            await asyncio.wait(before)
         post.on_up = lambda: self._back(name)
         while True:
             self._running.add(name)
@@ -132,6 +176,7 @@ class Many:
 
     def watch(self, streams: Collection[str]) -> None:
         """See `Adapter.watch`."""
+        self._streams = tuple(streams)
         for name, (adapter, _) in self._adapters.items():
             adapter.watch([each for each in streams if self._of.get(each.split("/", 1)[0]) == name])
 

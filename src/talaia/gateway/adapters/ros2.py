@@ -74,6 +74,10 @@ class _Listening:
         self.quality: Quality | None = None
         self.subscription: Any = None
 
+    def taken(self, raw: bytes, info: Any) -> None:  # noqa: ANN401
+        """Give a message to whoever takes them now."""
+        self.take(raw, info)
+
 
 class Ros2:
     """An `Adapter` for ROS 2. See `talaia.gateway.ports` for its promises."""
@@ -133,6 +137,15 @@ class Ros2:
         self._watched = frozenset(streams)
         if self._thread is not None:
             self._thread.do(self._look)
+
+    def redescribe(self, share: Share) -> None:
+        """See `Flexible.redescribe`."""
+        if self._thread is None:
+            # It is joined with the next `run`.
+            self._share = share
+            self._plans = plans_of(share, self._latest, self._complain)
+        else:
+            self._thread.do(lambda: self._redescribe(share))
 
     def latest(self, address: str) -> Reading | None:
         """See `Readings.latest`."""
@@ -218,7 +231,40 @@ class Ros2:
             self._node = None
         rclpy.try_shutdown(context=context)
 
+    def _redescribe(self, share: Share) -> None:
+        """Bring all in line with another share; on the wait-set thread, between two turns."""
+        before, self._share = self._share, share
+        old = {_key(plan.topic, plan.type_name): plan for plan in self._plans}
+        self._plans = plans_of(share, self._latest, self._complain)
+        wanted = {_key(plan.topic, plan.type_name): plan for plan in self._plans}
+        for key in old.keys() - wanted.keys():
+            self._end_listening(key)
+        for key, plan in wanted.items():
+            if key in old:
+                plan.take_over(old[key])
+            self._end_listening(f"raw {plan.topic}")
+            self._plan(plan)
+        for key in [key for key in self._listening if key.startswith("stream ")]:
+            device, _, stream = key.removeprefix("stream ").partition("/")
+            if _stream_of(before, device, stream) != _stream_of(share, device, stream):
+                self._end_listening(key)
+        for address in [each for each in self._latest if _moved(before, share, each)]:
+            del self._latest[address]
+        if self._commands is not None:
+            self._commands.redescribe(share)
+        if self._parameters is not None:
+            self._parameters.redescribe(share)
+        if self._motion is not None:
+            self._motion.redescribe(share)
+        self._look()
+
+    def _end_listening(self, key: str) -> None:
+        listening = self._listening.pop(key, None)
+        if listening is not None:
+            self._drop(listening)
+
     def _plan(self, plan: TopicPlan) -> None:
+        """Let a plan take its topic's messages; a subscription that is there already stays."""
         kind = self._class(plan.type_name, plan.topic)
         if kind is None:
             return
@@ -234,9 +280,12 @@ class Ros2:
                 recorded.offer(plan.topic, plan.type_name, raw, time_us * 1000)
             plan.take(decode(raw), time_us, self._clock.monotonic_ns(), self._gathered)
 
-        self._listening[_key(plan.topic, plan.type_name)] = _Listening(
-            plan.topic, kind, DEPTH, take
-        )
+        listening = self._listening.get(_key(plan.topic, plan.type_name))
+        if listening is None:
+            listening = _Listening(plan.topic, kind, DEPTH, take)
+            self._listening[_key(plan.topic, plan.type_name)] = listening
+        else:
+            listening.take = take
 
     def _class(self, type_name: str, used_by: str) -> Any:  # noqa: ANN401
         try:
@@ -394,7 +443,7 @@ class Ros2:
         )
         if self._thread is not None:
             self._thread.add_subscription(
-                listening.subscription.handle, listening.kind, listening.take
+                listening.subscription.handle, listening.kind, listening.taken
             )
 
     def _drop(self, listening: _Listening) -> None:
@@ -402,6 +451,22 @@ class Ros2:
             self._thread.remove_subscription(listening.subscription.handle)
             self._node.destroy_subscription(listening.subscription)
         listening.subscription, listening.quality = None, None
+
+
+def _stream_of(share: Share, device: str, stream: str) -> Stream | None:
+    described = share.devices.get(device)
+    return None if described is None else described.streams.get(stream)
+
+
+def _moved(before: Share, after: Share, address: str) -> bool:
+    """Tell whether a signal's newest reading says nothing of what is described there now."""
+    if address not in after.guarded:
+        return True
+    device, _, signal = address.partition("/")
+    if device not in before.devices or device not in after.devices:
+        return True
+    was, now = before.devices[device].signals.get(signal), after.devices[device].signals[signal]
+    return was is None or (was.source, was.type, was.scale) != (now.source, now.type, now.scale)
 
 
 def _key(topic: str, type_name: str) -> str:

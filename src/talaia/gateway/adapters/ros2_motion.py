@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.share import Share
+    from talaia.model.site import Drive
 
 __all__ = ["Ros2Motion"]
 
@@ -30,28 +31,48 @@ class Ros2Motion:
         node: Any,  # noqa: ANN401 - rclpy ships no types
         missing: Callable[[TypeMissing], None],
     ) -> None:
-        """Make them."""
-        self._rules = {
-            name: device.drive for name, device in share.devices.items() if device.drive is not None
-        }
+        """Make them. From here on it is called on the wait-set thread, but for the velocities."""
+        self._node, self._missing = node, missing
+        self._rules: dict[str, Drive] = {}
         self._velocity: dict[str, tuple[Any, Any]] = {}
         self._stops: dict[str, tuple[Any, Any]] = {}
         self._broken = False
-        for name, rule in self._rules.items():
-            # Never latched: a velocity must not reach a robot that comes later.
-            wanted: list[tuple[dict[str, tuple[Any, Any]], str, str, Any]] = [
-                (self._velocity, rule.message, rule.topic, DurabilityPolicy.VOLATILE)
-            ]
-            if rule.stop.topic:
-                latched = DurabilityPolicy.TRANSIENT_LOCAL
-                wanted.append((self._stops, BOOL, rule.stop.topic, latched))
-            for where, type_name, topic, durability in wanted:
-                try:
-                    kind = class_of(type_name, topic)
-                except TypeMissing as error:
-                    missing(error)
-                    continue
-                where[name] = (node.create_publisher(kind, topic, _newest(durability)), kind())
+        self.redescribe(share)
+
+    def redescribe(self, share: Share) -> None:
+        """Make the publishers of devices whose driving is described anew; the others stay.
+
+        Nobody drives those now: their zeros have been published.
+        """
+        rules = {
+            name: device.drive for name, device in share.devices.items() if device.drive is not None
+        }
+        before, self._rules = self._rules, rules
+        for name in [name for name, rule in before.items() if rules.get(name) != rule]:
+            for where in (self._velocity, self._stops):
+                publisher, _ = where.pop(name, (None, None))
+                if publisher is not None:
+                    self._node.destroy_publisher(publisher)
+        for name, rule in rules.items():
+            if before.get(name) != rule:
+                self._make(name, rule)
+
+    def _make(self, name: str, rule: Drive) -> None:
+        # Never latched: a velocity must not reach a robot that comes later.
+        wanted: list[tuple[dict[str, tuple[Any, Any]], str, str, Any]] = [
+            (self._velocity, rule.message, rule.topic, DurabilityPolicy.VOLATILE)
+        ]
+        if rule.stop.topic:
+            latched = DurabilityPolicy.TRANSIENT_LOCAL
+            wanted.append((self._stops, BOOL, rule.stop.topic, latched))
+        for where, type_name, topic, durability in wanted:
+            try:
+                kind = class_of(type_name, topic)
+            except TypeMissing as error:
+                self._missing(error)
+                continue
+            publisher = self._node.create_publisher(kind, topic, _newest(durability))
+            where[name] = (publisher, kind())
 
     def drive(self, device: str, linear: float, angular: float) -> None:
         """Publish a velocity."""

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Ros2Parameters", "as_set", "parameters_of"]
 
+MOST_ASKED = 100
 _FIELDS = {
     ParameterType.PARAMETER_BOOL: "bool_value",
     ParameterType.PARAMETER_INTEGER: "integer_value",
@@ -60,10 +61,14 @@ def as_set(response: Any) -> Outcome:  # noqa: ANN401 - ROS's packages are untyp
 
 
 class _Node(NamedTuple):
-    """A node that is asked: its client, and by parameter name what takes the value."""
+    """A node that is asked: its client, and by parameter name what takes the value.
+
+    ``asked`` has the names of each request that is under way, in order.
+    """
 
     client: Any
     plans: dict[str, list[TopicPlan]]
+    asked: dict[int, tuple[str, ...]]
 
 
 class Ros2Parameters:
@@ -81,27 +86,52 @@ class Ros2Parameters:
     ) -> None:
         """Make a client for each node that has any."""
         self._clock, self._gathered = clock, gathered
+        self._node, self._thread = node, thread
+        self._latest, self._complain = latest, complain
         self._nodes: dict[str, _Node] = {}
-        self.plans = parameter_plans_of(share, latest, complain)
+        self.plans: list[TopicPlan] = []
+        self.redescribe(share)
+
+    def redescribe(self, share: Share) -> None:
+        """Ask for the parameters of this share; nodes that are asked already stay so."""
+        before = {plan.channel: plan for plan in self.plans}
+        self.plans = parameter_plans_of(share, self._latest, self._complain)
+        owners = {plan.topic.rpartition("/")[0] for plan in self.plans}
+        for owner in self._nodes.keys() - owners:
+            client = self._nodes.pop(owner).client
+            self._thread.remove_client(client.handle)
+            self._node.destroy_client(client)
+        for one in self._nodes.values():
+            # Answers that are under way find the new plans by name.
+            one.plans.clear()
         for plan in self.plans:
+            if (was := before.get(plan.channel)) is not None:
+                plan.take_over(was)
             owner, _, name = plan.topic.rpartition("/")
             if owner not in self._nodes:
-                client = node.create_client(GetParameters, f"{owner}/get_parameters")
-                self._nodes[owner] = _Node(client, {})
+                client = self._node.create_client(GetParameters, f"{owner}/get_parameters")
+                self._nodes[owner] = _Node(client, {}, {})
                 taker = self._taker(self._nodes[owner])
-                thread.add_client(client.handle, GetParameters.Response, taker)
+                self._thread.add_client(client.handle, GetParameters.Response, taker)
             self._nodes[owner].plans.setdefault(name, []).append(plan)
 
     def ask(self) -> None:
         """Ask every node that is there."""
         for one in self._nodes.values():
             if one.client.service_is_ready():
-                one.client.handle.send_request(GetParameters.Request(names=list(one.plans)))
+                request = GetParameters.Request(names=list(one.plans))
+                number = one.client.handle.send_request(request)
+                # Nodes that never answer must not fill the memory.
+                if len(one.asked) >= MOST_ASKED:
+                    one.asked.pop(next(iter(one.asked)))
+                one.asked[number] = tuple(one.plans)
 
     def _taker(self, one: _Node) -> Callable[[int, Any], None]:
-        def take(_number: int, response: Any) -> None:  # noqa: ANN401
+        def take(number: int, response: Any) -> None:  # noqa: ANN401
             now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
-            for plans, value in zip(one.plans.values(), response.values, strict=False):
+            names = one.asked.pop(number, ())
+            for name, value in zip(names, response.values, strict=False):
+                plans = one.plans.get(name, [])
                 field = _FIELDS.get(value.type)
                 if field is None:
                     # It is not set, or is a list.

@@ -82,20 +82,39 @@ class Ros2Commands:
         """Make a device's clients and publishers anew; calls under way end as *unknown*."""
         for command_id, command in self._share.devices[device].commands.items():
             address = f"{device}/{command_id}"
-            self._problems.pop(address, None)
-            publisher, _ = self._publishers.pop(address, (None, None))
-            if publisher is not None:
-                self._node.destroy_publisher(publisher)
-            action = self._actions.pop(address, None)
-            if action is not None:
-                action.close(Outcome(CommandPhase.UNKNOWN, _CUT))
-            client = self._clients.pop(address, None)
-            if client is not None:
-                self._thread.remove_client(client.entity.handle)
-                self._node.destroy_client(client.entity)
-                for done in client.pending.values():
-                    done(Outcome(CommandPhase.UNKNOWN, _CUT))
+            self._close(address)
             self._make(address, command)
+
+    def redescribe(self, share: Share) -> None:
+        """Make what is new or other than it was; the rest stays, with its calls under way."""
+        self._share = share
+        wanted = {
+            f"{device_id}/{command_id}": command
+            for device_id, device in share.devices.items()
+            for command_id, command in device.commands.items()
+        }
+        for address, command in list(self._commands.items()):
+            if wanted.get(address) != command:
+                self._close(address)
+                del self._commands[address]
+        for address, command in wanted.items():
+            if address not in self._commands:
+                self._make(address, command)
+
+    def _close(self, address: str) -> None:
+        self._problems.pop(address, None)
+        publisher, _ = self._publishers.pop(address, (None, None))
+        if publisher is not None:
+            self._node.destroy_publisher(publisher)
+        action = self._actions.pop(address, None)
+        if action is not None:
+            action.close(Outcome(CommandPhase.UNKNOWN, _CUT))
+        client = self._clients.pop(address, None)
+        if client is not None:
+            self._thread.remove_client(client.entity.handle)
+            self._node.destroy_client(client.entity)
+            for done in client.pending.values():
+                done(Outcome(CommandPhase.UNKNOWN, _CUT))
 
     def absent(self, device: str) -> list[str]:
         """Name those of a device's services that nobody offers, and types not known here."""
@@ -139,6 +158,8 @@ class Ros2Commands:
         goal: Goal | None,
     ) -> None:
         problem = self._problems.get(address)
+        if address not in self._commands:
+            problem = "the command is not described any more"
         if problem is not None:
             done(Outcome(CommandPhase.REFUSED, problem))
             return

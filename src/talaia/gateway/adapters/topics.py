@@ -74,6 +74,7 @@ class _Row(NamedTuple):
     sampler: Sampler | None
     tapped: bool
     scale: float
+    signal: Signal
 
 
 class TopicPlan:
@@ -114,6 +115,29 @@ class TopicPlan:
         self._data = getter("data")
         samplers = [*rows, *by_name.values()]
         self._thinned = [row for row in samplers if row.sampler is not None]
+
+    @property
+    def channel(self) -> int:
+        """The number of the first signal's first channel."""
+        return next(iter((*self._rows, *self._by_name.values()))).channel
+
+    def take_over(self, before: TopicPlan) -> None:
+        """Go on where another plan of the topic stops: held-back values are not lost."""
+        samplers = {row.channel: row.sampler for row in (*before._rows, *before._by_name.values())}
+
+        def mended(row: _Row) -> _Row:
+            was = samplers.get(row.channel)
+            if was is None or row.sampler is None or was.rule != row.sampler.rule:
+                return row
+            return row._replace(sampler=was)
+
+        self._rows = [mended(row) for row in self._rows]
+        self._by_name = {name: mended(row) for name, row in self._by_name.items()}
+        rows = [*self._rows, *self._by_name.values()]
+        self._thinned = [row for row in rows if row.sampler is not None]
+        same = {row.address: row.signal for row in (*before._rows, *before._by_name.values())}
+        self._bad = {row.address for row in rows if same.get(row.address) == row.signal}
+        self._bad = (self._bad | {self.topic}) & before._bad
 
     def take(self, message: object, time_us: int, mono_ns: int, into: Gathered) -> None:
         """Read one message into ``into``. What cannot be read is told once."""
@@ -228,7 +252,7 @@ def _row(address: str, channel: int, signal: Signal, *, tapped: bool) -> _Row:
     rule = rule_of(signal)
     sampler = None if rule is None else Sampler(rule)
     if signal.source.name:
-        return _Row(address, channel, None, None, sampler, tapped, signal.scale)
+        return _Row(address, channel, None, None, sampler, tapped, signal.scale, signal)
     if signal.type is SignalType.TEXT:
-        return _Row(address, channel, None, getter(signal.source.field), None, tapped, 1.0)
-    return _Row(address, channel, reader_of(signal), None, sampler, tapped, 1.0)
+        return _Row(address, channel, None, getter(signal.source.field), None, tapped, 1.0, signal)
+    return _Row(address, channel, reader_of(signal), None, sampler, tapped, 1.0, signal)

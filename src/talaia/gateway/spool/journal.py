@@ -30,6 +30,7 @@ from talaia.gateway.spool.opening import DAMAGED, take_up
 from talaia.gateway.spool.packing import packed, unpacked
 from talaia.gateway.spool.segment import Kind, Record, pack_record, records
 from talaia.wire.errors import PeerError
+from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -146,6 +147,24 @@ class Spool:
         self._file = file
         segment.size = segment.start = len(data)
         return True
+
+    def redescribe(self, head: Head) -> None:
+        """Keep what comes from here on by another channel list, in a segment of its own."""
+        # What waits in memory goes to disk behind the new head: each says its addresses itself.
+        self._memory = deque(_alone(each, self._head.addresses) for each in self._memory)
+        self._memory_bytes = sum(len(each.body) for each in self._memory)
+        old, closed = self._file, self._current
+        self._head = head
+        self._begin()
+        if old >= 0:
+            os.close(old)
+        if closed not in self._segments:
+            return
+        if closed.first < 0:
+            self._segments.remove(closed)
+            closed.path.unlink(missing_ok=True)
+        else:
+            self._pack(closed)
 
     @property
     def kept(self) -> int:
@@ -433,3 +452,12 @@ class Spool:
                 os.close(self._file)
         if self._current.first < 0:
             self._current.path.unlink(missing_ok=True)
+
+
+def _alone(record: Record, addresses: list[str]) -> Record:
+    """Give a batch that says itself what its channels are."""
+    frame = LINK_FROM_GATEWAY.decode(record.body)
+    if not isinstance(frame, Samples) or frame.addresses:
+        return record
+    whole = msgspec.structs.replace(frame, addresses=addresses)
+    return record._replace(body=LINK_FROM_GATEWAY.encode(whole))

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from concurrent.futures import Future
 
-    from talaia.gateway.spool.journal import Place, Spool, Stored
+    from talaia.gateway.spool.journal import Head, Place, Spool, Stored
     from talaia.gateway.spool.segment import Record
     from talaia.wire.frames import Gap
 
@@ -54,6 +54,10 @@ class Keeper:
     def _append(self, record: Record, size: int) -> None:
         self._taken += size
         self._spool.append(record)
+
+    def redescribe(self, head: Head) -> None:
+        """See `Spool.redescribe`; what was given before is kept by the old channel list."""
+        self._thread.submit(self._spool.redescribe, head).add_done_callback(_log_failure)
 
     def ack(self, boot: str, below: int) -> None:
         """Pass on an acknowledgement.

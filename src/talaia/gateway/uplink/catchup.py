@@ -29,7 +29,8 @@ MOST_UNHEARD = 8 * 1024 * 1024
 def as_old(stored: Stored, catalogue: str) -> bytes:
     """Turn a kept batch into the frame to send: no longer live, and able to stand alone.
 
-    A batch of another channel list than the link's carries the addresses of its own.
+    A batch of another channel list than the link's carries the addresses of its own; one that
+    waited in memory while the list changed has them already.
 
     Raises:
         PeerError: the frame cannot be read.
@@ -38,14 +39,18 @@ def as_old(stored: Stored, catalogue: str) -> bytes:
     frame = LINK_FROM_GATEWAY.decode(stored.record.body)
     if not isinstance(frame, Samples):
         raise PeerError("the spool holds a frame that is no batch of samples")
-    addresses = [] if stored.head.catalogue == catalogue else stored.head.addresses
+    addresses = frame.addresses
+    if not addresses and stored.head.catalogue != catalogue:
+        addresses = stored.head.addresses
     return LINK_FROM_GATEWAY.encode(msgspec.structs.replace(frame, live=False, addresses=addresses))
 
 
 class CatchUp:
     """Sends what the spool held when the link came up, then what was dropped or is asked again."""
 
-    def __init__(self, keeper: Keeper, lanes: Lanes, boot: str, catalogue: str, rate: int) -> None:
+    def __init__(
+        self, keeper: Keeper, lanes: Lanes, boot: str, catalogue: Callable[[], str], rate: int
+    ) -> None:
         """Take the spool, the lanes, this boot's and channel list's names, and bytes a second."""
         self._keeper = keeper
         self._lanes = lanes
@@ -140,7 +145,7 @@ class CatchUp:
             boot, record = stored.head.boot, stored.record
             if wanted(boot, record.first, record.end):
                 try:
-                    yield as_old(stored, self._catalogue)
+                    yield as_old(stored, self._catalogue())
                 except PeerError as error:
                     # Whole on disk, yet written by a version that said it differently.
                     self._keeper.lose(record, str(error), boot)

@@ -15,7 +15,9 @@ from talaia.wire.frames import (
     Beat,
     BeatReply,
     Bye,
+    ChangeState,
     CommandState,
+    Described,
     DeviceState,
     DriveState,
     Event,
@@ -46,7 +48,7 @@ class Lane(IntEnum):
 
 _CONTROL = (
     StopState, DriveState, Tick, LeaseState, InterlockState, DeviceState, RecordState, ResetToken,
-    Beat, BeatReply, Bye,
+    Described, ChangeState, Beat, BeatReply, Bye,
 )  # fmt: skip
 _COMMANDS = (CommandState, Event)
 

@@ -41,7 +41,7 @@ def describe(live: LiveSite, grants: Grants) -> SiteShape:
         online=live.online,
         since_us=live.since_us,
         last_seen_us=live.last_seen_us,
-        catalogue=live.catalogue,
+        catalogue=live.edition,
         devices=[
             _device(site, device_id, device, grants)
             for device_id, device in site.devices.items()

@@ -10,11 +10,11 @@ from talaia.hub.history.errors import HistoryError
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from talaia.hub.history.retention import Doomed
 
-__all__ = ["Append", "Below", "Describe", "Drop", "Gap", "Job", "Show", "checked"]
+__all__ = ["Append", "Below", "Describe", "Drop", "Gap", "Job", "Rename", "Show", "checked"]
 
 
 class Append(NamedTuple):
@@ -53,6 +53,13 @@ class Describe(NamedTuple):
     addresses: Sequence[str]
 
 
+class Rename(NamedTuple):
+    """Let channels go on under other addresses; ``moves`` has them by their former ones."""
+
+    site: str
+    moves: Mapping[str, str]
+
+
 class Show(NamedTuple):
     """Write the newest reading of each channel as a plain row."""
 
@@ -63,7 +70,7 @@ class Drop(NamedTuple):
     doomed: Sequence[Doomed]
 
 
-Job = Append | Gap | Below | Describe | Show | Drop
+Job = Append | Gap | Below | Describe | Rename | Show | Drop
 
 
 def checked(job: Append) -> Columns:

@@ -21,7 +21,7 @@ from sqlalchemy import delete, func, insert, select
 
 from talaia.hub.history.block import concatenate, decode
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Show, checked
+from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Rename, Show, checked
 from talaia.hub.history.journal import part_of, read_row, write_row
 from talaia.hub.history.names import Names
 from talaia.hub.history.ranges import Ranges
@@ -240,6 +240,9 @@ class Ledger:
                 case Describe():
                     now_us = self._clock.wall_ns() // 1_000
                     self.names.catalogue(job.site, job.addresses, now_us)
+                    draft.named = True
+                case Rename():
+                    self.names.rename(job.site, job.moves)
                     draft.named = True
                 case Drop():
                     draft.doomed += job.doomed

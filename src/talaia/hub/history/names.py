@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
-from sqlalchemy import insert, select
+from sqlalchemy import insert, select, update
 
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from sqlalchemy import Connection, Table
 
 __all__ = ["Catalogue", "Names"]
 
+_LOG = logging.getLogger(__name__)
 _LONGEST_NAME = 200
 # Lists of channels change when a description does; a peer that sends a new one each time
 # must not fill the memory.
@@ -52,6 +54,7 @@ class Names:
         self._by_id: dict[int, Catalogue] = {}
         self._lists: dict[tuple[str, tuple[str, ...]], Catalogue] = {}
         self._new: list[tuple[Table, dict[str, Any]]] = []
+        self._renamed: dict[int, str] = {}
 
     def load(self, connection: Connection) -> None:
         """Read all names from the database."""
@@ -97,6 +100,20 @@ class Names:
             self._lists[key] = known
         return known
 
+    def rename(self, site: str, moves: Mapping[str, str]) -> None:
+        """Let channels have other addresses; one whose new address has a history stays."""
+        for old, new in moves.items():
+            _check(site, new)
+            if (site, old) not in self.channels:
+                continue
+            if (site, new) in self.channels:
+                _LOG.warning("%s: %s has a history already; %s keeps its own", site, new, old)
+                continue
+            channel = self.channels.pop((site, old))
+            self.channels[site, new] = channel
+            self._renamed[channel] = new
+        self._lists = {key: each for key, each in self._lists.items() if key[0] != site}
+
     def by_id(self, catalogue: int) -> Catalogue:
         """Find a list by its number."""
         return self._by_id[catalogue]
@@ -107,10 +124,15 @@ class Names:
             rows = [row for owner, row in self._new if owner is table]
             if rows:
                 connection.execute(insert(table), rows)
+        table = tables.channel
+        for channel, address in self._renamed.items():
+            same = table.c.id == channel
+            connection.execute(update(table).where(same).values(address=address))
 
     def written(self) -> None:
         """Forget what was new, now that it is committed."""
         self._new.clear()
+        self._renamed.clear()
 
     def _channel(self, site: str, address: str, now_us: int) -> int:
         known = self.channels.get((site, address))

@@ -14,13 +14,20 @@ from talaia.hub.history.views import CreateView, DropView, view_name
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from sqlalchemy import Connection, Engine, Row
 
     from talaia.hub.history.views import Sensor
 
-__all__ = ["SensorKind", "kinds_of", "read_kinds", "remember_sensors", "show_sensors"]
+__all__ = [
+    "SensorKind",
+    "kinds_of",
+    "read_kinds",
+    "remember_sensors",
+    "rename_sensors",
+    "show_sensors",
+]
 
 _LOG = logging.getLogger(__name__)
 # A view that is made otherwise than before is made anew.
@@ -101,6 +108,19 @@ def remember_sensors(engine: Engine, site: str, sensors: list[Sensor]) -> list[S
         for each in sensors
         if each.address not in known or known[each.address].made_of != _made_of(each)
     ]
+
+
+def rename_sensors(engine: Engine, site: str, moves: Mapping[str, str]) -> None:
+    """Let sensors go on under other addresses; their views keep their names, for who asks them."""
+    with engine.begin() as connection:
+        known = set(connection.scalars(select(_sensor.c.address).where(_sensor.c.site == site)))
+        for old, new in moves.items():
+            if old in known and new not in known:
+                connection.execute(
+                    update(_sensor)
+                    .where(_sensor.c.site == site, _sensor.c.address == old)
+                    .values(address=new)
+                )
 
 
 def show_sensors(

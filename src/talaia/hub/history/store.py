@@ -19,13 +19,19 @@ from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_eng
 from talaia.hub.history.errors import HistoryBusy, HistoryError
 from talaia.hub.history.flow import Stretch, flow
 from talaia.hub.history.forecast import DAY_US
-from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Show
+from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Rename, Show
 from talaia.hub.history.joined import joined
 from talaia.hub.history.ledger import Ledger
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.reader import Reader
 from talaia.hub.history.retention import too_much, too_old
-from talaia.hub.history.sensors import kinds_of, read_kinds, remember_sensors, show_sensors
+from talaia.hub.history.sensors import (
+    kinds_of,
+    read_kinds,
+    remember_sensors,
+    rename_sensors,
+    show_sensors,
+)
 from talaia.hub.history.statistics import read_statistics
 from talaia.hub.history.storage import read_storage
 from talaia.hub.history.views import Sensor, sensors_of
@@ -35,7 +41,15 @@ from talaia.hub.store.history_tables import HISTORY_TABLES
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Iterator, Sequence
+    from collections.abc import (
+        AsyncIterator,
+        Awaitable,
+        Callable,
+        Collection,
+        Iterator,
+        Mapping,
+        Sequence,
+    )
     from typing import ParamSpec, TypeVar
 
     from talaia.clock import Clock
@@ -189,6 +203,27 @@ class HistoryStore:
         task.add_done_callback(self._showing.discard)
         # The views of many sensors take a while: the gateway's samples do not wait for them.
         await asyncio.wait({task}, timeout=_VIEWS_S)
+
+    async def rename(self, site: str, moves: Mapping[str, str]) -> None:
+        """Let channels go on under other addresses, with all their history.
+
+        Args:
+            site: whose they are.
+            moves: the new addresses by the former ones. Where the new one has a history of its
+                own, both stay as they are.
+
+        Raises:
+            HistoryError: nothing is renamed.
+
+        """
+        if not moves:
+            return
+        await self._writer.do(Rename(site, moves))
+        signals = {old.partition(".")[0]: new.partition(".")[0] for old, new in moves.items()}
+        await self._in_thread(rename_sensors, self._writing, site, signals)
+        for old, new in signals.items():
+            if (kind := self._kinds.pop((site, old), None)) is not None:
+                self._kinds.setdefault((site, new), kind)
 
     async def _show_sensors(self, site: str, sensors: list[Sensor]) -> None:
         async with self._one_site:

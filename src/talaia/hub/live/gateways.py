@@ -6,28 +6,29 @@ Long, because a link's whole life is told here in its order, from the hello to t
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import logging
 from typing import TYPE_CHECKING
 
-import numpy as np
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia import __version__
 from talaia.errors import TalaiaError
 from talaia.hub.errors import HubBusy
 from talaia.hub.live.cameras import GatewayCamera
-from talaia.hub.live.ingest import Batch, Ingest
+from talaia.hub.live.describing import Redescription, source_of
+from talaia.hub.live.ingest import Ingest
 from talaia.hub.live.link import GONE, GatewayLink
+from talaia.hub.live.lists import ChannelLists
 from talaia.hub.live.race import until_first
 from talaia.hub.live.recordings import GatewayFiles
 from talaia.hub.live.reporting import site_news
 from talaia.hub.live.rivals import KEPT_OUT, Rivals
+from talaia.hub.live.told import told_by
+from talaia.model.change import formers, renames
 from talaia.model.check import raise_first
 from talaia.model.errors import DescriptionError
 from talaia.model.load import load_site
 from talaia.wire import frames
-from talaia.wire.columns import unpack
 from talaia.wire.errors import PeerError
 from talaia.wire.shape import speaks
 
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.live.admission import Admission
     from talaia.hub.live.browsers import Browsers
+    from talaia.hub.live.describing import Describing
     from talaia.hub.live.fanout import Fanout
     from talaia.hub.live.links import Links
     from talaia.hub.live.media import Media
@@ -80,6 +82,7 @@ class Gateways:
         uploads: Uploads,
         recordings: Recordings,
         watching: Watching,
+        describing: Describing,
         admission: Admission,
         settings: Settings,
         clock: Clock,
@@ -87,6 +90,7 @@ class Gateways:
         """Take the parts that a gateway's words go to."""
         self._uploads = uploads
         self._recordings = recordings
+        self._describing = describing
         self._sites = sites
         self._browsers = browsers
         self._fanout = fanout
@@ -113,6 +117,7 @@ class Gateways:
         site = key.site
         try:
             hello, description = await self._hello(link, site)
+            source = "" if hello is None else source_of(hello)
         except (PeerError, DescriptionError, TimeoutError) as error:
             reason = str(error) or "no hello in time"
             _LOG.warning("the gateway of %s is refused: %s", site, reason)
@@ -129,12 +134,7 @@ class Gateways:
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
             async with self._admission.turn():
-                live = self._sites.get(site)
-                if live is None or live.told != told:
-                    await self._registry.said_hello(
-                        site, hello.description, hello.catalogue, hello.version
-                    )
-                    await self._history.describe(description)
+                await self._describing.greeted(hello, description, source, key.id)
                 acked = await ingest.start(hello.boot)
         except HubBusy as error:
             await link.farewell(str(error), TRY_LATER)
@@ -150,7 +150,8 @@ class Gateways:
             frames.Welcome(version=__version__, acked=acked, time_us=self._clock.wall_ns() // 1000)
         )
         live = self._attach(link, hello, description)
-        live.told = told
+        live.told, live.source, live.accepts = told, source, hello.accepts
+        live.gateway, live.problem = key.id, None
         attendance = self._registry.attendance
         attendance.linked(key.id, site, hello.version, address)
         storing = asyncio.create_task(ingest.run())
@@ -221,7 +222,14 @@ class Gateways:
             self._reporting.link_lost(before)
             self._rivals.replaced(before, hello.boot)
         changed = before is None or before.description != description
-        live = self._sites.describe(description, hello.catalogue)
+        renamed = {} if before is None else renames(before.description, description)
+        known = {} if before is None else before.renamed
+        live = self._sites.describe(description, hello.catalogue, renamed)
+        live.renamed = {
+            **formers(description),
+            **{old: renamed.get(new, new) for old, new in known.items()},
+            **renamed,
+        }
         live.link = link
         if live.boot != hello.boot:
             live.boot = hello.boot
@@ -251,6 +259,7 @@ class Gateways:
         live.rival_us = 0
         live.since_us = live.last_seen_us = self._clock.wall_ns() // 1000
         live.why = "the connection to its gateway was lost"
+        self._describing.link_lost(live)
         self._reporting.link_lost(live)
         self._browsers.tell(site_news(live))
         self._reporting.event(live, "gateway lost", good=False)
@@ -258,8 +267,12 @@ class Gateways:
 
     async def _run(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
         upload = self._uploads.of(live.name, link.send)
+        addresses = [channel.address for channel in live.channels]
+        lists = ChannelLists(live.catalogue, addresses, live.renamed)
+        redescription = Redescription(self._describing, live, lists, ingest)
         results = await until_first(
-            self._read_all(link, live, ingest, upload),
+            self._read_all(link, live, ingest, upload, lists, redescription),
+            redescription.run(),
             upload.run(),
             self._beat(link, live),
             link.write(),
@@ -277,20 +290,31 @@ class Gateways:
         await link.farewell(said, code)
 
     async def _read_all(
-        self, link: GatewayLink, live: LiveSite, ingest: Ingest, upload: Upload
+        self,
+        link: GatewayLink,
+        live: LiveSite,
+        ingest: Ingest,
+        upload: Upload,
+        lists: ChannelLists,
+        redescription: Redescription,
     ) -> None:
-        addresses = tuple(channel.address for channel in live.channels)
-        catalogue = live.catalogue
         while (message := await link.receive()) is not None:
             match message:
                 case frames.Samples():
-                    batch = _batch(message, addresses, catalogue)
-                    if message.live and batch.addresses is addresses:
-                        live.latest.update(batch.columns, self._clock.monotonic_ns())
-                        self._fanout.publish(live, batch.columns)
+                    batch = lists.batch(message)
+                    if not message.addresses:
+                        shown = lists.live(batch)
+                        if message.live:
+                            live.latest.update(shown, self._clock.monotonic_ns())
+                            self._fanout.publish(live, shown)
+                        self._watching.put(live, shown)
                     ingest.put(batch)
-                    if batch.addresses is addresses:
-                        self._watching.put(live, batch.columns)
+                case frames.Described():
+                    redescription.put(message)
+                case frames.ChangeState():
+                    self._describing.told(live, message)
+                case frames.DeviceState() if redescription.pending:
+                    redescription.later(message)
                 case frames.Gap():
                     ingest.put(message)
                 case frames.Beat():
@@ -331,27 +355,5 @@ class Gateways:
         return self._clock.monotonic_ns() // 1000
 
 
-def told_by(description: str, catalogue: str) -> tuple[bytes, str]:
-    """Give what `LiveSite.told` is for a hello with this description."""
-    return hashlib.sha256(description.encode()).digest(), catalogue
-
-
 def _read(text: str) -> Site:
     return raise_first(load_site(text))
-
-
-def _batch(message: frames.Samples, addresses: tuple[str, ...], catalogue: str) -> Batch:
-    """Read a batch's columns and see that each channel is one of the list.
-
-    Raises:
-        PeerError: it is indexed by a list that the hub was not told, or out of it.
-
-    """
-    columns = unpack(message.base_us, message.channel, message.offset, message.value, message.texts)
-    if message.addresses:
-        addresses = tuple(message.addresses)
-    elif message.catalogue != catalogue:
-        raise PeerError(f"samples of the catalogue {message.catalogue!r} without its addresses")
-    if len(columns) and int(np.max(columns.channel)) >= len(addresses):
-        raise PeerError("a sample's channel is not in the catalogue")
-    return Batch(message.boot, message.first, addresses, columns)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from sqlalchemy.exc import SQLAlchemyError
@@ -21,12 +21,12 @@ from talaia.hub.live.stored import StoredRun
 from talaia.wire.frames import Ack, Again, Gap
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from talaia.hub.ports import History
     from talaia.wire.columns import Columns
 
-__all__ = ["Batch", "Ingest"]
+__all__ = ["Batch", "Ingest", "Renaming"]
 
 _LOG = logging.getLogger(__name__)
 # Samples that may wait, and that one commit holds at the most.
@@ -47,6 +47,14 @@ class Batch:
     columns: Columns
 
 
+@dataclass(frozen=True, slots=True)
+class Renaming:
+    """Channels that have other addresses from here on, by the former ones; ``done`` is set then."""
+
+    moves: Mapping[str, str]
+    done: asyncio.Event = field(default_factory=asyncio.Event)
+
+
 class Ingest:
     """Stores batches and gaps in the order they came and acknowledges once for each commit."""
 
@@ -58,7 +66,7 @@ class Ingest:
         self._site = site
         self._tell = tell
         self._gather_s = gather_s
-        self._waiting: deque[Batch | Gap] = deque()
+        self._waiting: deque[Batch | Gap | Renaming] = deque()
         self._samples = 0
         self._news = asyncio.Event()
         self._owed: dict[str, tuple[int, int]] = {}
@@ -79,6 +87,13 @@ class Ingest:
         self._waiting.append(item)
         self._samples += len(item.columns) if isinstance(item, Batch) else 1
         self._news.set()
+
+    def rename(self, moves: Mapping[str, str]) -> asyncio.Event:
+        """Rename channels once what came before is stored, and before what comes after."""
+        renaming = Renaming(moves)
+        self._waiting.append(renaming)
+        self._news.set()
+        return renaming.done
 
     def finish(self) -> None:
         """Let `run` end once what waits is stored."""
@@ -111,6 +126,11 @@ class Ingest:
 
     async def _store_some(self) -> None:
         first = self._waiting[0]
+        if isinstance(first, Renaming):
+            await self._history.rename(self._site, first.moves)
+            self._waiting.popleft()
+            first.done.set()
+            return
         run = await self._run(first.boot)
         if isinstance(first, Gap):
             taken: list[Batch | Gap] = [first]

@@ -67,10 +67,14 @@ class Reporting:
                 browser.tell(_stop_news(live, stop))
             for drive in live.drives.values():
                 browser.tell(_drive_news(live, drive))
-            for name in live.interlocks:
-                self._tell_interlock(live, name, browser)
+            self.greet_interlocks(live, browser)
             for device in live.unreached:
                 browser.tell(self._device_news(live, device))
+
+    def greet_interlocks(self, live: LiveSite, browser: Browser) -> None:
+        """Tell a page how all interlocks of a site stand."""
+        for name in live.interlocks:
+            self._tell_interlock(live, name, browser)
 
     def tell(self, live: LiveSite, told: Told) -> None:
         """Pass on what a gateway says, to each page that may know."""
@@ -296,7 +300,7 @@ def site_news(live: LiveSite) -> page.SiteNews:
         site=live.name,
         online=live.online,
         since_us=live.since_us,
-        catalogue=live.catalogue,
+        catalogue=live.edition,
         loop_ms=live.loop_ms,
         skew_ms=live.skew_ms,
         why=live.why,

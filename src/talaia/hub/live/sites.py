@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Protocol
 from talaia.hub.live.latest import Latest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from talaia.model.site import Channel, Site
     from talaia.wire.frames import (
+        ChangeState,
         DriveState,
         FromHub,
         InterlockState,
@@ -61,6 +62,11 @@ class LiveSite:
         rival_us: when the last of them was there (UTC); 0 when none has been for a while.
         leases: by device, with the moment it was heard (monotonic ns).
         interlocks: by name, with the moment it was heard (monotonic ns).
+        source: the description's text as a person wrote it; empty where it cannot be changed.
+        accepts: which changes its gateway takes: ``no``, ``readings`` or ``all``.
+        gateway: the number of the gateway that is or was linked; 0 before the first.
+        renamed: channels that have another address now, by former ones.
+        problem: what is wrong with the description's file at the gateway, if anything.
         unreached: devices that the gateway does not reach: why, and since when (µs, UTC).
 
     """
@@ -86,6 +92,17 @@ class LiveSite:
     unreached: dict[str, tuple[str, int]] = field(default_factory=dict)
     pending: dict[str, Pending] = field(default_factory=dict)
     recorder: RecordState | None = None
+    source: str = ""
+    accepts: str = ""
+    gateway: int = 0
+    renamed: dict[str, str] = field(default_factory=dict)
+    problem: ChangeState | None = None
+
+    @property
+    def edition(self) -> str:
+        """A name for the description as it is now: another one has another."""
+        said, catalogue = self.told
+        return said.hex()[:16] if said else catalogue or self.catalogue
 
     @property
     def name(self) -> str:
@@ -113,8 +130,13 @@ class Sites:
         """Find a site by its short name."""
         return self._sites.get(name)
 
-    def describe(self, description: Site, catalogue: str) -> LiveSite:
-        """Add a site or take its new description; newest values stay if the channels do."""
+    def describe(
+        self, description: Site, catalogue: str, renamed: Mapping[str, str] | None = None
+    ) -> LiveSite:
+        """Add a site or take its new description; newest values stay if the channels do.
+
+        ``renamed`` are channels that have another address now, by the one before.
+        """
         live = self._sites.get(description.site)
         channels = description.channels()
         if live is None:
@@ -122,15 +144,22 @@ class Sites:
             self._sites[description.site] = live
             return live
         if channels != live.channels:
-            live.latest = _moved(live.latest, live.channels, channels)
+            live.latest = _moved(live.latest, live.channels, channels, renamed or {})
         live.description, live.catalogue, live.channels = description, catalogue, channels
         return live
 
 
-def _moved(latest: Latest, before: tuple[Channel, ...], channels: tuple[Channel, ...]) -> Latest:
+def _moved(
+    latest: Latest,
+    before: tuple[Channel, ...],
+    channels: tuple[Channel, ...],
+    renamed: Mapping[str, str],
+) -> Latest:
     """Carry the newest values over to another list of channels."""
     moved = Latest(len(channels))
-    number = {channel.address: at for at, channel in enumerate(before)}
+    number = {
+        renamed.get(channel.address, channel.address): at for at, channel in enumerate(before)
+    }
     for at, channel in enumerate(channels):
         was = number.get(channel.address)
         if was is not None:

@@ -88,6 +88,16 @@ class SiteRegistry:
             row = rows.first()
         return None if row is None else GatewayKey(*row)
 
+    async def key_hash(self, number: int) -> str | None:
+        """Give what is kept of a gateway's key: its hash; None when it is unknown or revoked."""
+        async with self._database.read() as connection:
+            rows = await connection.execute(
+                select(gateways.c.key_hash).where(
+                    gateways.c.id == number, gateways.c.revoked_us == 0
+                )
+            )
+            return rows.scalar()
+
     async def gateways(self) -> list[KnownGateway]:
         """List every gateway that has ever had a key, the newest of each site first."""
         columns = (gateways.c[name] for name in KnownGateway._fields)
@@ -136,21 +146,27 @@ class SiteRegistry:
             )
             return [KnownSite(*row) for row in rows]
 
-    async def said_hello(self, site: str, description: str, catalogue: str, version: str) -> None:
-        """Keep what a site said of itself."""
+    async def said_hello(
+        self, site: str, description: str, catalogue: str, version: str | None = None
+    ) -> None:
+        """Keep what a site said of itself; without a ``version`` its gateway's is as it was."""
         now = self._now_us()
         said = {
             "description": description,
             "catalogue": catalogue,
-            "version": version[:200],
             "last_seen_us": now,
         }
         async with self._database.write() as connection:
             known = await connection.execute(select(sites.c.site).where(sites.c.site == site))
             if known.first() is None:
-                await connection.execute(insert(sites).values(site=site, first_seen_us=now, **said))
+                await connection.execute(
+                    insert(sites).values(site=site, first_seen_us=now, version="", **said)
+                )
             else:
                 await connection.execute(update(sites).where(sites.c.site == site).values(**said))
+            if version is not None:
+                known_as = update(sites).where(sites.c.site == site)
+                await connection.execute(known_as.values(version=version[:200]))
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000

@@ -26,6 +26,7 @@ __all__ = [
     "api_tokens",
     "audit",
     "audit_head",
+    "descriptions",
     "enrolment_codes",
     "frames",
     "gateways",
@@ -220,6 +221,22 @@ sites = Table(
     Column("version", String(_NAME), nullable=False),
     Column("first_seen_us", BigInteger, nullable=False),
     Column("last_seen_us", BigInteger, nullable=False),
+)
+
+# Every version of every site's description; see `store.descriptions`.
+descriptions = Table(
+    "descriptions",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("site", String(_NAME), nullable=False),
+    Column("number", BigInteger, nullable=False),
+    Column("digest", String(_HASH), nullable=False),
+    Column("text", _Long, nullable=False),
+    Column("time_us", BigInteger, nullable=False),
+    Column("gateway", BigInteger, nullable=False),
+    Column("who", String(_NAME), nullable=False),
+    Column("note", String(_NAME), nullable=False),
+    UniqueConstraint("site", "number"),
 )
 
 # The files are in the data folder. ``topics`` is a JSON list.

@@ -176,12 +176,12 @@ export class PageDrive extends LitElement {
     return drivable.find(({ id }) => id === this.chosen) ?? drivable[0];
   }
 
-  /** One cockpit for each device and description; built anew when either changes. */
+  /** One cockpit for each device as it is described; built anew when that changes, not for others' sake. */
   private build(): void {
     const detail = this.detail.value;
     const { connection } = this.link;
     const device = detail && this.device(detail);
-    const wanted = detail && connection && this.isConnected ? `${detail.site} ${detail.catalogue} ${device?.id ?? ""}` : "";
+    const wanted = detail && connection && this.isConnected ? `${detail.site} ${JSON.stringify(device ?? null)}` : "";
     if (wanted === this.built) return;
     this.takeApart();
     this.built = wanted;

@@ -87,7 +87,7 @@ export class PageLive extends LitElement {
       this.feed = null;
     }
     if (sites === undefined || connection === undefined || this.api === undefined) return;
-    this.detail.ask(`${this.site} ${String(sites.row(this.site)?.online)}`, () => sites.detail(this.site));
+    this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)} ${String(sites.row(this.site)?.online)}`, () => sites.detail(this.site));
     const detail = this.detail.value;
     if (detail === undefined || !this.isConnected) return;
     this.feed ??= new ChartFeed(this.site, connection, this.api, this.cameIn, this.lengthUs);

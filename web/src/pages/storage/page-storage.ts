@@ -81,7 +81,7 @@ export class PageStorage extends LitElement {
         <h2>How long it is kept</h2>
         <p>
           For good, unless the site description at the gateway says otherwise: <code>keep: 30</code> at a signal keeps 30 days of it.
-          It takes effect when the gateway is started again with the changed description.
+          It takes effect at once: the gateway follows its file while it runs.
         </p>
         <p>
           ${use.limit_bytes === 0 ? "There is no limit for all signals together" : `All signals together may take ${formatBytes(use.limit_bytes)}`}:

@@ -1,0 +1,131 @@
+"""Which changes of the description a gateway takes from its hub. Pure.
+
+The file at the gateway may be changed in every way, by whoever may write it. What comes over the
+link is another matter: a hub in wrong hands must not run programs beside the robot, take an
+interlock away or raise a limit.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.model.connection import ProcessConnection
+from talaia.model.words import Finding
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.site import Device, Signal, Site
+
+__all__ = ["Accepts", "forbidden"]
+
+_FILE = "change it in the gateway's own file"
+_ALL = "start the gateway with --accept-changes all, or " + _FILE
+
+
+class Accepts(StrEnum):
+    """How far the hub may change the description."""
+
+    # Not at all.
+    NO = "no"
+    # What is read and shown: signals and streams that nothing else depends on, names, limits.
+    READINGS = "readings"
+    # Also what can be done: commands, driving, interlocks. Never what runs beside the robot.
+    ALL = "all"
+
+
+def forbidden(before: Site, after: Site, accepts: Accepts) -> list[Finding]:
+    """List what of a change may not come from the hub; an empty list means it may."""
+    if accepts is Accepts.NO:
+        remedy = "start the gateway with --accept-changes readings, or " + _FILE
+        return [Finding("$", "this gateway takes no changes from the hub", remedy)]
+    findings = [*_always(before, after)]
+    if accepts is Accepts.READINGS:
+        findings += _beyond_readings(before, after)
+    return findings
+
+
+def _always(before: Site, after: Site) -> Iterator[Finding]:
+    if after.site != before.site:
+        yield Finding("$.site", "a site keeps its short name", f"leave it {before.site!r}")
+    if after.connections != before.connections or after.ros2 != before.ros2:
+        where = "$.connections" if after.connections != before.connections else "$.ros2"
+        yield Finding(where, "how the robot is reached is not changed from the hub", _FILE)
+    had = _runs(before)
+    for where, words in _runs(after).items():
+        if had.get(where) != words:
+            yield Finding(where, "what is run beside the robot is not changed from the hub", _FILE)
+
+
+def _runs(site: Site) -> dict[str, str]:
+    """Give what runs on the gateway's machine, by path."""
+    links = site.links()
+    runs: dict[str, str] = {}
+    for name, device in site.devices.items():
+        if not isinstance(links.get(site.connection_of(name)), ProcessConnection):
+            continue
+        at = f"$.devices.{name}"
+        for signal_id, signal in device.signals.items():
+            runs[f"{at}.signals.{signal_id}.source.run"] = signal.source.run
+        for command_id, command in device.commands.items():
+            said = msgspec.json.encode((command.target, command.fixed, command.arguments))
+            runs[f"{at}.commands.{command_id}"] = said.decode()
+    return runs
+
+
+def _beyond_readings(before: Site, after: Site) -> Iterator[Finding]:
+    for key in ("interlocks", "enclosures", "recording", "place"):
+        if getattr(before, key) != getattr(after, key):
+            yield Finding(f"$.{key}", "only what is read may be changed from the hub", _ALL)
+    for name in before.devices.keys() | after.devices.keys():
+        yield from _device(f"$.devices.{name}", before.devices.get(name), after.devices.get(name))
+    guarded = before.guarded() | after.guarded()
+    for address in sorted(guarded):
+        if _meant(before, address) != _meant(after, address):
+            device, _, signal = address.partition("/")
+            yield Finding(
+                f"$.devices.{device}.signals.{signal}",
+                "interlocks or STOP depend on this signal",
+                _ALL,
+            )
+
+
+def _device(where: str, before: Device | None, after: Device | None) -> Iterator[Finding]:
+    for key in ("commands", "drive", "link_loss", "pointing"):
+        was = getattr(before, key, None) or None
+        now = getattr(after, key, None) or None
+        if was != now:
+            yield Finding(f"{where}.{key}", "only what is read may be changed from the hub", _ALL)
+    if before is not None and after is not None and before.connection != after.connection:
+        yield Finding(f"{where}.connection", "only what is read may be changed from the hub", _ALL)
+    # Whether it is shown to guests is for those who answer for the robot.
+    if _opened(before, after):
+        problem = "what only people with an account saw is not shown to guests from the hub"
+        yield Finding(f"{where}.visibility", problem, _ALL)
+
+
+def _opened(before: Device | None, after: Device | None) -> bool:
+    if after is None:
+        return False
+    was = {"": before.visibility if before is not None else "view"}
+    now = {"": after.visibility}
+    for key in ("signals", "streams"):
+        for name, each in getattr(before, key, {}).items():
+            was[f"{key} {name}"] = each.visibility
+        for name, each in getattr(after, key).items():
+            now[f"{key} {name}"] = each.visibility
+    return any(value == "public" and was.get(key) == "view" for key, value in now.items())
+
+
+def _meant(site: Site, address: str) -> Signal | None:
+    """Give what safety depends on of a signal: all but how it looks."""
+    device, _, name = address.partition("/")
+    described = site.devices.get(device)
+    signal = None if described is None else described.signals.get(name)
+    if signal is None:
+        return None
+    plain = {"name": "", "minimum": None, "maximum": None, "decimals": -1, "keep": 0.0}
+    return msgspec.structs.replace(signal, **plain, primary=True, was="")

@@ -1,0 +1,94 @@
+"""The lists of channels that a gateway's batches are numbered by, on one link. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.hub.live.ingest import Batch
+from talaia.wire.columns import renumbered, unpack
+from talaia.wire.errors import PeerError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from talaia.wire.columns import Columns
+    from talaia.wire.frames import Samples
+
+__all__ = ["ChannelLists"]
+
+# A peer that describes itself anew all the time must not fill the memory.
+_MOST = 100
+
+
+class ChannelLists:
+    """Knows every list that was told on the link, and where its channels are shown now."""
+
+    def __init__(
+        self, catalogue: str, addresses: Sequence[str], renamed: Mapping[str, str] | None = None
+    ) -> None:
+        """Begin with the list of the hello; ``renamed`` are former addresses of its channels."""
+        self._lists: dict[str, tuple[str, ...]] = {catalogue: tuple(addresses)}
+        self._renamed = dict(renamed or {})
+        self._shown: tuple[str, ...] = tuple(addresses)
+        self._order: dict[tuple[str, ...], NDArray[np.int64]] = {}
+
+    def told(self, catalogue: str, addresses: Sequence[str], renamed: Mapping[str, str]) -> None:
+        """Take another list, by which batches are numbered from now on.
+
+        What still comes by an earlier one is taken for the channels that those have become.
+        """
+        now = set(addresses)
+        earlier = {old: renamed.get(new, new) for old, new in self._renamed.items()}
+        moved = {**earlier, **renamed}
+        self._renamed = {old: new for old, new in moved.items() if old not in now}
+        lists = {name: self._called_now(each) for name, each in self._lists.items()}
+        lists.pop(catalogue, None)
+        while len(lists) >= _MOST:
+            lists.pop(next(iter(lists)))
+        self._lists = {**lists, catalogue: tuple(addresses)}
+        self._order.clear()
+
+    def shown(self, addresses: tuple[str, ...]) -> None:
+        """Take the channels that pages are shown now."""
+        self._shown = addresses
+        self._order.clear()
+
+    def batch(self, message: Samples) -> Batch:
+        """Read a batch's columns and see that each channel is one of its list.
+
+        Raises:
+            PeerError: it is numbered by a list that the hub was not told, or out of it.
+
+        """
+        columns = unpack(
+            message.base_us, message.channel, message.offset, message.value, message.texts
+        )
+        if message.addresses:
+            addresses = self._called_now(tuple(message.addresses))
+        elif message.catalogue in self._lists:
+            addresses = self._lists[message.catalogue]
+        else:
+            raise PeerError(f"samples of the catalogue {message.catalogue!r} without its addresses")
+        if len(columns) and int(np.max(columns.channel)) >= len(addresses):
+            raise PeerError("a sample's channel is not in the catalogue")
+        return Batch(message.boot, message.first, addresses, columns)
+
+    def live(self, batch: Batch) -> Columns:
+        """Give a batch's samples as pages are shown them, without those they are not shown yet."""
+        if batch.addresses == self._shown:
+            return batch.columns
+        order = self._order.get(batch.addresses)
+        if order is None:
+            place = {address: at for at, address in enumerate(self._shown)}
+            order = np.array([place.get(each, -1) for each in batch.addresses], np.int64)
+            self._order[batch.addresses] = order
+        return renumbered(batch.columns, order)
+
+    def _called_now(self, addresses: tuple[str, ...]) -> tuple[str, ...]:
+        if not self._renamed:
+            return addresses
+        return tuple(self._renamed.get(each, each) for each in addresses)

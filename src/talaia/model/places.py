@@ -1,0 +1,62 @@
+"""From the path of a mistake (``$.devices.base.name``) to the line of the text. Pure."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import yaml
+
+__all__ = ["Place", "Places"]
+
+_LINE = re.compile(r"line (\d+)(?:, column (\d+))?")
+_STEP = re.compile(r"\.([^.\[]+)|\[(\d+)\]")
+
+
+class Place(NamedTuple):
+    """A line and a column of a text, from 1; 0 where it is not known."""
+
+    line: int = 0
+    column: int = 0
+
+
+class Places:
+    """Knows where each part of a YAML text stands."""
+
+    def __init__(self, text: str) -> None:
+        """Read the text; one that is not YAML has no places but those that errors name."""
+        loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+        try:
+            self._root: yaml.Node | None = yaml.compose(text, Loader=loader)
+        except (yaml.YAMLError, ValueError, RecursionError):
+            self._root = None
+
+    def of(self, where: str) -> Place:
+        """Give the place of a path; of what is not there, that of what it would stand in."""
+        said = _LINE.search(where)
+        if said is not None and "$" not in where:
+            return Place(int(said[1]), int(said[2] or 1))
+        node, mark = self._root, None
+        if node is None or "$" not in where:
+            return Place()
+        for key, index in _STEP.findall(where[where.index("$") + 1 :]):
+            found = _step(node, key, index)
+            if found is None:
+                break
+            at, node = found
+            mark = at.start_mark
+        if mark is None:
+            return Place(1, 1)
+        return Place(mark.line + 1, mark.column + 1)
+
+
+def _step(node: yaml.Node, key: str, index: str) -> tuple[yaml.Node, yaml.Node] | None:
+    """Give what names a part, and the part."""
+    if isinstance(node, yaml.MappingNode):
+        for name, value in node.value:
+            if isinstance(name, yaml.ScalarNode) and name.value == key:
+                return name, value
+    elif isinstance(node, yaml.SequenceNode) and index and int(index) < len(node.value):
+        part = node.value[int(index)]
+        return part, part
+    return None

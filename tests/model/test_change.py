@@ -1,0 +1,84 @@
+"""From one description to the next: renames, touched devices, differences, places."""
+
+from __future__ import annotations
+
+import msgspec
+
+from talaia.model.change import formers, renames, touched
+from talaia.model.check import check
+from talaia.model.difference import Difference, Kind, difference, unified
+from talaia.model.load import load_site
+from talaia.model.places import Places
+from talaia.model.schema import site_schema
+
+TEXT = """talaia: 1
+site: agv
+name: Robot
+ros2: {}
+devices:
+  base:
+    name: Base
+    signals:
+      speed: {name: Speed, source: {topic: /s, type: std_msgs/msg/Float64, field: data}}
+      pose:
+        name: Pose
+        type: position
+        source: {topic: /odom, type: nav_msgs/msg/Odometry, field: pose.pose.position}
+  arm:
+    name: Arm
+"""
+RENAMED = TEXT.replace("pose:\n", "place:\n        was: pose\n")
+
+
+def test_renamed_signal_takes_all_its_channels_along_and_back_again() -> None:
+    before, after = load_site(TEXT), load_site(RENAMED)
+    forward = {f"base/pose.{part}": f"base/place.{part}" for part in ("x", "y", "yaw")}
+    assert renames(before, after) == forward
+    assert renames(after, before) == {new: old for old, new in forward.items()}
+    assert formers(after) == forward
+    assert renames(after, after) == {}
+
+
+def test_was_that_names_a_signal_of_the_description_is_refused_and_so_are_two_of_one() -> None:
+    there = TEXT.replace("{name: Speed,", "{name: Speed, was: pose,")
+    found = check(load_site(there))
+    assert found[0].where == "$.devices.base.signals.speed.was"
+    two = RENAMED.replace("{name: Speed,", "{name: Speed, was: base/pose,")
+    assert "already" in check(load_site(two))[0].problem
+
+
+def test_only_devices_that_differ_are_touched_and_all_of_a_changed_connection() -> None:
+    before = load_site(TEXT)
+    assert touched(before, load_site(RENAMED)) == {"base"}
+    assert touched(before, load_site(TEXT.replace("name: Robot", "name: R"))) == frozenset()
+    other = load_site(TEXT.replace("ros2: {}", "ros2: {node: other}"))
+    assert touched(before, other) == {"base", "arm"}
+
+
+def test_difference_names_each_part_once() -> None:
+    after = RENAMED.replace("name: Base", "name: Wheels").replace("  arm:\n    name: Arm\n", "")
+    found = difference(load_site(TEXT), load_site(after))
+    assert (
+        Difference(Kind.RENAMED, "$.devices.base.signals.place", "base/pose", "base/place") in found
+    )
+    assert Difference(Kind.CHANGED, "$.devices.base.name", "Base", "Wheels") in found
+    assert Difference(Kind.REMOVED, "$.devices.arm", "Arm") in found
+    assert difference(load_site(TEXT), load_site(TEXT)) == []
+    assert "-    name: Base" in unified(TEXT, after)
+
+
+def test_path_leads_to_its_line_and_what_is_missing_to_what_it_would_stand_in() -> None:
+    places = Places(TEXT)
+    assert places.of("$.devices.base.signals.pose.type") == (12, 9)
+    assert places.of("$.devices.base.drive.topic") == (6, 3)
+    assert places.of("line 4, column 2") == (4, 2)
+    assert Places("a: [").of("$.a") == (0, 0)
+
+
+def test_schema_says_of_each_attribute_what_the_model_does() -> None:
+    signal = site_schema()["$defs"]["Signal"]["properties"]
+    assert "(Hz)" in signal["max_rate"]["description"]
+
+
+def test_description_without_was_is_what_it_was_before_there_was_one() -> None:
+    assert "was" not in msgspec.to_builtins(load_site(TEXT))["devices"]["arm"]

@@ -1,0 +1,146 @@
+"""A person changes the description in a real Chromium, and everything follows without a restart."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect, sync_playwright
+
+from .conftest import CHROMIUM_FLAGS, missing
+from .stack import PASSWORD, SITE, Stack
+from .test_connections import picture
+
+pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(180)]
+
+DESCRIPTION = """\
+# A robot that counts.
+talaia: 1
+site: faults
+name: Counter
+ros2: {}
+devices:
+  base:
+    name: Base
+    signals:
+      count:  # ten times a second
+        name: Count
+        source: {topic: /count, type: std_msgs/msg/Float64, field: data}
+"""
+
+
+class Open(Stack):
+    """A stack whose gateway takes changes of what is read."""
+
+    accepts = "readings"
+
+
+@pytest.fixture
+def stack(tmp_path: Path) -> Iterator[Stack]:
+    if not __import__("importlib.util").util.find_spec("rclpy"):
+        missing("rclpy")
+    running = Open(tmp_path, DESCRIPTION, {"boss": "admin", "guest": "guest"})
+    try:
+        asyncio.run(running.ready())
+        running.robot.tell("count 10")
+        yield running
+    finally:
+        running.close()
+
+
+@pytest.fixture
+def chrome(chromium: str) -> Iterator[Browser]:
+    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
+    with sync_playwright() as play:
+        browser: Browser = play.chromium.launch(
+            executable_path=chromium, args=CHROMIUM_FLAGS, env=clean
+        )
+        yield browser
+        browser.close()
+
+
+def signed_in(chrome: Browser, stack: Stack) -> Page:
+    page = chrome.new_context(viewport={"width": 1440, "height": 900}).new_page()
+    page.goto(f"{stack.address}/login")
+    page.get_by_label("Name").fill("boss")
+    page.get_by_label("Password").fill(PASSWORD)
+    page.get_by_role("button", name="Sign in").click()
+    page.wait_for_url("**/home")
+    return page
+
+
+def test_sensor_added_in_the_form_has_a_live_chart_without_reload_and_is_gone_after_going_back(
+    stack: Stack, chrome: Browser
+) -> None:
+    editor = signed_in(chrome, stack)
+    live = editor.context.new_page()
+    live.goto(f"{stack.address}/sites/{SITE}/live")
+    expect(live.get_by_role("heading", name="Count")).to_be_visible()
+    live.evaluate("window.notReloaded = true")
+
+    editor.goto(f"{stack.address}/admin/description")
+    expect(editor.get_by_text("version 1, since")).to_be_visible()
+    editor.get_by_text("Edit", exact=True).click()
+    editor.locator("summary", has_text="Devices").click()
+    editor.locator("summary", has_text="base").click()
+    editor.locator("summary", has_text="Signals").click()
+    editor.get_by_role("button", name="Add to signals").click()
+    expect(
+        editor.get_by_text("things do not fit").or_(editor.get_by_text("1 thing does"))
+    ).to_be_visible()
+    picture(editor, "description-form")
+    added = editor.locator("details", has=editor.locator("summary", has_text="new_signal")).last
+    added.locator("summary", has_text="Source").click()
+    added.get_by_label("Topic").fill("/count")
+    added.get_by_label("Topic").press("Tab")
+    added.get_by_label("Type *").or_(added.get_by_label("Type", exact=True)).last.fill(
+        "std_msgs/msg/Float64"
+    )
+    added.get_by_label("Field", exact=True).fill("data")
+    added.get_by_label("Field", exact=True).press("Tab")
+    expect(editor.get_by_text("fits together")).to_be_visible()
+    editor.get_by_role("button", name="Review and apply").click()
+    expect(editor.get_by_label("Preview of Base")).to_be_visible()
+    picture(editor, "description-review")
+    editor.get_by_role("button", name="Apply", exact=True).click()
+    expect(editor.get_by_text("version 2, since")).to_be_visible()
+
+    expect(live.get_by_role("heading", name="New signal")).to_be_visible()
+    assert live.evaluate("window.notReloaded")
+    written = (stack.folder / "site.yaml").read_text()
+    assert written.startswith("# A robot that counts.")
+    assert "# ten times a second" in written
+    assert stack.gateway.said().count("linked to") == 1
+    picture(live, "description-live")
+
+    editor.get_by_text("Versions", exact=True).click()
+    editor.get_by_role("button", name="What changed in version 2").click()
+    expect(editor.get_by_text("+ added")).to_be_visible()
+    picture(editor, "description-versions")
+    editor.get_by_role("button", name="Go back to version 1").click()
+    editor.get_by_role("button", name="Go back to this one", exact=True).last.click()
+    expect(editor.get_by_text("version 3, since")).to_be_visible()
+    expect(live.get_by_role("heading", name="New signal")).to_have_count(0)
+    assert (stack.folder / "site.yaml").read_text() == DESCRIPTION
+    assert stack.gateway.said().count("linked to") == 1
+
+
+def test_mistake_in_the_text_is_listed_and_leads_to_its_line(stack: Stack, chrome: Browser) -> None:
+    page = signed_in(chrome, stack)
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto(f"{stack.address}/admin/description")
+    page.get_by_text("Edit", exact=True).click()
+    page.get_by_text("Text", exact=True).click()
+    area = page.get_by_label("The description as YAML")
+    area.fill(DESCRIPTION.replace("        name: Count", "        name: Count\n        unit: mps"))
+    expect(page.get_by_text("1 thing does not fit")).to_be_visible()
+    expect(page.get_by_role("button", name="Review and apply")).to_be_disabled()
+    page.get_by_role("button", name="devices.base.signals.count.unit (line 12)").click()
+    chosen = area.evaluate("each => each.value.slice(each.selectionStart, each.selectionEnd)")
+    assert chosen == "        unit: mps"
+    picture(page, "description-text-phone")
+    page.get_by_role("button", name="Undo").click()
+    expect(page.get_by_text("nothing changed yet")).to_be_visible()

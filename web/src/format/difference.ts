@@ -1,0 +1,46 @@
+/** Lines of a unified difference, told apart for eyes and for screen readers. */
+
+export type LineKind = "added" | "removed" | "same" | "place";
+
+export interface DifferenceLine {
+  readonly kind: LineKind;
+  /** Stands before it, so that colour is not all that tells it apart. */
+  readonly sign: string;
+  readonly text: string;
+  /** Its number before and after; 0 where it is not in that text. */
+  readonly before: number;
+  readonly after: number;
+}
+
+const PLACE = /^@@ -(\d+)(?:,\d+)? \+(\d+)(?:,\d+)? @@/;
+
+/** @param lines as of a unified difference: with `@@`, and `+`, `-` or a blank before each other line */
+export function differenceLines(lines: readonly string[]): DifferenceLine[] {
+  let before = 0;
+  let after = 0;
+  return lines.map((line) => {
+    const place = PLACE.exec(line);
+    if (place !== null) {
+      before = Number(place[1]);
+      after = Number(place[2]);
+      return { kind: "place", sign: "…", text: `line ${String(after)}`, before: 0, after: 0 };
+    }
+    const text = line.slice(1);
+    if (line.startsWith("+")) return { kind: "added", sign: "+", text, before: 0, after: after++ };
+    if (line.startsWith("-")) return { kind: "removed", sign: "−", text, before: before++, after: 0 };
+    return { kind: "same", sign: " ", text, before: before++, after: after++ };
+  });
+}
+
+/** How many lines came and went, in words. */
+export function differenceWords(lines: readonly DifferenceLine[]): string {
+  const added = lines.filter((line) => line.kind === "added").length;
+  const removed = lines.filter((line) => line.kind === "removed").length;
+  if (added + removed === 0) return "no line differs";
+  const said = [added > 0 ? `${counted(added)} added` : "", removed > 0 ? `${counted(removed)} removed` : ""];
+  return said.filter((each) => each !== "").join(", ");
+}
+
+function counted(count: number): string {
+  return count === 1 ? "1 line" : `${String(count)} lines`;
+}
