@@ -20,6 +20,7 @@ from pydantic import BaseModel
 from talaia.hub.api import (
     archive_shapes,
     history_shapes,
+    observatory_shapes,
     people_shapes,
     recording_shapes,
     shapes,
@@ -40,7 +41,14 @@ UNIONS = (
     ("MediaToBrowser", browser.MediaToBrowser),
     ("MediaFromBrowser", browser.MediaFromBrowser),
 )
-SHAPES = (shapes, people_shapes, history_shapes, recording_shapes, archive_shapes)
+SHAPES = (
+    shapes,
+    people_shapes,
+    history_shapes,
+    recording_shapes,
+    archive_shapes,
+    observatory_shapes,
+)
 # Texts of the API that come from a closed list.
 CLOSED = {
     ("SignalShape", "type"): [kind.value for kind in SignalType],

@@ -29,6 +29,7 @@ from talaia.hub.api.roles import RolePages
 from talaia.hub.api.shield import Shield
 from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sockets import Sockets
+from talaia.hub.api.sky import SkyPages
 from talaia.hub.api.storage import StoragePages
 from talaia.hub.api.tokens import TokenPages
 from talaia.hub.archive.looking import NotKept
@@ -204,6 +205,7 @@ class Hub:
             self._site_pages(),
             HistoryPages(self._history),
             ArchivePages(self._archive),
+            SkyPages(),
             RecordingPages(self._recordings, self._audit),
             self._gateway_pages(),
             AuditPages(self._audit),

@@ -93,6 +93,8 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/sites/{site}/stored"): Need.SEE,
     ("GET", "/api/sites/{site}/export"): Need.SEE,
     ("GET", "/api/sites/{site}/events"): Need.SEE,
+    # Names of stars and galaxies; nothing of the site.
+    ("GET", "/api/sites/{site}/sky"): Need.SEE,
     # Each picture's camera is looked at besides; what may not be seen is as if it were not there.
     ("GET", "/api/sites/{site}/frames"): Need.SEE,
     ("GET", "/api/sites/{site}/nights"): Need.SEE,

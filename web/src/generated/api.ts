@@ -101,6 +101,7 @@ export interface DeviceShape {
   readonly drive: DriveShape | null;
   readonly public: boolean;
   readonly link_loss: string;
+  readonly pointing: PointingShape | null;
   readonly rights: readonly ("view" | "use" | "admin")[];
 }
 
@@ -262,7 +263,7 @@ export interface SignalShape {
   readonly channels: readonly string[];
 }
 
-/** A site as far as you may see it. */
+/** A site as far as you may see it; ``rules`` are its interlocks, ``enclosures`` its roofs. */
 export interface SiteShape {
   readonly site: string;
   readonly name: string;
@@ -271,7 +272,10 @@ export interface SiteShape {
   readonly since_us: number;
   readonly last_seen_us: number;
   readonly catalogue: string;
+  readonly place: PlaceShape | null;
   readonly devices: readonly DeviceShape[];
+  readonly rules: readonly RuleShape[];
+  readonly enclosures: readonly EnclosureShape[];
 }
 
 /** A site in the list. */
@@ -652,4 +656,89 @@ export interface NightShape {
   readonly night: string;
   readonly frames: number;
   readonly bytes: number;
+}
+
+/** Unsafe while all of these limits say so. ``link_lost``: without the hub for so long. */
+export interface ConditionShape {
+  readonly limits: readonly LimitShape[];
+  readonly lasting: number;
+  readonly link_lost: number | null;
+}
+
+/** A roof: closed only when all of ``closed`` say so; kept closed by the rules of ``unsafe``. */
+export interface EnclosureShape {
+  readonly id: string;
+  readonly name: string;
+  readonly closed: readonly SightingShape[];
+  readonly moving: readonly SightingShape[];
+  readonly close: string;
+  readonly stop: string;
+  readonly unsafe: readonly string[];
+}
+
+/** When a signal is unsafe: out of these limits, in or out of these states, or unknown. */
+export interface LimitShape {
+  readonly signal: string;
+  readonly above: number | null;
+  readonly until_below: number | null;
+  readonly below: number | null;
+  readonly until_above: number | null;
+  readonly states: readonly string[];
+  readonly safe_states: readonly string[];
+}
+
+/** Where a site is on Earth: degrees north, degrees east, metres. */
+export interface PlaceShape {
+  readonly latitude: number;
+  readonly longitude: number;
+  readonly elevation: number;
+}
+
+/** Where a telescope may not point: lower than ``horizon``, or within ``sun`` of the Sun. */
+export interface PointingShape {
+  readonly commands: readonly SlewShape[];
+  readonly horizon: number;
+  readonly sun: number;
+}
+
+/** An interlock as far as you may see it; ``hidden`` of its conditions you may not. */
+export interface RuleShape {
+  readonly id: string;
+  readonly name: string;
+  readonly conditions: readonly ConditionShape[];
+  readonly hidden: number;
+  readonly targets: readonly string[];
+  readonly dwell: number;
+}
+
+/** What a sensor says when something is so. */
+export interface SightingShape {
+  readonly signal: string;
+  readonly states: readonly string[];
+}
+
+/** What goes by a name. ``available`` is false where the hub has no catalogue. */
+export interface SkyList {
+  readonly available: boolean;
+  readonly objects: readonly SkyObject[];
+}
+
+/** Something of a catalogue; coordinates are degrees of J2000, ``magnitude`` is visual. */
+export interface SkyObject {
+  readonly name: string;
+  readonly also: readonly string[];
+  readonly kind: string;
+  readonly constellation: string;
+  readonly ra_deg: number;
+  readonly dec_deg: number;
+  readonly magnitude: number | null;
+}
+
+/** A command that points a telescope, and its arguments that say where to; empty for none. */
+export interface SlewShape {
+  readonly command: string;
+  readonly ra: string;
+  readonly dec: string;
+  readonly alt: string;
+  readonly az: string;
 }
