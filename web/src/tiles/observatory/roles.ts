@@ -6,6 +6,7 @@
  * one behind INDI, whatever they are called. Pure.
  */
 
+import type { ArgumentValue } from "../../elements/command/arguments.js";
 import type { CommandInfo, DeviceInfo, SignalInfo } from "../../wire/api.js";
 
 /** Which drawn part a device's page has; `pictures` for a camera that only watches. */
@@ -92,7 +93,7 @@ export function shutterOf(word: string): ShutterState {
 /** Commands by what they do; each stands here once. */
 export interface Deed {
   readonly command: CommandInfo;
-  readonly args: Readonly<Record<string, boolean>>;
+  readonly args: Readonly<Record<string, ArgumentValue>>;
   /** The button's words. */
   readonly label: string;
   readonly kind: "plain" | "primary" | "danger";

@@ -1,0 +1,231 @@
+/** A camera that takes exposures: the form, how far it is, the newest picture, its cooler. */
+
+import { consume } from "@lit/context";
+import { css, html, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { LoadController } from "../../controllers/load.js";
+import { base } from "../../elements/base.js";
+import { formatBytes } from "../../format/bytes.js";
+import { formatDuration } from "../../format/duration.js";
+import { formatDec, formatRa } from "../../format/sexagesimal.js";
+import { apiContext } from "../../state/contexts.js";
+import { archivePath } from "../../state/router.js";
+import { ArchiveApi, filePath, type FrameDetail } from "../../wire/archive.js";
+import type { CommandInfo, SignalInfo } from "../../wire/api.js";
+import type { HubApi } from "../../wire/http.js";
+import { pixelValues } from "../archive/frame-look.js";
+import { NO_DEVICE, Part, partStyle } from "./part.js";
+import { cameraDeeds, cameraSignals } from "./roles.js";
+import "../../elements/card.js";
+import "../../elements/empty.js";
+import "../../elements/loading.js";
+import "../../elements/status.js";
+import "../../elements/time.js";
+import "../camera/camera.js";
+import "../command/command-card.js";
+import "../command/deeds.js";
+import "../signal-value.js";
+
+/** The archive is asked for something newer this often (ms), and when an exposure ends. */
+const AGAIN_MS = 15_000;
+/** A picture needs a moment to come from the camera into the archive (ms). */
+const COMES_MS = 4000;
+
+@customElement("t-part-camera")
+export class CameraPart extends Part {
+  static override styles = [
+    base,
+    partStyle,
+    css`
+      .side {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr);
+        gap: var(--t-space-4);
+        min-inline-size: 0;
+      }
+      .forms {
+        display: grid;
+        gap: var(--t-space-5);
+      }
+      .forms > * + * {
+        padding-block-start: var(--t-space-4);
+        border-block-start: 1px solid var(--t-line);
+      }
+      .progress {
+        display: grid;
+        gap: var(--t-space-1);
+        font-variant-numeric: tabular-nums;
+      }
+      progress {
+        inline-size: 100%;
+        block-size: 0.75rem;
+        accent-color: var(--t-accent);
+      }
+      .facts {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-1) var(--t-space-4);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .ways {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-4);
+      }
+      .ways a {
+        display: inline-flex;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        font-weight: var(--t-weight-strong);
+      }
+    `,
+  ];
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly newest = new LoadController<FrameDetail | null>(this);
+  private longest = 0;
+  private ends = 0;
+
+  override willUpdate(): void {
+    const signals = cameraSignals(this.device ?? NO_DEVICE);
+    this.watch(...Object.values(signals));
+    this.follow(signals.remaining);
+    const device = this.device?.id ?? "";
+    if (device === "") return;
+    const turn = Math.floor(Date.now() / AGAIN_MS);
+    const late = this.ends > 0 && Date.now() > this.ends + COMES_MS ? this.ends : 0;
+    this.newest.ask(`${this.site} ${device} ${String(turn)} ${String(late)}`, () => this.load(device));
+  }
+
+  /** The length of an exposure is the most that was ever left of it. */
+  private follow(remaining: SignalInfo | undefined): void {
+    const now = this.known(remaining);
+    const left = now.fresh ? now.value : 0;
+    if (left > 0) this.longest = Math.max(this.longest, left);
+    else if (this.longest > 0) {
+      this.longest = 0;
+      this.ends = Date.now();
+    }
+  }
+
+  private async load(device: string): Promise<FrameDetail | null> {
+    const archive = new ArchiveApi(this.api, this.site);
+    const { frames } = await archive.find(new URLSearchParams({ device, limit: "1" }).toString());
+    const [frame] = frames;
+    if (frame === undefined) return null;
+    const held = this.newest.value;
+    return held?.frame.id === frame.id ? held : archive.frame(frame.id);
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const { device } = this;
+    if (device === null) return nothing;
+    return html`<section class="two" aria-label="Camera">
+      <div class="card">${this.picture()}</div>
+      <div class="side">
+        <div class="card">${this.exposure()}</div>
+        ${this.cooler()}
+      </div>
+    </section>`;
+  }
+
+  private picture(): unknown {
+    const found = this.newest.value;
+    if (found === undefined) {
+      return this.newest.result.state === "failed" ? this.streams() : html`<t-loading what="Loading the newest picture"></t-loading>`;
+    }
+    if (found === null) return this.streams();
+    const { frame, histogram } = found;
+    const exposure = frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(4)))} s`;
+    return html`<div>
+        <h2>${frame.target === "" ? "Newest picture" : frame.target}</h2>
+        <div class="facts">
+          <span><t-time .us=${frame.time_us} .zone=${this.detail?.zone ?? "UTC"}></t-time></span>
+          <span>${[frame.kind, frame.filter, exposure].filter(Boolean).join(" · ")}</span>
+          ${frame.ra_deg === null || frame.dec_deg === null
+            ? nothing
+            : html`<span>${formatRa(frame.ra_deg / 15)} ${formatDec(frame.dec_deg)}</span>`}
+          <span>${frame.width} × ${frame.height} px</span>
+        </div>
+      </div>
+      <t-frame-look .site=${this.site} .frame=${frame.id} .target=${frame.target}></t-frame-look>
+      ${pixelValues(histogram)}
+      <div class="ways">
+        <a download=${frame.name} href=${filePath(this.site, frame.id)}>Download FITS (${formatBytes(frame.bytes)})</a>
+        <a href=${archivePath(this.site, frame.device)}>All its pictures</a>
+      </div>`;
+  }
+
+  /** Without a picture in the archive, what it shows now. */
+  private streams(): unknown {
+    const streams = this.device?.streams ?? [];
+    if (streams.length === 0) {
+      return html`<t-empty heading="No picture yet" icon="camera">
+        <p>A picture comes here by itself after an exposure, and into the archive.</p>
+      </t-empty>`;
+    }
+    return html`<div>
+        <h2>Newest picture</h2>
+        <p class="note">None of its files is in the archive; this is what it shows itself.</p>
+      </div>
+      ${map(
+        streams,
+        ({ address, name }) => html`<t-camera .site=${this.site} .stream=${address} .name=${name} .online=${this.online}></t-camera>`,
+      )}`;
+  }
+
+  private exposure(): TemplateResult {
+    const { state, remaining, filter } = cameraSignals(this.device ?? NO_DEVICE);
+    const { expose, abort } = cameraDeeds(this.device ?? NO_DEVICE);
+    return html`<h2>Exposure</h2>
+      <div class="readings">${[state, filter].map((signal) => this.reading(signal, "l"))}</div>
+      ${this.progress(remaining)} ${this.lookOnly()}
+      <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${abort} .online=${this.online}></t-deeds>
+      <div class="forms">${expose.map((command) => this.form(command))}</div>`;
+  }
+
+  private progress(remaining: SignalInfo | undefined): unknown {
+    const { fresh, value } = this.known(remaining);
+    if (remaining === undefined) return nothing;
+    if (!fresh) return html`<t-status kind="unknown" word="How far it is, is not known"></t-status>`;
+    if (!(value > 0)) return html`<t-status kind="ok" word="No exposure under way"></t-status>`;
+    return html`<div class="progress">
+      <t-status kind="busy" .word=${`Exposing, ${formatDuration(Math.ceil(value))} left`}></t-status>
+      <progress max=${this.longest} .value=${this.longest - value} aria-label="Exposure"></progress>
+    </div>`;
+  }
+
+  private cooler(): unknown {
+    const { temperature, cooler, power } = cameraSignals(this.device ?? NO_DEVICE);
+    const { cool, cooler: deeds } = cameraDeeds(this.device ?? NO_DEVICE);
+    if (temperature === undefined && cooler === undefined && cool.length === 0) return nothing;
+    return html`<div class="card">
+      <h2>Cooler</h2>
+      <div class="readings">${[temperature, cooler, power].map((signal) => this.reading(signal, "l"))}</div>
+      <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>
+      ${cool.map((command) => this.form(command))}
+    </div>`;
+  }
+
+  private form(command: CommandInfo): TemplateResult {
+    return html`<t-command-card
+      .site=${this.site}
+      .device=${this.device}
+      .command=${command}
+      .line=${this.line}
+      .online=${this.online}
+    ></t-command-card>`;
+  }
+
+  private reading(signal: SignalInfo | undefined, size: "m" | "l"): unknown {
+    return signal === undefined ? nothing : html`<t-signal-value size=${size} .site=${this.site} .signal=${signal}></t-signal-value>`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-part-camera": CameraPart;
+  }
+}
