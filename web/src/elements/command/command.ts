@@ -42,13 +42,14 @@ export class CommandForm extends LitElement {
       .fields {
         display: grid;
         grid-template-columns: repeat(auto-fit, minmax(11rem, 1fr));
-        align-items: end;
+        align-items: start;
         gap: var(--t-space-3);
       }
       .fields:empty {
         display: none;
       }
       label {
+        align-self: end;
         display: inline-flex;
         align-items: center;
         gap: var(--t-space-3);

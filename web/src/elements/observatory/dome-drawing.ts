@@ -152,7 +152,7 @@ export class DomeDrawing extends LitElement {
     const unknown = this.roof === "unknown" || this.stale || (this.turns && Number.isNaN(this.azimuth));
     const moving = !this.stale && (this.turning || this.roof === "opening" || this.roof === "closing");
     return html`<svg
-      viewBox=${this.turns ? "-150 -122 300 192" : "-170 -110 340 160"}
+      viewBox=${this.turns ? "-205 -124 410 194" : "-170 -110 340 160"}
       role="img"
       aria-label=${this.words()}
       class=${[moving ? "moving" : "", this.roof === "error" ? "error" : ""].join(" ")}
@@ -184,7 +184,7 @@ export class DomeDrawing extends LitElement {
     const half = SLIT * this.gap;
     const wide = SLIT * 2;
     return svg`
-      ${this.compass()}
+      ${this.plan()} ${this.compass()} ${Number.isNaN(this.at) ? nothing : this.pointer(azimuth)}
       <path class="wall" d="M-100 0V16A100 ${tall} 0 0 0 100 16V0A100 ${tall} 0 0 1 -100 0Z"></path>
       <path class="shell" d="M-100 0A100 100 0 0 1 100 0A100 ${tall} 0 0 1 -100 0Z"></path>
       ${
@@ -192,8 +192,7 @@ export class DomeDrawing extends LitElement {
           ? nothing
           : svg`<polygon class="behind" points=${strip(azimuth, -SLIT, SLIT, true)}></polygon>
             ${this.panel(azimuth, -SLIT - half, -half)} ${this.panel(azimuth, half, Math.min(wide, SLIT + half))}
-            ${this.gap > 0.01 ? svg`<polygon class="inside" points=${strip(azimuth, -half, half)}></polygon>` : nothing}
-            ${this.pointer(azimuth)}`
+            ${this.gap > 0.01 ? svg`<polygon class="inside" points=${strip(azimuth, -half, half)}></polygon>` : nothing}`
       }
       ${unknown ? svg`<path class="veil" d="M-100 0A100 100 0 0 1 100 0A100 ${tall} 0 0 1 -100 0Z"></path>` : nothing}`;
   }
@@ -207,16 +206,33 @@ export class DomeDrawing extends LitElement {
       const [a, b] = [onGround(i * 15, 1.2), onGround(i * 15, i % 6 === 0 ? 1.28 : 1.24)];
       return svg`<path class="line" d="M${a.x * 100} ${a.y * 100 + 16}L${b.x * 100} ${b.y * 100 + 16}"></path>`;
     });
-    const winds = WINDS.map(([name, azimuth]) => {
+    const winds = WINDS.filter(([name]) => name !== "N").map(([name, azimuth]) => {
       const { x, y } = onGround(azimuth, 1.4);
       return svg`<text x=${x * 100} y=${y * 100 + 16}>${name}</text>`;
     });
-    const { x, y } = onGround(this.telescope, 1.2);
-    const telescope = Number.isNaN(this.telescope)
-      ? nothing
-      : svg`<circle class="telescope" cx=${x * 100} cy=${y * 100 + 16} r="6"><title>The telescope</title></circle>
-          <path class="telescope" d=${`M${String(x * 100 - 9)} ${String(y * 100 + 16)}h18M${String(x * 100)} ${String(y * 100 + 7)}v18`}></path>`;
-    return svg`<ellipse class="line" cx="0" cy="16" rx="120" ry=${120 * FLATNESS}></ellipse>${ticks}${winds}${telescope}`;
+    return svg`<ellipse class="line" cx="0" cy="16" rx="120" ry=${120 * FLATNESS}></ellipse>${ticks}${winds}`;
+  }
+
+  /** The same from straight above, small: what the dome itself hides. */
+  private plan(): SVGTemplateResult {
+    const winds = WINDS.map(([name, azimuth]) => {
+      const { x, y } = around(azimuth, 41);
+      return svg`<text x=${x} y=${y}>${name}</text>`;
+    });
+    const tip = around(this.telescope, 31);
+    return svg`<g transform="translate(-148 -70)">
+      <circle class="shell" r="30"></circle>
+      ${winds}
+      ${
+        Number.isNaN(this.at)
+          ? nothing
+          : svg`<g transform="rotate(${this.at})">
+              <path class=${this.gap > 0.01 ? "inside" : "door"} d="M-6 5V-29.4A30 30 0 0 1 6 -29.4V5Z"></path>
+              <path class="beam" d="M0 -36l-5 9h10z"></path>
+            </g>`
+      }
+      ${Number.isNaN(this.telescope) ? nothing : svg`<path class="telescope" d="M0 0L${tip.x} ${tip.y}"></path><circle class="telescope" r="3"></circle>`}
+    </g>`;
   }
 
   /** Where the slit looks, on the ring round the dome. */
@@ -269,6 +285,11 @@ export class DomeDrawing extends LitElement {
     };
     this.frame = requestAnimationFrame(step);
   }
+}
+
+function around(azimuth: number, far: number): { readonly x: number; readonly y: number } {
+  const { x, y } = onGround(azimuth, far);
+  return { x, y: y / FLATNESS };
 }
 
 declare global {

@@ -2,6 +2,7 @@
 
 import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { formatClock } from "../../format/time.js";
 import { DARKNESS, type Night, type Visibility } from "../../sky/night.js";
 import { base } from "../base.js";
@@ -132,10 +133,12 @@ export class NightCurve extends LitElement {
     const path = (alts: readonly number[]): string => alts.map((alt, i) => `${i === 0 ? "M" : "L"}${this.x(night.points[i]?.ms ?? 0).toFixed(1)} ${y(alt).toFixed(1)}`).join("");
     return html`<svg viewBox="0 0 ${WIDE} ${TALL + LOW}" role="img" aria-label=${`Altitude over the night. ${this.words}`}>
         <clipPath id="frame"><rect x=${LEFT} y="0" width=${WIDE - LEFT} height=${TALL}></rect></clipPath>
-        ${night.bands.map(
+        ${map(
+          night.bands,
           ({ id, from, to }) => svg`<rect class=${id} x=${this.x(from)} y=${TOP} width=${this.x(to) - this.x(from)} height=${TALL - TOP}></rect>`,
         )}
-        ${[0, 30, 60, 90].map(
+        ${map(
+          [0, 30, 60, 90],
           (alt) => svg`<path class="grid" d="M${LEFT} ${y(alt)}H${WIDE}"></path><text class="height" x=${LEFT - 5} y=${y(alt)}>${alt}°</text>`,
         )}
         ${this.hours(night)}
@@ -179,7 +182,7 @@ export class NightCurve extends LitElement {
       ${mark(svg`<path class="curve" d="M0 8H32"></path>`, "target")} ${mark(svg`<path class="moon" d="M0 8H32"></path>`, "Moon")}
       ${mark(svg`<path class="now" d="M16 0V16"></path>`, "now")}
       ${this.limit > 0 ? mark(svg`<path class="limit" d="M0 8H32"></path>`, "lowest allowed") : nothing}
-      ${DARKNESS.map(({ id, name }) => mark(svg`<rect class="${id} grid" width="32" height="16"></rect>`, name))}
+      ${map(DARKNESS, ({ id, name }) => mark(svg`<rect class="${id} grid" width="32" height="16"></rect>`, name))}
     </ul>`;
   }
 

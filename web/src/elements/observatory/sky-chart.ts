@@ -2,6 +2,7 @@
 
 import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { formatAzimuth } from "../../format/sexagesimal.js";
 import { moonFrom, moonPhase, sunFrom } from "../../sky/bodies.js";
 import { STARS } from "../../sky/stars.js";
@@ -67,6 +68,9 @@ export class SkyChart extends LitElement {
       }
       .star {
         fill: var(--t-star);
+      }
+      .day {
+        opacity: 0.5;
       }
       .name {
         font-size: 5.4px;
@@ -138,15 +142,16 @@ export class SkyChart extends LitElement {
     return html`<svg viewBox="-118 -114 236 228" role="img" aria-label=${this.words(sun, moon)} class=${this.stale ? "stale" : ""}>
       <circle class=${this.limit > 0 ? "low" : "sky"} r=${R}></circle>
       ${this.limit > 0 ? svg`<circle class="sky" r=${radius(this.limit)}></circle>` : nothing}
-      ${[30, 60].map((alt) => svg`<circle class="ring" r=${radius(alt)}></circle><text x="2" y=${-radius(alt) + 4}>${alt}°</text>`)}
+      ${map([30, 60], (alt) => svg`<circle class="ring" r=${radius(alt)}></circle><text x="2" y=${-radius(alt) + 4}>${alt}°</text>`)}
       <path class="ring" d="M0 ${-R}V${R}M${-R} 0H${R}"></path>
       ${this.limit > 0 ? svg`<circle class="limit" r=${radius(this.limit)}></circle>` : nothing}
       <circle class="horizon" r=${R}></circle>
-      ${WINDS.map(([name, az]) => {
+      ${map(WINDS, ([name, az]) => {
         const { x, y } = spot({ alt: 0, az }, 108);
         return svg`<text class=${name.length === 1 ? "wind" : ""} x=${x} y=${y}>${name}</text>`;
       })}
-      ${this.stars(place)} ${this.moon(moon)} ${this.sun(sun)} ${this.aims()}
+      <g class=${sun.alt > 0 ? "day" : ""}>${this.stars(place)}</g>
+      ${this.moon(moon)} ${this.sun(sun)} ${this.aims()}
     </svg>`;
   }
 
@@ -178,7 +183,7 @@ export class SkyChart extends LitElement {
     const { x, y } = spot(moon);
     const { lit, waxing } = moonPhase(this.ms);
     const bulge = Math.abs(1 - 2 * lit) * 5;
-    const path = `M0 -5A5 5 0 0 1 0 5A${String(bulge)} 5 0 0 ${lit < 0.5 ? 0 : 1} 0 -5Z`;
+    const path = `M0 -5A5 5 0 0 1 0 5A${String(bulge)} 5 0 0 ${lit < 0.5 ? "0" : "1"} 0 -5Z`;
     return svg`<g transform="translate(${x} ${y})">
         <circle class="dark" r="5"></circle>
         <path class="moon" d=${path} transform=${waxing ? "" : "scale(-1 1)"}></path>

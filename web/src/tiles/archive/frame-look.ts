@@ -70,13 +70,15 @@ export class FrameLook extends LitElement {
             <img
               alt=${`The picture of ${this.target || "no named target"}, drawn with the ${this.stretch} stretch`}
               src=${path}
-              @error=${(): void => {
-                this.broken = path;
-              }}
+              @error=${this.notDrawn}
             />
             <div class="tint"></div>
           </div>`}`;
   }
+
+  private readonly notDrawn = (event: Event): void => {
+    if (event.target instanceof HTMLImageElement) this.broken = event.target.getAttribute("src") ?? "";
+  };
 
   private readonly choose = (event: CustomEvent<string>): void => {
     this.stretch = STRETCHES.find((each) => each === event.detail) ?? "asinh";

@@ -2,6 +2,7 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import type { CommandLine } from "../../controllers/drive/command-line.js";
 import { isFinal, type Asked } from "../../controllers/drive/commands.js";
@@ -89,7 +90,8 @@ export class Deeds extends LitElement {
       <ul role="status">
         ${repeat(this.news(), ({ id }) => id, (asked) => this.outcome(asked))}
       </ul>
-      ${[...this.locks()].map(
+      ${map(
+        this.locks(),
         ([why, names]) => html`<div class="locked"><t-icon name="lock"></t-icon><span>${names.join(", ")}: ${why}</span></div>`,
       )}
       ${this.dialog()}`;

@@ -90,7 +90,7 @@ export class CameraPart extends Part {
 
   override willUpdate(): void {
     const signals = cameraSignals(this.device ?? NO_DEVICE);
-    this.watch(...Object.values(signals));
+    this.watch(...Object.values<SignalInfo | undefined>({ ...signals }));
     this.follow(signals.remaining);
     const device = this.device?.id ?? "";
     if (device === "") return;
@@ -179,11 +179,13 @@ export class CameraPart extends Part {
   private exposure(): TemplateResult {
     const { state, remaining, filter } = cameraSignals(this.device ?? NO_DEVICE);
     const { expose, abort } = cameraDeeds(this.device ?? NO_DEVICE);
+    const under = this.known(remaining).value > 0;
+    const stops = abort.map((deed) => ({ ...deed, kind: under ? "danger" : "plain" }));
     return html`<h2>Exposure</h2>
-      <div class="readings">${[state, filter].map((signal) => this.reading(signal, "l"))}</div>
+      <div class="readings">${map([state, filter], (signal) => this.reading(signal, "l"))}</div>
       ${this.progress(remaining)} ${this.lookOnly()}
-      <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${abort} .online=${this.online}></t-deeds>
-      <div class="forms">${expose.map((command) => this.form(command))}</div>`;
+      <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${stops} .online=${this.online}></t-deeds>
+      <div class="forms">${map(expose, (command) => this.form(command))}</div>`;
   }
 
   private progress(remaining: SignalInfo | undefined): unknown {
@@ -203,9 +205,9 @@ export class CameraPart extends Part {
     if (temperature === undefined && cooler === undefined && cool.length === 0) return nothing;
     return html`<div class="card">
       <h2>Cooler</h2>
-      <div class="readings">${[temperature, cooler, power].map((signal) => this.reading(signal, "l"))}</div>
+      <div class="readings">${map([temperature, cooler, power], (signal) => this.reading(signal, "l"))}</div>
       <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>
-      ${cool.map((command) => this.form(command))}
+      ${map(cool, (command) => this.form(command))}
     </div>`;
   }
 

@@ -2,6 +2,7 @@
 
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base.js";
 import { formatAzimuth } from "../../format/sexagesimal.js";
 import type { EnclosureInfo, SignalInfo } from "../../wire/api.js";
@@ -44,7 +45,7 @@ export class DomePart extends Part {
 
   override willUpdate(): void {
     const signals = this.signals();
-    this.watch(...Object.values(signals), this.telescopeAzimuth(), ...this.sensors());
+    this.watch(...Object.values<SignalInfo | undefined>({ ...signals }), this.telescopeAzimuth(), ...this.sensors());
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -69,7 +70,7 @@ export class DomePart extends Part {
         ${signals.azimuth === undefined
           ? nothing
           : html`<p class="note">
-              Seen from the south and a little above.${telescope.fresh ? " The cross on the ring is where the telescope looks." : ""}
+              Seen from the south and from a little above; the plan beside it from straight above.${telescope.fresh ? " The line in the plan is where the telescope looks." : ""}
             </p>`}
       </div>
       <div class="card">
@@ -81,11 +82,12 @@ export class DomePart extends Part {
         </div>
         ${this.proof(roof)}
         <div class="readings">
-          ${[signals.azimuth, signals.opening, signals.parked, signals.local].map((signal) => this.reading(signal))}
+          ${map([signals.azimuth, signals.opening, signals.parked, signals.local], (signal) => this.reading(signal))}
         </div>
         ${this.lookOnly()}
         <t-deeds .site=${this.site} .device=${device} .line=${this.line} .deeds=${buttons} .online=${this.online}></t-deeds>
-        ${forms.map(
+        ${map(
+          forms,
           (command) => html`<t-command-card
             .site=${this.site}
             .device=${device}

@@ -51,13 +51,17 @@ export class Goto extends LitElement {
       .pair {
         display: grid;
         grid-template-columns: minmax(0, 1fr) minmax(0, 1fr) auto;
-        align-items: end;
+        align-items: start;
         gap: var(--t-space-3);
+      }
+      /* Beside the field itself, whatever stands above and below that. */
+      form t-button {
+        margin-block-start: calc(var(--t-size-s) * 1.45 + var(--t-space-1));
       }
       .one {
         display: grid;
         grid-template-columns: minmax(0, 1fr) auto;
-        align-items: end;
+        align-items: start;
         gap: var(--t-space-3);
       }
       fieldset {
@@ -107,6 +111,10 @@ export class Goto extends LitElement {
         font-weight: var(--t-weight-strong);
       }
       @media (max-width: 45rem) {
+        .pair t-button {
+          grid-column: 1 / -1;
+          margin-block-start: 0;
+        }
         .pair {
           grid-template-columns: minmax(0, 1fr) minmax(0, 1fr);
         }
@@ -196,9 +204,7 @@ export class Goto extends LitElement {
       ${map(
         found,
         (one, i) => html`<label
-          ><input type="radio" name="which" .checked=${one === this.target} @change=${(): void => {
-            this.choose(found[i] ?? null);
-          }} /><span><strong>${one.name}</strong> <span class="muted">${one.about}</span></span></label
+          ><input type="radio" name="which" .value=${String(i)} .checked=${one === this.target} @change=${this.picked} /><span><strong>${one.name}</strong> <span class="muted">${one.about}</span></span></label
         >`,
       )}
     </fieldset>`;
@@ -261,6 +267,10 @@ export class Goto extends LitElement {
     this.night = null;
     this.dispatchEvent(new CustomEvent("t-target", { detail: target }));
   }
+
+  private readonly picked = (event: Event): void => {
+    if (event.target instanceof HTMLInputElement) this.choose(this.found?.[Number(event.target.value)] ?? null);
+  };
 
   private readonly turnTo = (event: CustomEvent<string>): void => {
     this.way = event.detail === "place" ? "place" : "name";

@@ -2,6 +2,7 @@
 
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { isFinal } from "../../controllers/drive/commands.js";
 import { StoreController } from "../../controllers/store.js";
@@ -145,7 +146,7 @@ export class PowerPart extends Part {
             ${states.filter((on) => on === true).length} of ${outlets.length} on${unknown === 0 ? "" : `, ${String(unknown)} unknown`}
           </p>
         </div>
-        ${tellingSignals(device).map((signal) => html`<t-signal-value size="l" .site=${this.site} .signal=${signal}></t-signal-value>`)}
+        ${map(tellingSignals(device), (signal) => html`<t-signal-value size="l" .site=${this.site} .signal=${signal}></t-signal-value>`)}
       </div>
       ${this.lookOnly()}
       <ul>
@@ -166,7 +167,7 @@ export class PowerPart extends Part {
   private row(outlet: Outlet): TemplateResult {
     const on = this.isOn(outlet.signal);
     const word = on === null ? "unknown" : on ? "on" : "off";
-    return html`<li class=${word}>
+    return html`<li class=${on === null ? "unknown" : ""}>
       <div>
         <div class="name">${outlet.signal.name}</div>
         <span class=${on === true ? "on" : "muted"}>${word}</span>
@@ -179,7 +180,7 @@ export class PowerPart extends Part {
     if (!this.mayUse || (turnOn === undefined && turnOff === undefined)) return nothing;
     if (on === null) {
       return html`<div class="both">
-        ${[turnOn, turnOff].map((deed) =>
+        ${map([turnOn, turnOff], (deed) =>
           deed === undefined
             ? nothing
             : html`<t-button label=${deed.label} ?disabled=${!this.may(deed)} @click=${this.asker(deed)}

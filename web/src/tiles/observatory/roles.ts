@@ -302,7 +302,9 @@ export function shownBy(device: DeviceInfo): ReadonlySet<string> {
     }
     case "power":
       return new Set(ids(outletsOf(device).flatMap(({ on, off }) => [on, off].filter((one) => one !== undefined))));
-    default:
+    case "weather":
+    case "pictures":
+    case "none":
       return new Set();
   }
 }

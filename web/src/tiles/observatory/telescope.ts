@@ -2,6 +2,7 @@
 
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base.js";
 import { formatAzimuth, formatDec, formatRa } from "../../format/sexagesimal.js";
 import { formatClock } from "../../format/time.js";
@@ -9,6 +10,7 @@ import { moonPhase, sunFrom } from "../../sky/bodies.js";
 import { darknessOf, DARKNESS } from "../../sky/night.js";
 import { horizontal, type Equatorial, type Horizontal, type Place } from "../../sky/turn.js";
 import type { Aim } from "../../elements/observatory/sky-chart.js";
+import type { SignalInfo } from "../../wire/api.js";
 import { NO_DEVICE, Part, partStyle } from "./part.js";
 import { slewOf, telescopeDeeds, telescopeSignals, type TelescopeSignals } from "./roles.js";
 import { aimOf, type Target } from "./target.js";
@@ -34,6 +36,11 @@ export class TelescopePart extends Part {
         gap: var(--t-space-4);
         min-inline-size: 0;
       }
+      .looks {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr) minmax(0, 2fr);
+        gap: var(--t-space-3) var(--t-space-5);
+      }
       .place {
         display: grid;
         grid-template-columns: auto minmax(0, 1fr);
@@ -54,6 +61,11 @@ export class TelescopePart extends Part {
         font-size: var(--t-size-xl);
         line-height: 1.2;
       }
+      @media (max-width: 30rem) {
+        .looks {
+          grid-template-columns: minmax(0, 1fr);
+        }
+      }
       dd.old {
         color: var(--t-stale);
         font-weight: var(--t-weight);
@@ -64,7 +76,7 @@ export class TelescopePart extends Part {
   @state() private target: Target | null = null;
 
   override willUpdate(): void {
-    this.watch(...Object.values(this.signals()));
+    this.watch(...Object.values<SignalInfo | undefined>({ ...this.signals() }));
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -76,12 +88,6 @@ export class TelescopePart extends Part {
     const scope: Aim | null = looks.horizontal === null ? null : { ...looks.horizontal, name: device.name };
     const target = this.target === null || place === null ? null : { ...aimOf(this.target, place, ms), name: this.target.name };
     return html`<section class="two" aria-label="Telescope">
-      <div class="card">
-        ${place === null
-          ? html`<p class="note">The chart of the sky needs the site's place. It is not described, or not open to you.</p>`
-          : html`<t-sky-chart .place=${place} .ms=${ms} .telescope=${scope} .target=${target} .limit=${device.pointing?.horizon ?? 0}></t-sky-chart>
-              ${this.skyWords(place, ms)}`}
-      </div>
       <div class="side">
         <div class="card">
           ${this.readings(looks)} ${this.lookOnly()}
@@ -93,26 +99,33 @@ export class TelescopePart extends Part {
             .online=${this.online}
           ></t-deeds>
         </div>
-        <t-goto
-          .site=${this.site}
-          .device=${device}
-          .line=${this.line}
-          .online=${this.online}
-          .place=${place}
-          .slew=${slewOf(device) ?? null}
-          .zone=${detail.zone}
-          .ms=${ms}
-          @t-target=${this.aimed}
-        ></t-goto>
+        <div class="card">
+          ${place === null
+            ? html`<p class="note">The chart of the sky needs the site's place. It is not described, or not open to you.</p>`
+            : html`<t-sky-chart .place=${place} .ms=${ms} .telescope=${scope} .target=${target} .limit=${device.pointing?.horizon ?? 0}></t-sky-chart>
+                ${this.skyWords(place, ms)}`}
+        </div>
       </div>
+      <t-goto
+        .site=${this.site}
+        .device=${device}
+        .line=${this.line}
+        .online=${this.online}
+        .place=${place}
+        .slew=${slewOf(device) ?? null}
+        .zone=${detail.zone}
+        .ms=${ms}
+        @t-target=${this.aimed}
+      ></t-goto>
     </section>`;
   }
 
   private readings({ equatorial, horizontal: at }: Looks): TemplateResult {
     const { state: how, parked, tracking } = this.signals();
     const old = equatorial === null ? "old" : "";
-    return html`<div class="readings">
-        ${[how, parked, tracking].map((signal) =>
+    return html`<div class="looks">
+      <div class="readings">
+        ${map([how, parked, tracking], (signal) =>
           signal === undefined ? nothing : html`<t-signal-value size="l" .site=${this.site} .signal=${signal}></t-signal-value>`,
         )}
       </div>
@@ -126,6 +139,7 @@ export class TelescopePart extends Part {
         <dt>Azimuth</dt>
         <dd class=${at === null ? "old" : ""}>${at === null ? "–" : formatAzimuth(at.az, 2)}</dd>
       </dl>
+      </div>
       <p class="note">
         ${equatorial === null && at === null
           ? "Where it looks is not known now."

@@ -9,6 +9,26 @@ import type { LimitInfo, RuleInfo, SignalInfo } from "../../wire/api.js";
 
 export type VerdictWord = "safe" | "warn" | "wait" | "unsafe" | "overridden" | "unknown" | "none";
 
+export const VERDICT_WORDS: Readonly<Record<VerdictWord, string>> = {
+  safe: "Safe",
+  warn: "Warning",
+  wait: "Wait",
+  unsafe: "Unsafe",
+  overridden: "Overridden",
+  unknown: "Unknown",
+  none: "No rule",
+};
+/** The shape and colour that a status shows it with. */
+export const VERDICT_KINDS: Readonly<Record<VerdictWord, "ok" | "warn" | "bad" | "unknown">> = {
+  safe: "ok",
+  warn: "warn",
+  wait: "warn",
+  unsafe: "bad",
+  overridden: "warn",
+  unknown: "unknown",
+  none: "unknown",
+};
+
 /** What is known of a signal now. */
 export interface Known {
   readonly fresh: boolean;
@@ -24,6 +44,8 @@ export interface LimitLine {
   readonly stands: "fine" | "beyond" | "returning" | "unknown";
   readonly now: string;
   readonly limit: string;
+  /** How far it is on the way to its limit, 0 to 1; NaN for states and for limits below. */
+  readonly part: number;
 }
 
 export interface Verdict {
@@ -61,6 +83,7 @@ export function limitLines(
               stands: standsOf(limit, now),
               now: now.fresh ? (signal.type === "state" ? now.word : formatWithUnit(now.value, signal.unit, signal.decimals)) : "unknown",
               limit: limitWords(limit, signal, lasting),
+              part: now.fresh && limit.above !== null && limit.above > 0 ? now.value / limit.above : Number.NaN,
             },
           ];
         }),
@@ -126,7 +149,9 @@ export function verdictOf(
   if (beyond !== undefined) {
     return { ...none, word: "warn", why: `${beyond.name} is ${beyond.now}, beyond its limit (${beyond.limit}).`, rule: beyond.rule };
   }
-  return { ...none, word: "safe", why: "Every value is within its limits." };
+  const nearest = lines.filter(({ part }) => part > 0).sort((a, b) => b.part - a.part)[0];
+  const near = nearest === undefined ? "" : ` Nearest to its limit: ${nearest.name}, ${nearest.now} (unsafe ${nearest.limit}).`;
+  return { ...none, word: "safe", why: `Every value is within its limits.${near}` };
 }
 
 function causeOf(lines: readonly LimitLine[]): string {

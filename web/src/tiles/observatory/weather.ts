@@ -9,21 +9,12 @@ import { formatDuration } from "../../format/duration.js";
 import { levelOf } from "../../format/level.js";
 import { interlocksContext } from "../../state/contexts.js";
 import { Part, partStyle } from "./part.js";
-import { limitLines, rulesAbout, verdictOf, type LimitLine, type Verdict, type VerdictWord } from "./verdict.js";
+import { limitLines, rulesAbout, verdictOf, type LimitLine, type Verdict, type VerdictWord, VERDICT_WORDS } from "./verdict.js";
 import "../../elements/status.js";
 import type { StatusKind } from "../../elements/status.js";
 import "../../elements/time.js";
 import "../signal-value.js";
 
-const SAID: Readonly<Record<VerdictWord, string>> = {
-  safe: "Safe",
-  warn: "Warning",
-  wait: "Wait",
-  unsafe: "Unsafe",
-  overridden: "Overridden",
-  unknown: "Unknown",
-  none: "No rule",
-};
 const STANDS: Readonly<Record<LimitLine["stands"], { kind: StatusKind; word: string }>> = {
   fine: { kind: "ok", word: "within" },
   beyond: { kind: "bad", word: "beyond" },
@@ -159,7 +150,7 @@ export class WeatherPart extends Part {
     return html`<section class="card verdict ${verdict.word}" aria-label="Verdict" role="status">
         <svg viewBox="0 0 48 48" aria-hidden="true">${SHAPES[verdict.word]}</svg>
         <div>
-          <p class="word">${SAID[verdict.word]}</p>
+          <p class="word">${VERDICT_WORDS[verdict.word]}</p>
           ${this.reason(verdict, clears)} ${this.ownWord()}
         </div>
       </section>
