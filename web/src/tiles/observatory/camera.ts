@@ -44,6 +44,15 @@ export class CameraPart extends Part {
         gap: var(--t-space-4);
         min-inline-size: 0;
       }
+      /* On a phone the exposure comes right after the picture; the cooler can wait. */
+      @media (max-width: 60rem) {
+        .side {
+          display: contents;
+        }
+        .cooler {
+          order: 1;
+        }
+      }
       .forms {
         display: grid;
         gap: var(--t-space-5);
@@ -123,11 +132,11 @@ export class CameraPart extends Part {
     const { device } = this;
     if (device === null) return nothing;
     return html`<section class="two" aria-label="Camera">
-      <div class="card">${this.picture()}</div>
       <div class="side">
-        <div class="card">${this.exposure()}</div>
+        <div class="card">${this.picture()}</div>
         ${this.cooler()}
       </div>
+      <div class="card">${this.exposure()}</div>
     </section>`;
   }
 
@@ -203,7 +212,7 @@ export class CameraPart extends Part {
     const { temperature, cooler, power } = cameraSignals(this.device ?? NO_DEVICE);
     const { cool, cooler: deeds } = cameraDeeds(this.device ?? NO_DEVICE);
     if (temperature === undefined && cooler === undefined && cool.length === 0) return nothing;
-    return html`<div class="card">
+    return html`<div class="card cooler">
       <h2>Cooler</h2>
       <div class="readings">${map([temperature, cooler, power], (signal) => this.reading(signal, "l"))}</div>
       <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>

@@ -7,6 +7,7 @@ import { map } from "lit/directives/map.js";
 import type { CommandLine } from "../../controllers/drive/command-line.js";
 import { base } from "../../elements/base.js";
 import { checkArgument, startOf, type ArgumentValue } from "../../elements/command/arguments.js";
+import { formatNumber } from "../../format/number.js";
 import { adviceFor } from "../../format/problem.js";
 import { formatAzimuth, formatDec, formatRa } from "../../format/sexagesimal.js";
 import { formatClock } from "../../format/time.js";
@@ -227,7 +228,7 @@ export class Goto extends LitElement {
         ${target.j2000 === null ? nothing : html`<dt>J2000</dt><dd>${formatRa(target.j2000.ra)} ${formatDec(target.j2000.dec)}</dd>`}
         <dt>Of date</dt>
         <dd>${formatRa(dated.ra)} ${formatDec(dated.dec)}</dd>
-        ${aim === null ? nothing : html`<dt>Now</dt><dd>${aim.alt.toFixed(1)}° high, azimuth ${formatAzimuth(aim.az)}</dd>`}
+        ${aim === null ? nothing : html`<dt>Now</dt><dd>${formatNumber(aim.alt, 1)}° high, azimuth ${formatAzimuth(aim.az)}</dd>`}
       </dl>
       ${night === null
         ? html`<p class="note">How it stands tonight needs the site's place, which is not open to you.</p>`

@@ -75,7 +75,7 @@ export interface Limits {
 /** Why the gateway will refuse to go there now; empty when nothing is known against it. */
 export function refusalOf(aim: Horizontal, place: Place, ms: number, limits: Limits): string {
   if (aim.alt < limits.horizon) {
-    return `It stands ${aim.alt.toFixed(1)}° high; this telescope may not look below ${limits.horizon.toFixed(0)}°. The gateway will refuse it.`;
+    return `It stands ${aim.alt.toFixed(1).replace("-", "−")}° high; this telescope may not look below ${limits.horizon.toFixed(0)}°. The gateway will refuse it.`;
   }
   const sun = sunFrom(place, ms);
   const apart = separation(aim, sun);

@@ -4,6 +4,7 @@ import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base.js";
+import { formatNumber } from "../../format/number.js";
 import { formatAzimuth, formatDec, formatRa } from "../../format/sexagesimal.js";
 import { formatClock } from "../../format/time.js";
 import { moonPhase, sunFrom } from "../../sky/bodies.js";
@@ -152,7 +153,7 @@ export class TelescopePart extends Part {
     const dark = DARKNESS.find(({ id }) => id === darknessOf(sun.alt));
     const { lit, waxing } = moonPhase(ms);
     return html`<p class="note">
-      ${formatClock(ms * 1000, this.detail?.zone ?? "UTC").slice(0, 5)}: ${dark?.name}, the Sun ${sun.alt.toFixed(1)}° high; Moon
+      ${formatClock(ms * 1000, this.detail?.zone ?? "UTC").slice(0, 5)}: ${dark?.name}, the Sun ${formatNumber(sun.alt, 1)}° high; Moon
       ${(lit * 100).toFixed(0)}% lit, ${waxing ? "waxing" : "waning"}. As one looks up: north at the top, east to the left.
     </p>`;
   }
