@@ -38,14 +38,10 @@ def test_astropy_says_what_stands_in_the_vectors(moment: dict[str, object]) -> N
         seen = body.transform_to(horizon)
         assert [seen.alt.deg, seen.az.deg] == pytest.approx(moment[name], abs=0.01)
     apart = sun.separation(moon)
-    angle = np.arctan2(
-        sun.distance * np.sin(apart), moon.distance - sun.distance * np.cos(apart)
-    )
+    angle = np.arctan2(sun.distance * np.sin(apart), moon.distance - sun.distance * np.cos(apart))
     assert float((1 + np.cos(angle)) / 2) == pytest.approx(moment["moon_lit"], abs=0.001)
     for name, (ra, dec) in CATALOGUE.items():
         star = SkyCoord(ra * units.deg, dec * units.deg)
         seen, dated = star.transform_to(horizon), star.transform_to(of_date)
         assert [seen.alt.deg, seen.az.deg] == pytest.approx(moment[name], abs=0.01)
-        assert [dated.ra.hour, dated.dec.deg] == pytest.approx(
-            moment[f"{name}_of_date"], abs=0.002
-        )
+        assert [dated.ra.hour, dated.dec.deg] == pytest.approx(moment[f"{name}_of_date"], abs=0.002)

@@ -32,7 +32,7 @@ class Found(NamedTuple):
 @functools.cache
 def _catalogue() -> Any:  # noqa: ANN401 - the package has no types
     try:
-        from pyongc import ongc  # noqa: PLC0415 - belongs to an extra
+        from pyongc import ongc
     except ImportError:
         return None
     return ongc

@@ -10,6 +10,8 @@ export type RoofState = "open" | "closed" | "opening" | "closing" | "partial" | 
 
 const EASE_MS = 450;
 const HALF = 0.5;
+/** South, from where the dome is seen. */
+const IN_FRONT = 180;
 const WORDS: Readonly<Record<RoofState, string>> = {
   open: "open",
   closed: "closed",
@@ -128,6 +130,8 @@ export class DomeDrawing extends LitElement {
   @property() roof: RoofState = "unknown";
   /** It turns; otherwise it is a roof that slides away. */
   @property({ type: Boolean }) turns = true;
+  /** Where it looks is not open to the person: it is drawn with the slit in front, and without a compass. */
+  @property({ type: Boolean }) blind = false;
   @property({ type: Boolean }) turning = false;
   /** Where the telescope looks (°); NaN for none. */
   @property({ type: Number }) telescope = Number.NaN;
@@ -149,7 +153,7 @@ export class DomeDrawing extends LitElement {
   }
 
   override render(): TemplateResult {
-    const unknown = this.roof === "unknown" || this.stale || (this.turns && Number.isNaN(this.azimuth));
+    const unknown = this.roof === "unknown" || this.stale || (this.turns && !this.blind && Number.isNaN(this.azimuth));
     const moving = !this.stale && (this.turning || this.roof === "opening" || this.roof === "closing");
     return html`<svg
       viewBox=${this.turns ? "-205 -124 410 194" : "-170 -110 340 160"}
@@ -169,7 +173,7 @@ export class DomeDrawing extends LitElement {
   /** The same in words, for whoever does not see it. */
   private words(): string {
     const what = this.turns ? "The dome" : "The roof";
-    const where = this.turns
+    const where = this.turns && !this.blind
       ? Number.isNaN(this.azimuth)
         ? "; where it looks is not known"
         : `, looking ${windOf(this.azimuth)}, at azimuth ${formatAzimuth(this.azimuth, 0)}`
@@ -179,16 +183,16 @@ export class DomeDrawing extends LitElement {
   }
 
   private dome(unknown: boolean): SVGTemplateResult {
-    const azimuth = Number.isNaN(this.at) ? 0 : this.at;
+    const azimuth = this.blind ? IN_FRONT : Number.isNaN(this.at) ? 0 : this.at;
     const tall = 100 * FLATNESS;
     const half = SLIT * this.gap;
     const wide = SLIT * 2;
     return svg`
-      ${this.plan()} ${this.compass()} ${Number.isNaN(this.at) ? nothing : this.pointer(azimuth)}
+      ${this.blind ? nothing : svg`${this.plan()}${this.compass()}`} ${Number.isNaN(this.at) ? nothing : this.pointer(azimuth)}
       <path class="wall" d="M-100 0V16A100 ${tall} 0 0 0 100 16V0A100 ${tall} 0 0 1 -100 0Z"></path>
       <path class="shell" d="M-100 0A100 100 0 0 1 100 0A100 ${tall} 0 0 1 -100 0Z"></path>
       ${
-        Number.isNaN(this.at)
+        Number.isNaN(this.at) && !this.blind
           ? nothing
           : svg`<polygon class="behind" points=${strip(azimuth, -SLIT, SLIT, true)}></polygon>
             ${this.panel(azimuth, -SLIT - half, -half)} ${this.panel(azimuth, half, Math.min(wide, SLIT + half))}
@@ -269,13 +273,13 @@ export class DomeDrawing extends LitElement {
   private ease(): void {
     cancelAnimationFrame(this.frame);
     const [from, open] = [this.at, this.gap];
-    const still = Number.isNaN(from) || Number.isNaN(this.azimuth) || matchMedia("(prefers-reduced-motion: reduce)").matches;
-    if (!this.hasUpdated || (still && this.turns)) {
+    const still = !this.blind && (Number.isNaN(from) || Number.isNaN(this.azimuth));
+    if (!this.hasUpdated || (still && this.turns) || matchMedia("(prefers-reduced-motion: reduce)").matches) {
       this.at = this.azimuth;
       this.gap = this.wanted();
       return;
     }
-    const way = this.turns ? turned(this.azimuth - from + 180, 360) - 180 : 0;
+    const way = this.turns && !this.blind ? turned(this.azimuth - from + 180, 360) - 180 : 0;
     const began = performance.now();
     const step = (now: number): void => {
       const part = Math.min(1, Math.max(0, (now - began) / EASE_MS));

@@ -56,6 +56,8 @@ export class DomePart extends Part {
     const azimuth = this.known(signals.azimuth);
     const opening = this.known(signals.opening);
     const telescope = this.known(this.telescopeAzimuth());
+    // Whoever sees only what is public is not told of what turns and what does not.
+    const blind = signals.azimuth === undefined && !device.rights.includes("view");
     const { buttons, forms } = domeDeeds(device);
     return html`<section class="two" aria-label="Dome">
       <div class="card">
@@ -64,7 +66,8 @@ export class DomePart extends Part {
           .azimuth=${azimuth.fresh ? azimuth.value : Number.NaN}
           .opening=${opening.fresh && roof !== "unknown" ? opening.value / 100 : Number.NaN}
           .telescope=${telescope.fresh ? telescope.value : Number.NaN}
-          .turns=${signals.azimuth !== undefined}
+          .turns=${signals.azimuth !== undefined || blind}
+          .blind=${blind}
           ?turning=${this.isOn(signals.turning) === true}
         ></t-dome-drawing>
         ${signals.azimuth === undefined

@@ -127,7 +127,7 @@ export function verdictOf(
   const bad = told.find(({ said }) => said?.unsafe === true && said.overridden_by === "");
   if (bad?.said !== undefined) {
     const word = missing === undefined ? "unsafe" : "unknown";
-    return { word, why: bad.said.why === "" ? causeOf(lines) : `${bad.said.why}.`, since_us: bad.said.since_us, rule: bad.rule.name };
+    return { word, why: bad.said.why === "" ? causeOf(lines) : `${bad.said.why}.${nowOf(bad.said.why, lines)}`, since_us: bad.said.since_us, rule: bad.rule.name };
   }
   const over = told.find(({ said }) => (said?.overridden_by ?? "") !== "");
   if (over?.said !== undefined) {
@@ -152,6 +152,12 @@ export function verdictOf(
   const nearest = lines.filter(({ part }) => part > 0).sort((a, b) => b.part - a.part)[0];
   const near = nearest === undefined ? "" : ` Nearest to its limit: ${nearest.name}, ${nearest.now} (unsafe ${nearest.limit}).`;
   return { ...none, word: "safe", why: `Every value is within its limits.${near}` };
+}
+
+/** The number behind a reason that names a limit only. */
+function nowOf(why: string, lines: readonly LimitLine[]): string {
+  const line = lines.find(({ name, part }) => why.startsWith(name) && !Number.isNaN(part));
+  return line === undefined || why.includes(line.now) ? "" : ` Now ${line.now}.`;
 }
 
 function causeOf(lines: readonly LimitLine[]): string {

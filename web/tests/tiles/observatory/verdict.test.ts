@@ -31,8 +31,8 @@ test("weather within its limits is safe, and says how near it is", () => {
 });
 
 test("it is unsafe by the gateway's word, with its reason, its rule and since when", () => {
-  const news = said({ locked: true, unsafe: true, why: "wind 50 km/h is above 45 km/h", since_us: 7 });
-  expect(judged(50, news)).toEqual({ word: "unsafe", why: "wind 50 km/h is above 45 km/h.", since_us: 7, rule: "Weather" });
+  const news = said({ locked: true, unsafe: true, why: "wind is above 45 km/h", since_us: 7 });
+  expect(judged(50, news)).toEqual({ word: "unsafe", why: "wind is above 45 km/h. Now 50.0\u202fkm/h.", since_us: 7, rule: "Weather" });
 });
 
 test("whoever is not told the reason sees the numbers", () => {
