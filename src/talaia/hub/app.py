@@ -28,8 +28,8 @@ from talaia.hub.api.recordings import RecordingPages
 from talaia.hub.api.roles import RolePages
 from talaia.hub.api.shield import Shield
 from talaia.hub.api.sites import SitePages
-from talaia.hub.api.sockets import Sockets
 from talaia.hub.api.sky import SkyPages
+from talaia.hub.api.sockets import Sockets
 from talaia.hub.api.storage import StoragePages
 from talaia.hub.api.tokens import TokenPages
 from talaia.hub.archive.looking import NotKept

@@ -10,7 +10,7 @@ from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from talaia.hub.api.observatory_shapes import (
+from talaia.hub.api.observatory_shapes import (  # noqa: TC001 - pydantic reads them
     EnclosureShape,
     PlaceShape,
     PointingShape,

@@ -87,6 +87,7 @@ export class Deeds extends LitElement {
     return html`<div class="row" role="group" aria-label="Commands">
         ${repeat(this.deeds, ({ label }) => label, (deed) => this.button(deed))}
       </div>
+      ${this.online ? nothing : html`<t-status kind="offline" word="not connected: nothing can be asked"></t-status>`}
       <ul role="status">
         ${repeat(this.news(), ({ id }) => id, (asked) => this.outcome(asked))}
       </ul>

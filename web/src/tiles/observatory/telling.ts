@@ -23,7 +23,7 @@ export class Telling extends Part {
       :host {
         display: flex;
         flex-wrap: wrap;
-        align-items: end;
+        align-items: start;
         gap: var(--t-space-2) var(--t-space-5);
         min-inline-size: 0;
       }

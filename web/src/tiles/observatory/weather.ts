@@ -164,7 +164,7 @@ export class WeatherPart extends Part {
     const until = word === "wait" ? ` Released in ${formatDuration(Math.ceil(clears / 1000))} if it stays so.` : "";
     return html`<p>${why}${until}</p>
       <p class="note">
-        ${rule === "" ? "All its rules agree." : html`Decided by the rule <strong>${rule}</strong>.`}
+        ${rule === "" ? (word === "safe" ? "All its rules agree." : nothing) : html`Decided by the rule <strong>${rule}</strong>.`}
         ${since_us === 0 ? nothing : html` Since <t-time short .us=${since_us} .zone=${this.detail?.zone ?? "UTC"}></t-time>.`}
       </p>`;
   }
