@@ -4,7 +4,9 @@ import { consume } from "@lit/context";
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { isFinal } from "../../controllers/drive/commands.js";
 import { LoadController } from "../../controllers/load.js";
+import { WatchController } from "../../controllers/watch.js";
 import { base } from "../../elements/base.js";
 import { formatBytes } from "../../format/bytes.js";
 import { formatDuration } from "../../format/duration.js";
@@ -16,7 +18,7 @@ import type { CommandInfo, SignalInfo } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
 import { pixelValues } from "../archive/frame-look.js";
 import { NO_DEVICE, Part, partStyle } from "./part.js";
-import { cameraDeeds, cameraSignals } from "./roles.js";
+import { cameraDeeds, cameraSignals, type CameraSignals, type Deed } from "./roles.js";
 import "../../elements/card.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
@@ -31,6 +33,8 @@ import "../signal-value.js";
 const AGAIN_MS = 15_000;
 /** A picture needs a moment to come from the camera into the archive (ms). */
 const COMES_MS = 4000;
+/** A countdown that has not moved for so long (ms) is none. */
+const COUNTS_MS = 3000;
 
 @customElement("t-part-camera")
 export class CameraPart extends Part {
@@ -38,19 +42,13 @@ export class CameraPart extends Part {
     base,
     partStyle,
     css`
-      .side {
-        display: grid;
-        grid-template-columns: minmax(0, 1fr);
-        gap: var(--t-space-4);
-        min-inline-size: 0;
+      .two {
+        grid-template-rows: auto 1fr;
       }
-      /* On a phone the exposure comes right after the picture; the cooler can wait. */
-      @media (max-width: 60rem) {
-        .side {
-          display: contents;
-        }
-        .cooler {
-          order: 1;
+      @media (min-width: 60.01rem) {
+        .exposure {
+          grid-column: 2;
+          grid-row: 1 / span 2;
         }
       }
       .forms {
@@ -94,13 +92,18 @@ export class CameraPart extends Part {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly newest = new LoadController<FrameDetail | null>(this);
+  private readonly watched = new WatchController(this);
   private longest = 0;
+  private left = Number.NaN;
+  private movedMs = 0;
+  private under = false;
   private ends = 0;
 
   override willUpdate(): void {
     const signals = cameraSignals(this.device ?? NO_DEVICE);
     this.watch(...Object.values<SignalInfo | undefined>({ ...signals }));
-    this.follow(signals.remaining);
+    this.watched.watch(this.line);
+    this.follow(signals);
     const device = this.device?.id ?? "";
     if (device === "") return;
     const turn = Math.floor(Date.now() / AGAIN_MS);
@@ -109,14 +112,30 @@ export class CameraPart extends Part {
   }
 
   /** The length of an exposure is the most that was ever left of it. */
-  private follow(remaining: SignalInfo | undefined): void {
-    const now = this.known(remaining);
-    const left = now.fresh ? now.value : 0;
-    if (left > 0) this.longest = Math.max(this.longest, left);
-    else if (this.longest > 0) {
-      this.longest = 0;
-      this.ends = Date.now();
+  private follow({ state, remaining }: CameraSignals): void {
+    const { fresh, value } = this.known(remaining);
+    const now = Date.now();
+    if (fresh && value !== this.left) {
+      // What stands there when the page opens may be the length of the next one, or of the last.
+      this.movedMs = Number.isNaN(this.left) ? 0 : now;
+      this.left = value;
     }
+    const before = this.under;
+    const told = this.known(state);
+    const counts = now - this.movedMs < COUNTS_MS || this.asked();
+    this.under = state === undefined ? fresh && value > 0 && counts : told.fresh && /^expos/i.test(told.word);
+    if (this.under && fresh) this.longest = Math.max(this.longest, value);
+    if (before && !this.under) {
+      this.longest = 0;
+      this.ends = now;
+    }
+  }
+
+  /** An exposure was asked for here, and its end is not known yet. */
+  private asked(): boolean {
+    const device = this.device ?? NO_DEVICE;
+    const asks = cameraDeeds(device).expose.map(({ id }) => this.line?.desk.latest(device.id, id) ?? null);
+    return asks.some((one) => one !== null && !isFinal(one.phase));
   }
 
   private async load(device: string): Promise<FrameDetail | null> {
@@ -132,11 +151,9 @@ export class CameraPart extends Part {
     const { device } = this;
     if (device === null) return nothing;
     return html`<section class="two" aria-label="Camera">
-      <div class="side">
-        <div class="card">${this.picture()}</div>
-        ${this.cooler()}
-      </div>
-      <div class="card">${this.exposure()}</div>
+      <div class="card">${this.picture()}</div>
+      <div class="card exposure">${this.exposure()}</div>
+      ${this.cooler()}
     </section>`;
   }
 
@@ -188,8 +205,7 @@ export class CameraPart extends Part {
   private exposure(): TemplateResult {
     const { state, remaining, filter } = cameraSignals(this.device ?? NO_DEVICE);
     const { expose, abort } = cameraDeeds(this.device ?? NO_DEVICE);
-    const under = this.known(remaining).value > 0;
-    const stops = abort.map((deed) => ({ ...deed, kind: under ? "danger" : "plain" }));
+    const stops = abort.map((deed): Deed => ({ ...deed, kind: this.under ? "danger" : "plain" }));
     return html`<h2>Exposure</h2>
       <div class="readings">${map([state, filter], (signal) => this.reading(signal, "l"))}</div>
       ${this.progress(remaining)} ${this.lookOnly()}
@@ -201,7 +217,7 @@ export class CameraPart extends Part {
     const { fresh, value } = this.known(remaining);
     if (remaining === undefined) return nothing;
     if (!fresh) return html`<t-status kind="unknown" word="How far it is, is not known"></t-status>`;
-    if (!(value > 0)) return html`<t-status kind="ok" word="No exposure under way"></t-status>`;
+    if (!this.under) return html`<t-status kind="ok" word="No exposure under way"></t-status>`;
     return html`<div class="progress">
       <t-status kind="busy" .word=${`Exposing, ${formatDuration(Math.ceil(value))} left`}></t-status>
       <progress max=${this.longest} .value=${this.longest - value} aria-label="Exposure"></progress>
@@ -212,7 +228,7 @@ export class CameraPart extends Part {
     const { temperature, cooler, power } = cameraSignals(this.device ?? NO_DEVICE);
     const { cool, cooler: deeds } = cameraDeeds(this.device ?? NO_DEVICE);
     if (temperature === undefined && cooler === undefined && cool.length === 0) return nothing;
-    return html`<div class="card cooler">
+    return html`<div class="card">
       <h2>Cooler</h2>
       <div class="readings">${map([temperature, cooler, power], (signal) => this.reading(signal, "l"))}</div>
       <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>
