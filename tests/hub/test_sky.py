@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from talaia.hub import catalogue
+from talaia.hub.api import sky_names
 
 OBSERVATORY = (Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml").read_text()
 DESCRIPTION = OBSERVATORY.replace("site: observatory", "site: agv")
@@ -94,7 +94,7 @@ async def test_a_galaxy_is_found_by_each_of_its_names(hub, observatory, name: st
 
 async def test_a_southern_declination_keeps_its_sign(hub, observatory) -> None:
     pytest.importorskip("pyongc")
-    (orion,) = catalogue.look_up("M42")
+    (orion,) = sky_names.look_up("M42")
     assert orion.dec_deg == pytest.approx(-5.3897, abs=0.001)
 
 
@@ -105,6 +105,6 @@ async def test_what_nobody_calls_anything_is_not_found(hub, observatory, name: s
 
 
 async def test_without_the_catalogue_the_hub_says_so(hub, observatory, monkeypatch) -> None:
-    monkeypatch.setattr(catalogue, "_catalogue", lambda: None)
+    monkeypatch.setattr(sky_names, "_catalogue", lambda: None)
     answer = await (await hub.client("operator")).get("/api/sites/agv/sky", params={"name": "M31"})
     assert answer.json() == {"available": False, "objects": []}

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from talaia.hub import catalogue
+from talaia.hub.api import sky_names
 from talaia.hub.api.observatory_shapes import SkyList, SkyObject
 
 __all__ = ["SkyPages"]
@@ -27,9 +27,9 @@ class SkyPages:
         self, site: str, name: Annotated[str, Query(min_length=1, max_length=60)]
     ) -> SkyList:
         """Find what goes by a name: NGC, IC, Messier, or what people call it."""
-        found = await asyncio.to_thread(catalogue.look_up, name)
+        found = await asyncio.to_thread(sky_names.look_up, name)
         return SkyList(
-            available=catalogue.is_there(),
+            available=sky_names.is_there(),
             objects=[
                 SkyObject(
                     name=each.name,
