@@ -21,6 +21,7 @@ from talaia.hub.api import (
     archive_shapes,
     description_shapes,
     history_shapes,
+    observatory_shapes,
     people_shapes,
     recording_shapes,
     shapes,
@@ -48,6 +49,7 @@ SHAPES = (
     recording_shapes,
     archive_shapes,
     description_shapes,
+    observatory_shapes,
 )
 # Texts of the API that come from a closed list.
 CLOSED = {

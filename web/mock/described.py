@@ -98,5 +98,6 @@ def device_json(device_id: str, device: Device, rights: list[str]) -> dict[str, 
             if "use" in rights
         ],
         "drive": drive_json(device) if views else None,
+        "pointing": None,
         "rights": rights,
     }

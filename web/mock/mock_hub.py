@@ -162,6 +162,9 @@ def build(site: Site) -> FastAPI:
             "since_us": int(world.since * 1e6),
             "last_seen_us": int(time.time() * 1e6),
             "catalogue": "1",
+            "place": None,
+            "rules": [],
+            "enclosures": [],
             "devices": devices if name == site.site else [],
         }
         return JSONResponse(detail)

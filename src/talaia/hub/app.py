@@ -30,6 +30,7 @@ from talaia.hub.api.recordings import RecordingPages
 from talaia.hub.api.roles import RolePages
 from talaia.hub.api.shield import Shield
 from talaia.hub.api.sites import SitePages
+from talaia.hub.api.sky import SkyPages
 from talaia.hub.api.sockets import Sockets
 from talaia.hub.api.storage import StoragePages
 from talaia.hub.api.tokens import TokenPages
@@ -218,6 +219,7 @@ class Hub:
             HistoryPages(self._history),
             AnomalyPages(self._watching, self._audit),
             ArchivePages(self._archive),
+            SkyPages(),
             RecordingPages(self._recordings, self._audit),
             DescriptionPages(self._descriptions, self._changes, self._audit),
             self._gateway_pages(),

@@ -96,6 +96,8 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     # Each signal is looked at besides; what may not be seen is as if it were not there.
     ("GET", "/api/sites/{site}/anomalies"): Need.SEE,
     ("POST", "/api/sites/{site}/anomalies/forgiven"): Need.USE,
+    # Names of stars and galaxies; nothing of the site.
+    ("GET", "/api/sites/{site}/sky"): Need.SEE,
     # Each picture's camera is looked at besides; what may not be seen is as if it were not there.
     ("GET", "/api/sites/{site}/frames"): Need.SEE,
     ("GET", "/api/sites/{site}/nights"): Need.SEE,

@@ -86,7 +86,7 @@ export class InterlockLine extends LitElement {
   private locked(news: InterlockNews): TemplateResult {
     const refused = news.refuses.length === 0 ? "" : ` Refused: ${news.refuses.join(", ")}.`;
     const state = news.unsafe
-      ? `${news.why}.`
+      ? `${news.why || "unsafe now"}.`
       : `safe now; released in ${formatDuration(Math.ceil(this.clears / 1000))} if it stays so.`;
     return html`– ${state}
       <span class="more">Locked since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}</span>`;

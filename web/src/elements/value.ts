@@ -1,6 +1,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatAge } from "../format/duration.js";
+import type { Level } from "../format/level.js";
 import { decimalsFor, formatNumber, NOTHING } from "../format/number.js";
 import { spokenUnit, unitGap } from "../format/unit.js";
 import { base } from "./base.js";
@@ -50,6 +51,18 @@ export class Value extends LitElement {
         color: var(--t-muted);
         font-weight: var(--t-weight);
       }
+      :host([state="live"][level="warn"]) .reading {
+        color: var(--t-warn);
+      }
+      :host([state="live"][level="bad"]) .reading {
+        color: var(--t-bad);
+      }
+      .grave {
+        inline-size: 1em;
+        block-size: 1em;
+        margin-inline-end: 0.3em;
+        vertical-align: -0.1em;
+      }
       .note {
         font-size: var(--t-size-s);
         color: var(--t-stale);
@@ -69,6 +82,8 @@ export class Value extends LitElement {
   @property({ reflect: true }) size: "s" | "m" | "l" | "xl" = "m";
   /** Age (s), said when stale. */
   @property({ type: Number }) age = Number.NaN;
+  /** How grave the robot's own word is. */
+  @property({ reflect: true }) level: Level = "";
   /** No words beside a stale or missing value, where the place is too small. */
   @property({ type: Boolean }) bare = false;
 
@@ -79,7 +94,9 @@ export class Value extends LitElement {
   private reading(): unknown {
     if (this.state === "forbidden") return html`<t-icon name="lock"></t-icon>`;
     if (this.state === "unknown" || this.state === "unreached") return NOTHING;
-    if (this.text !== "") return this.text;
+    if (this.text !== "") {
+      return this.level === "" ? this.text : html`<t-icon class="grave" name="warn"></t-icon>${this.text}`;
+    }
     const number = formatNumber(this.value, decimalsFor(this.unit, this.decimals));
     if (this.unit === "" || number === NOTHING) return number;
     return html`${number}<span class="unit" aria-hidden="true">${unitGap(this.unit)}${this.unit}</span

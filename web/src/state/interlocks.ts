@@ -41,6 +41,11 @@ export class Interlocks extends Store {
       .sort((a, b) => rank(a) - rank(b) || a.news.name.localeCompare(b.news.name));
   }
 
+  /** What was last said of one, whether it locks or not; undefined before anything was. */
+  of(site: string, interlock: string): Interlock | undefined {
+    return this.known.get(`${site}\n${interlock}`);
+  }
+
   /** What refuses a command of a device (or `drive`) now; null where nothing does. */
   lockOf(site: string, device: string, what: string): InterlockNews | null {
     const found = this.list.find(

@@ -1,6 +1,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
+import { levelOf } from "../format/level.js";
 import { decimalsFor, formatNumber } from "../format/number.js";
 import { stateWord } from "../format/reading.js";
 import { base } from "../elements/base.js";
@@ -59,6 +60,7 @@ export class SignalValue extends LitElement {
         .unit=${signal.unit}
         .decimals=${signal.decimals}
         .age=${this.live.age(channel)}
+        .level=${levelOf(this.word(signal))}
       ></t-value>
     `;
   }

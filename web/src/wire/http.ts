@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { DeviceRow, EventList, History, Person, SiteDetail, SiteRow, StatisticsList, StoredInfo } from "./api.js";
+import type { DeviceRow, EventList, History, Person, SiteDetail, SiteRow, SkyList, StatisticsList, StoredInfo } from "./api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -97,6 +97,12 @@ export class HubApi {
   statistics(site: string, channels: readonly string[], span: Window, signal?: AbortSignal): Promise<StatisticsList> {
     const search = windowQuery(span, channels);
     return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/statistics?${search.toString()}`, undefined, { signal });
+  }
+
+  /** What goes by a name in the hub's catalogue of the sky. */
+  sky(site: string, name: string): Promise<SkyList> {
+    const query = new URLSearchParams({ name }).toString();
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/sky?${query}`);
   }
 
   /** Channels that have history and that the site's description no longer has. */

@@ -14,7 +14,7 @@ const row: SiteRow = {
   why: "", loop_ms: 0, skew_ms: 0, rival_us: 0, stale: 0,
 };
 const news = { t: "site", site: "agv", online: true, since_us: 9, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 } as const;
-const detail: SiteDetail = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", devices: [] };
+const detail: SiteDetail = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", place: null, rules: [], enclosures: [], devices: [] };
 
 function hub(answer: (path: string) => Response): { api: HubApi; asked: string[] } {
   const asked: string[] = [];
@@ -199,7 +199,7 @@ describe("key signals", () => {
     states: [], frame: "local", max_age: 5, primary: true, public: false, channels: [address], ...change,
   });
   const device = (signals: SignalInfo[]): DeviceInfo => ({
-    id: "", name: "", kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", rights: ["view"],
+    id: "", name: "", kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, rights: ["view"],
   });
 
   test("come from every device in turn, without positions and minor ones", () => {

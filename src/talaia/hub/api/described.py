@@ -6,6 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from talaia.hub.api.described_rules import (
+    describe_enclosures,
+    describe_place,
+    describe_pointing,
+    describe_rules,
+)
 from talaia.hub.api.people_shapes import DeviceSummary
 from talaia.hub.api.shapes import (
     ArgumentShape,
@@ -42,11 +48,14 @@ def describe(live: LiveSite, grants: Grants) -> SiteShape:
         since_us=live.since_us,
         last_seen_us=live.last_seen_us,
         catalogue=live.edition,
+        place=describe_place(site, grants),
         devices=[
             _device(site, device_id, device, grants)
             for device_id, device in site.devices.items()
             if sees_device(grants, site, device_id)
         ],
+        rules=describe_rules(site, grants),
+        enclosures=describe_enclosures(site, grants),
     )
 
 
@@ -142,6 +151,7 @@ def _device(site: Site, device_id: str, device: Device, grants: Grants) -> Devic
         drive=_drive(device.drive) if device.drive and views else None,
         public=device.visibility is Visibility.PUBLIC,
         link_loss=_link_loss(site, device) if views else "",
+        pointing=describe_pointing(device.pointing) if device.pointing and views else None,
         rights=[str(right) for right in grants.rights(site.site, device_id)],
     )
 

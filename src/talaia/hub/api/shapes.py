@@ -10,6 +10,13 @@ from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from talaia.hub.api.observatory_shapes import (  # noqa: TC001 - pydantic reads them
+    EnclosureShape,
+    PlaceShape,
+    PointingShape,
+    RuleShape,
+)
+
 __all__ = [
     "ArgumentShape",
     "AuditAsk",
@@ -210,7 +217,8 @@ class DriveShape(Shape):
 class DeviceShape(Shape):
     """A device as far as you may see it; ``rights`` are yours: view, use, admin.
 
-    ``link_loss`` says what its gateway does with it when the hub is out of reach.
+    ``link_loss`` says what its gateway does with it when the hub is out of reach, ``pointing``
+    where a telescope may not point.
     """
 
     id: str
@@ -222,11 +230,12 @@ class DeviceShape(Shape):
     drive: DriveShape | None
     public: bool
     link_loss: str
+    pointing: PointingShape | None
     rights: list[str]
 
 
 class SiteShape(Shape):
-    """A site as far as you may see it."""
+    """A site as far as you may see it; ``rules`` are its interlocks, ``enclosures`` its roofs."""
 
     site: str
     name: str
@@ -235,7 +244,10 @@ class SiteShape(Shape):
     since_us: int
     last_seen_us: int
     catalogue: str
+    place: PlaceShape | None
     devices: list[DeviceShape]
+    rules: list[RuleShape]
+    enclosures: list[EnclosureShape]
 
 
 class GapShape(Shape):

@@ -10,19 +10,10 @@ import "../dialog.js";
 import "../field.js";
 import "../icon.js";
 import "../status.js";
-import type { StatusKind } from "../status.js";
+import { PHASES, type AskPhase } from "./phases.js";
 import { checkArgument, limitWords, startOf, type ArgumentValue } from "./arguments.js";
 
-export type AskPhase =
-  | "sent"
-  | "accepted"
-  | "running"
-  | "succeeded"
-  | "failed"
-  | "refused"
-  | "cancelled"
-  | "unknown"
-  | "offline";
+export type { AskPhase };
 
 export interface AskState {
   readonly phase: AskPhase;
@@ -31,18 +22,6 @@ export interface AskState {
   /** 0 to 1 */
   readonly progress: number;
 }
-
-const PHASES: Readonly<Record<AskPhase, { kind: StatusKind; word: string }>> = {
-  sent: { kind: "busy", word: "sent" },
-  accepted: { kind: "busy", word: "accepted" },
-  running: { kind: "busy", word: "running" },
-  succeeded: { kind: "ok", word: "succeeded" },
-  failed: { kind: "bad", word: "failed" },
-  refused: { kind: "warn", word: "refused" },
-  cancelled: { kind: "warn", word: "cancelled" },
-  unknown: { kind: "warn", word: "outcome unknown" },
-  offline: { kind: "offline", word: "not connected" },
-};
 
 /**
  * @fires t-cancel what is under way is no longer wanted
@@ -63,13 +42,14 @@ export class CommandForm extends LitElement {
       .fields {
         display: grid;
         grid-template-columns: repeat(auto-fit, minmax(11rem, 1fr));
-        align-items: end;
+        align-items: start;
         gap: var(--t-space-3);
       }
       .fields:empty {
         display: none;
       }
       label {
+        align-self: end;
         display: inline-flex;
         align-items: center;
         gap: var(--t-space-3);

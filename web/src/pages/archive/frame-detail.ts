@@ -2,37 +2,22 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, type TemplateResult } from "lit";
-import { customElement, property, state } from "lit/decorators.js";
+import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base.js";
 import { sheets } from "../../elements/sheets.js";
 import { adviceFor } from "../../format/problem.js";
 import { apiContext } from "../../state/contexts.js";
-import {
-  ArchiveApi,
-  filePath,
-  previewPath,
-  STRETCHES,
-  type FrameDetail,
-  type FrameRow,
-  type Histogram,
-  type Stretch,
-} from "../../wire/archive.js";
+import { ArchiveApi, filePath, type FrameDetail, type FrameRow } from "../../wire/archive.js";
 import type { HubApi } from "../../wire/http.js";
+import { pixelValues } from "../../tiles/archive/frame-look.js";
 import { formatBytes, skyPlace } from "./query.js";
 import "../../elements/button.js";
-import "../../elements/choice.js";
-import "../../elements/histogram.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "../../elements/status.js";
 import "../../elements/time.js";
-
-const DRAWN_PX = 1024;
-
-/** The ways to stretch a picture, as a choice shows them. */
-const STRETCH_OPTIONS = STRETCHES.map((id) => ({ id, label: id }));
 
 /** @fires t-close when it is to be closed */
 @customElement("t-frame-detail")
@@ -46,14 +31,6 @@ export class FrameDetailSheet extends LitElement {
         grid-template-columns: minmax(0, 3fr) minmax(16rem, 2fr);
         gap: var(--t-space-5);
         align-items: start;
-      }
-      img {
-        display: block;
-        inline-size: 100%;
-        max-block-size: 75vh;
-        object-fit: contain;
-        background: #000;
-        border-radius: var(--t-radius-s);
       }
       .side {
         display: grid;
@@ -109,8 +86,6 @@ export class FrameDetailSheet extends LitElement {
   @property() site = "";
   @property() frame = "";
   @property() zone = "UTC";
-  @state() private stretch: Stretch = "asinh";
-  @state() private broken = false;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly detail = new LoadController<FrameDetail>(this);
@@ -145,21 +120,9 @@ export class FrameDetailSheet extends LitElement {
       </div>
       <div class="split">
         <div class="side">
-          <t-choice
-            label="Stretch"
-            .options=${STRETCH_OPTIONS}
-            .chosen=${this.stretch}
-            @t-choose=${this.choose}
-          ></t-choice>
-          ${this.broken
-            ? html`<t-problem what="The picture cannot be drawn." how="Download the file to look at it."></t-problem>`
-            : html`<img
-                alt=${`The picture of ${found.frame.target || "no named target"}, drawn with the ${this.stretch} stretch`}
-                src=${previewPath(this.site, this.frame, this.stretch, DRAWN_PX)}
-                @error=${this.notDrawn}
-              />`}
+          <t-frame-look .site=${this.site} .frame=${this.frame} .target=${found.frame.target}></t-frame-look>
         </div>
-        <div class="side">${this.facts(found.frame)} ${this.values(found.histogram)} ${this.check(found.frame)}</div>
+        <div class="side">${this.facts(found.frame)} ${pixelValues(found.histogram)} ${this.check(found.frame)}</div>
       </div>
       <details>
         <summary>Header, ${found.header.length} cards</summary>
@@ -194,22 +157,6 @@ export class FrameDetailSheet extends LitElement {
     return html`<dl>${map(rows, ([name, value]) => html`<dt>${name}</dt><dd>${value}</dd>`)}</dl>`;
   }
 
-  private values(histogram: Histogram): TemplateResult {
-    const shown = (value: number | null): string => (value === null ? "–" : String(Number(value.toPrecision(6))));
-    return html`<div>
-      <h3>Pixel values</h3>
-      <t-histogram
-        .counts=${histogram.counts}
-        .low=${histogram.low ?? Number.NaN}
-        .high=${histogram.high ?? Number.NaN}
-      ></t-histogram>
-      <p class="muted">
-        least ${shown(histogram.minimum)}, median ${shown(histogram.median)}, greatest ${shown(histogram.maximum)}, deviation
-        ${shown(histogram.deviation)}
-      </p>
-    </div>`;
-  }
-
   private check(frame: FrameRow): unknown {
     if (frame.problems.length === 0) {
       return html`<t-status kind="ok" word="Follows the FITS standard (checked by astropy)"></t-status>`;
@@ -221,15 +168,6 @@ export class FrameDetailSheet extends LitElement {
       </ul>
     </div>`;
   }
-
-  private readonly choose = (event: CustomEvent<string>): void => {
-    this.stretch = STRETCHES.find((each) => each === event.detail) ?? "asinh";
-    this.broken = false;
-  };
-
-  private readonly notDrawn = (): void => {
-    this.broken = true;
-  };
 
   private readonly again = (): void => {
     this.detail.again();

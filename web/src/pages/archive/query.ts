@@ -1,5 +1,7 @@
 /** What of the archive is asked for, as the page's address and as the hub's question. Pure. */
 
+import { formatDec, formatRa, turned } from "../../format/sexagesimal.js";
+
 export interface ArchiveFilter {
   /** Local date at which the night began; empty for all. */
   readonly night: string;
@@ -62,14 +64,9 @@ function within(text: string, low: number, high: number): boolean {
   return text.trim() !== "" && Number.isFinite(value) && value >= low && value <= high;
 }
 
-/** An hour angle or degrees as people read a place: `00h 42m 44s`, `+41° 16′ 09″`. */
+/** Degrees as people read a place: `00h 42m 44s +41° 16′ 09″`. */
 export function skyPlace(raDeg: number, decDeg: number): string {
-  const seconds = Math.round((((raDeg % 360) + 360) % 360) * 240) % 86_400;
-  const arcseconds = Math.round(Math.abs(decDeg) * 3600);
-  const two = (value: number): string => String(value).padStart(2, "0");
-  const hours = `${two(Math.floor(seconds / 3600))}h ${two(Math.floor(seconds / 60) % 60)}m ${two(seconds % 60)}s`;
-  const degrees = `${two(Math.floor(arcseconds / 3600))}° ${two(Math.floor(arcseconds / 60) % 60)}′ ${two(arcseconds % 60)}″`;
-  return `${hours} ${decDeg < 0 ? "−" : "+"}${degrees}`;
+  return `${formatRa(turned(raDeg, 360) / 15)} ${formatDec(decDeg)}`;
 }
 
 /** A size as people read it. */

@@ -17,6 +17,8 @@ import { MINUTE_US } from "../../series/zone.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { archivePath, sitePath } from "../../state/router.js";
 import { ChartFeed } from "../../tiles/chart/feed.js";
+import { drawnPart } from "../../tiles/observatory/drawn.js";
+import { partOf, shownBy } from "../../tiles/observatory/roles.js";
 import type { DeviceInfo, SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
 import "../../elements/clock.js";
@@ -142,7 +144,8 @@ export class PageDevice extends LitElement {
           <a href=${this.historyPath(device)}><t-icon name="history"></t-icon>History</a>
         </nav>
       </div>
-      ${this.trouble()} ${this.signals(device, detail)} ${this.cameras(device, detail)} ${this.deeds(device, detail)}`;
+      ${this.trouble()} ${this.drawn(device, detail)} ${this.cameras(device, detail)} ${this.deeds(device, detail)}
+      ${this.signals(device, detail)}`;
   }
 
   private standing(detail: SiteDetail, device: DeviceInfo): TemplateResult {
@@ -178,6 +181,10 @@ export class PageDevice extends LitElement {
     </t-empty>`;
   }
 
+  private drawn(device: DeviceInfo, detail: SiteDetail): unknown {
+    return drawnPart({ site: this.site, device, detail, line: this.commands, online: this.reachable(detail) });
+  }
+
   private signals(device: DeviceInfo, detail: SiteDetail): unknown {
     if (device.signals.length === 0) {
       return device.streams.length > 0
@@ -205,7 +212,8 @@ export class PageDevice extends LitElement {
   }
 
   private cameras(device: DeviceInfo, detail: SiteDetail): unknown {
-    if (device.streams.length === 0) return nothing;
+    // A camera that takes exposures shows its pictures itself.
+    if (device.streams.length === 0 || partOf(device) === "camera") return nothing;
     return html`<section aria-labelledby="cameras">
       <h2 id="cameras">${device.streams.length === 1 ? "Camera" : "Cameras"}</h2>
       <div class="cameras">
@@ -226,7 +234,15 @@ export class PageDevice extends LitElement {
   /** What can be done with it stands here only for who may do it. */
   private deeds(device: DeviceInfo, detail: SiteDetail): unknown {
     if (!device.rights.includes("use")) return nothing;
-    return html`<t-commands .devices=${[device]} .line=${this.commands} .online=${this.online(detail)}></t-commands>`;
+    const shown = shownBy(device);
+    return html`<t-commands
+      .site=${this.site}
+      .devices=${[device]}
+      .line=${this.commands}
+      .online=${this.online(detail)}
+      .heading=${shown.size === 0 ? "Commands" : "Other commands"}
+      .shownElsewhere=${shown}
+    ></t-commands>`;
   }
 
   private found(): DeviceInfo | undefined {
@@ -235,6 +251,11 @@ export class PageDevice extends LitElement {
 
   private online(detail: SiteDetail): boolean {
     return (this.sites.store?.row(this.site)?.online ?? detail.online) && this.link.state === "open";
+  }
+
+  /** What a device last said is not true any more once its gateway does not reach it. */
+  private reachable(detail: SiteDetail): boolean {
+    return this.online(detail) && this.reach.store?.of(this.site, this.device) === undefined;
   }
 
   private historyPath(device: DeviceInfo): string {

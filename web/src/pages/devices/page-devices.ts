@@ -13,7 +13,7 @@ import { sheets } from "../../elements/sheets.js";
 import { adviceFor } from "../../format/problem.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
-import type { DeviceRow } from "../../wire/api.js";
+import type { DeviceRow, SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
 import { isShown, standing, STANDING_WORDS, type Standing } from "./standing.js";
 import "../../elements/button.js";
@@ -23,6 +23,7 @@ import "../../elements/icon.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "../../elements/status.js";
+import "../../tiles/observatory/telling.js";
 
 /** Counts of stale signals are asked for again this often (s). */
 const AGAIN_S = 5;
@@ -112,6 +113,8 @@ export class PageDevices extends LitElement {
   private readonly reach = new StoreController(this, reachContext);
   private readonly rows = new LoadController<readonly DeviceRow[]>(this);
 
+  private readonly details = new LoadController<readonly SiteDetail[]>(this);
+
   constructor() {
     super();
     new TickController(this);
@@ -122,6 +125,14 @@ export class PageDevices extends LitElement {
     const online = (this.sites.store?.list ?? []).map((row) => `${row.site} ${String(row.online)}`).join();
     const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
     this.rows.ask(`${online} ${String(turn)}`, () => this.api.devices());
+    const sites = this.sites.store;
+    const names = [...new Set((this.rows.value ?? []).map(({ site }) => site))];
+    if (sites === undefined || names.length === 0) return;
+    const question = names.map((site) => `${site} ${sites.catalogueOf(site)}`).join("\n");
+    this.details.ask(question, async () => {
+      const found = await Promise.allSettled(names.map((site) => sites.detail(site)));
+      return found.flatMap((one) => (one.status === "fulfilled" ? [one.value] : []));
+    });
   }
 
   override render(): TemplateResult {
@@ -189,6 +200,7 @@ export class PageDevices extends LitElement {
         <h3>${row.name}</h3>
         <t-status kind=${how === "unreached" ? "unknown" : how} word=${STANDING_WORDS[how](row)}></t-status>
       </div>
+      ${this.telling(row)}
       <div class="facts">
         <span>${row.kind}</span>
         <span>${row.signals === 1 ? "1 signal" : `${String(row.signals)} signals`}</span>
@@ -198,6 +210,14 @@ export class PageDevices extends LitElement {
         ${row.public ? html`<span class="chip">public</span>` : nothing}
       </div>
     </a>`;
+  }
+
+  /** The values themselves stand in the site's description; without that, the counts have to do. */
+  private telling(row: DeviceRow): unknown {
+    const detail = this.details.value?.find(({ site }) => site === row.site);
+    const device = detail?.devices.find(({ id }) => id === row.device);
+    if (detail === undefined || device === undefined) return nothing;
+    return html`<t-telling .site=${row.site} .device=${device} .detail=${detail} .online=${row.online && !this.away(row)}></t-telling>`;
   }
 
   private readonly choose = (event: CustomEvent<string>): void => {

@@ -12,7 +12,7 @@ import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/icon.js";
 
 interface Place {
-  readonly page: "home" | "public" | "devices" | "live" | "history" | "drive" | "people";
+  readonly page: "home" | "public" | "devices" | "live" | "history" | "drive" | "archive" | "people";
   readonly icon: IconName;
   readonly title?: string;
 }
@@ -24,6 +24,7 @@ const PLACES: readonly Place[] = [
   { page: "live", icon: "live" },
   { page: "history", icon: "history" },
   { page: "drive", icon: "drive" },
+  { page: "archive", icon: "camera" },
   { page: "people", icon: "shield", title: "Admin" },
 ];
 
@@ -124,6 +125,8 @@ export class Nav extends LitElement {
   @property({ attribute: false }) person: Person | null = null;
   /** There is something to drive, command or stop at the site. */
   @property({ type: Boolean }) actuable = false;
+  /** The site has cameras that take exposures, or pictures of them, and the person may see them. */
+  @property({ type: Boolean }) archived = false;
 
   override render(): TemplateResult {
     return html`<nav aria-label="Pages">
@@ -146,7 +149,7 @@ export class Nav extends LitElement {
     // One beginning for each: the sites for who may see them, all public data for who sees no more.
     const hidden = seesOnlyPublic(person) ? "home" : "public";
     return PLACES.filter(
-      ({ page }) => page !== hidden && mayOpen(page, person) && (page !== "drive" || this.actuable),
+      ({ page }) => page !== hidden && mayOpen(page, person) && (page !== "drive" || this.actuable) && (page !== "archive" || this.archived),
     );
   }
 
@@ -171,6 +174,7 @@ export class Nav extends LitElement {
       case "live":
       case "history":
       case "drive":
+      case "archive":
         return this.site === "" ? null : sitePath(this.site, page);
     }
   }

@@ -1,5 +1,6 @@
 /** The frame around every page: header, navigation, banners, and the place where the page stands. */
 
+import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -7,9 +8,11 @@ import { LinkController } from "../../controllers/link.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
-import { routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
+import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { ADMIN_PAGES, localPath } from "../../state/router.js";
 import type { SiteDetail, SiteRow } from "../../wire/api.js";
+import { ArchiveApi, type NightList } from "../../wire/archive.js";
+import type { HubApi } from "../../wire/http.js";
 import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/banner.js";
 import "../../elements/empty.js";
@@ -106,6 +109,8 @@ export class Shell extends LitElement {
   private readonly sites = new StoreController(this, sitesContext);
   private readonly link = new LinkController(this);
   private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly nights = new LoadController<NightList>(this);
+  @consume({ context: apiContext }) private readonly api: HubApi | undefined;
 
   override connectedCallback(): void {
     super.connectedCallback();
@@ -131,6 +136,13 @@ export class Shell extends LitElement {
     if (sites === undefined || site === "" || this.session.store?.state !== "known") return;
     const question = [site, sites.catalogueOf(site), this.session.store.rights].join("\n");
     this.detail.ask(question, () => sites.detail(site));
+    const { api } = this;
+    if (api !== undefined) this.nights.ask(`${question}\n${this.router.store?.route.page ?? ""}`, () => new ArchiveApi(api, site).nights());
+  }
+
+  /** Whether there is an archive, and whether one may see it, only the archive knows. */
+  private archived(): boolean {
+    return (this.nights.value?.nights.length ?? 0) > 0;
   }
 
   private siteNow(): string {
@@ -148,18 +160,19 @@ export class Shell extends LitElement {
     const page = this.router.store?.route.page ?? "home";
     const site = this.siteNow();
     const actuable = this.actuable();
+    const archived = this.archived();
     return html`
       <a class="skip" href="#main" @click=${this.skip}>Skip to the page</a>
       <div class="top">
         <t-header .site=${site}>
-          ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable}></t-nav>` : nothing}
+          ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived}></t-nav>` : nothing}
         </t-header>
         ${this.banner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
         ${inside ? html`<t-interlocks></t-interlocks>` : nothing}
         ${inside && person.admin ? html`<t-storage-warning></t-storage-warning>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.content()}</main>
-      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person} ?actuable=${actuable}></t-nav>` : nothing}
+      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived}></t-nav>` : nothing}
     `;
   }
 

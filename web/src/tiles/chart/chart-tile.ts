@@ -12,6 +12,7 @@ import type { Axis, ChartSeries, Follow } from "../../elements/chart/model.js";
 import type { Painter } from "../../elements/chart/painter.js";
 import type { ValueState } from "../../elements/value.js";
 import { formatAge } from "../../format/duration.js";
+import { levelOf } from "../../format/level.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
 import { stateWord } from "../../format/reading.js";
 import { formatClock } from "../../format/time.js";
@@ -23,6 +24,7 @@ import { reachContext } from "../../state/contexts.js";
 import type { SignalInfo } from "../../wire/api.js";
 import "../../elements/button.js";
 import "../../elements/chart/chart.js";
+import "../../elements/icon.js";
 import "../../elements/status.js";
 import "../../elements/value.js";
 import { partOf, tileStyle } from "./tile-parts.js";
@@ -138,6 +140,7 @@ export class ChartTile extends LitElement {
   private reading(signal: SignalInfo, feed: ChartFeed): TemplateResult {
     const freshness = this.freshness();
     const one = feed.channel(signal.channels[0] ?? signal.address);
+    const word = stateWord(signal.states, one.trace.newest);
     switch (signal.type) {
       case "position":
         return html`<dl class="parts">
@@ -150,10 +153,10 @@ export class ChartTile extends LitElement {
           })}
         </dl>`;
       case "text":
-        return html`<p class="text">${freshness === "unreached" ? "–" : (one.text ?? "–")}</p>
+        return html`<p class="text ${levelOf(one.text ?? "")}">${this.said(freshness, one.text)}</p>
           <p class="range">${Number.isNaN(one.timeUs) ? nothing : `at ${formatClock(one.timeUs, this.zone)}`}</p>`;
       case "state":
-        return html`<t-value bare size="xl" .state=${freshness} .text=${stateWord(signal.states, one.trace.newest)}></t-value>`;
+        return html`<t-value bare size="xl" .state=${freshness} .text=${word} .level=${levelOf(word)}></t-value>`;
       case "number":
         return html`<div class="number">
           <t-value
@@ -167,6 +170,12 @@ export class ChartTile extends LitElement {
           <p class="range">${this.forbidden ? nothing : this.extremes(signal)}</p>
         </div>`;
     }
+  }
+
+  /** A message; one that begins with its level has a mark besides. */
+  private said(freshness: ValueState, text: string | null): unknown {
+    if (freshness === "unreached" || text === null) return "–";
+    return levelOf(text) === "" ? text : html`<t-icon name="warn"></t-icon> ${text}`;
   }
 
   /** Least and greatest of what the chart shows. */

@@ -94,6 +94,15 @@ export const tileStyle = css`
     font-weight: var(--t-weight-strong);
     overflow-wrap: anywhere;
   }
+  .text t-icon {
+    vertical-align: -0.25em;
+  }
+  .text.warn {
+    color: var(--t-warn);
+  }
+  .text.bad {
+    color: var(--t-bad);
+  }
   :host([stale]) .text {
     color: var(--t-stale);
     font-weight: var(--t-weight);

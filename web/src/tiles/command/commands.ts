@@ -3,13 +3,10 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import type { Arguments, CommandLine } from "../../controllers/drive/command-line.js";
-import { StoreController } from "../../controllers/store.js";
+import type { CommandLine } from "../../controllers/drive/command-line.js";
 import { base } from "../../elements/base.js";
 import "../../elements/card.js";
-import "../../elements/command/command.js";
-import { lockWords } from "../../format/interlock.js";
-import { interlocksContext } from "../../state/contexts.js";
+import "./command-card.js";
 import type { CommandInfo, DeviceInfo } from "../../wire/api.js";
 
 @customElement("t-commands")
@@ -45,39 +42,19 @@ export class Commands extends LitElement {
   @property({ attribute: false }) devices: readonly DeviceInfo[] = [];
   @property({ attribute: false }) line: CommandLine | null = null;
   @property({ type: Boolean }) online = true;
+  @property() heading = "Commands";
+  /** Ids of commands that the page shows elsewhere. */
+  @property({ attribute: false }) shownElsewhere: ReadonlySet<string> = new Set();
 
-  private readonly interlocks = new StoreController(this, interlocksContext);
-  private watched: CommandLine | null = null;
-  private stop: (() => void) | null = null;
-
-  override willUpdate(): void {
-    if (this.watched === this.line) return;
-    this.stop?.();
-    this.watched = this.line;
-    this.stop =
-      this.line?.watch(() => {
-        this.requestUpdate();
-      }) ?? null;
-  }
-
-  override disconnectedCallback(): void {
-    super.disconnectedCallback();
-    this.stop?.();
-    this.stop = null;
-    this.watched = null;
-  }
-
-  override connectedCallback(): void {
-    super.connectedCallback();
-    this.requestUpdate();
-  }
 
   override render(): TemplateResult | typeof nothing {
-    const rows = this.devices.flatMap((device) => device.commands.map((command) => ({ device, command })));
+    const rows = this.devices.flatMap((device) =>
+      device.commands.filter(({ id }) => !this.shownElsewhere.has(id)).map((command) => ({ device, command })),
+    );
     const policies = this.devices.filter((device) => device.link_loss !== "");
     if (rows.length === 0 && policies.length === 0) return nothing;
     return html`
-      <h2>Commands</h2>
+      ${rows.length === 0 ? nothing : html`<h2>${this.heading}</h2>`}
       <div class="list">
         ${repeat(
           rows,
@@ -101,26 +78,15 @@ export class Commands extends LitElement {
   }
 
   private card(device: DeviceInfo, command: CommandInfo): TemplateResult {
-    const asked = this.line?.desk.latest(device.id, command.id) ?? null;
-    const ask = (event: CustomEvent<Arguments>): void => {
-      const units = command.arguments.map(({ id, unit }) => [id, unit] as const);
-      this.line?.ask(device.id, command.id, event.detail, Object.fromEntries(units));
-    };
-    const cancel = (): void => {
-      this.line?.cancel(device.id, command.id);
-    };
-    const lock = this.interlocks.store?.lockOf(this.site, device.id, command.id) ?? null;
     return html`<t-card>
       <span class="device">${device.name}</span>
-      <t-command
+      <t-command-card
+        .site=${this.site}
+        .device=${device}
         .command=${command}
-        .asked=${asked}
+        .line=${this.line}
         .online=${this.online}
-        .locked=${lock ? lockWords(lock) : ""}
-        .allowed=${device.rights.includes("use")}
-        @t-ask=${ask}
-        @t-cancel=${cancel}
-      ></t-command>
+      ></t-command-card>
     </t-card>`;
   }
 }

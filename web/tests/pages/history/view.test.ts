@@ -47,10 +47,10 @@ function signal(id: string, change: Partial<SignalInfo> = {}): SignalInfo {
 }
 
 const DETAIL: SiteDetail = {
-  site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, last_seen_us: 0,
+  site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, place: null, rules: [], enclosures: [], last_seen_us: 0,
   devices: [
     {
-      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, link_loss: "", rights: [],
+      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, rights: [],
       signals: [
         signal("left"),
         signal("volt", { unit: "V", primary: false }),

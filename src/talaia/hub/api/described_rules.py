@@ -1,0 +1,128 @@
+"""A site's rules, roofs and place as a person may see them. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.observatory_shapes import (
+    ConditionShape,
+    EnclosureShape,
+    LimitShape,
+    PlaceShape,
+    PointingShape,
+    RuleShape,
+    SightingShape,
+    SlewShape,
+)
+from talaia.hub.auth.permissions import Right, sees_device, sees_signal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from talaia.hub.auth.permissions import Grants
+    from talaia.model.enclosure import Pointing, Sighting
+    from talaia.model.interlock import Condition
+    from talaia.model.site import Site
+
+__all__ = ["describe_enclosures", "describe_place", "describe_pointing", "describe_rules"]
+
+
+def describe_place(site: Site, grants: Grants) -> PlaceShape | None:
+    """Say where a site is, to those who may view something of it beyond what is public."""
+    viewed = grants.devices(Right.VIEW, site.site)
+    if site.place is None or (viewed is not None and not viewed):
+        return None
+    return PlaceShape(
+        latitude=site.place.latitude,
+        longitude=site.place.longitude,
+        elevation=site.place.elevation,
+    )
+
+
+def describe_pointing(pointing: Pointing) -> PointingShape:
+    """Say where a telescope may not point, and by which commands it is pointed."""
+    return PointingShape(
+        commands=[
+            SlewShape(command=name, ra=each.ra, dec=each.dec, alt=each.alt, az=each.az)
+            for name, each in pointing.commands.items()
+        ],
+        horizon=pointing.horizon,
+        sun=pointing.sun,
+    )
+
+
+def describe_rules(site: Site, grants: Grants) -> list[RuleShape]:
+    """Say when each interlock is unsafe, by the signals that the person sees."""
+    made = []
+    for name, rule in site.interlocks.items():
+        seen = [each for each in rule.when if _sees_all(site, grants, _signals(each))]
+        targets = [each for each in rule.refuse if _sees(site, grants, each)]
+        if not seen and not targets:
+            continue
+        made.append(
+            RuleShape(
+                id=name,
+                name=rule.name,
+                conditions=[_condition(each) for each in seen],
+                hidden=len(rule.when) - len(seen),
+                targets=targets,
+                dwell=max([rule.dwell, *(each.dwell or 0.0 for each in rule.when)]),
+            )
+        )
+    return made
+
+
+def describe_enclosures(site: Site, grants: Grants) -> list[EnclosureShape]:
+    """Say by which sensors each roof is closed, to those who see all of them."""
+    return [
+        EnclosureShape(
+            id=name,
+            name=roof.name,
+            closed=[_sighting(each) for each in roof.closed],
+            moving=[_sighting(each) for each in roof.moving],
+            close=roof.close.command,
+            stop=roof.stop,
+            unsafe=list(roof.unsafe),
+        )
+        for name, roof in site.enclosures.items()
+        if _sees_all(site, grants, (each.signal for each in (*roof.closed, *roof.moving)))
+    ]
+
+
+def _sighting(sighting: Sighting) -> SightingShape:
+    return SightingShape(signal=sighting.signal, states=list(sighting.is_one_of))
+
+
+def _signals(condition: Condition) -> list[str]:
+    found = [condition.signal] if condition.signal else []
+    return [*found, *(name for each in condition.all_of for name in _signals(each))]
+
+
+def _sees_all(site: Site, grants: Grants, signals: Iterable[str]) -> bool:
+    places = (each.partition("/") for each in signals)
+    return all(sees_signal(grants, site, device, signal) for device, _, signal in places)
+
+
+def _sees(site: Site, grants: Grants, target: str) -> bool:
+    return sees_device(grants, site, target.partition("/")[0])
+
+
+def _condition(condition: Condition) -> ConditionShape:
+    limits = condition.all_of or ((condition,) if condition.signal else ())
+    return ConditionShape(
+        limits=[_limit(each) for each in limits],
+        lasting=condition.lasting,
+        link_lost=condition.link_lost,
+    )
+
+
+def _limit(condition: Condition) -> LimitShape:
+    return LimitShape(
+        signal=condition.signal,
+        above=condition.above,
+        until_below=condition.until_below,
+        below=condition.below,
+        until_above=condition.until_above,
+        states=list(condition.is_one_of),
+        safe_states=list(condition.is_not),
+    )

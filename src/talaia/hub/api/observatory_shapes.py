@@ -1,0 +1,126 @@
+"""JSON bodies about rules and the sky; the browser's types are made from these.
+
+Angles are degrees, right ascension is hours, azimuth counts from north through east, times are
+seconds.
+"""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict
+
+__all__ = [
+    "ConditionShape",
+    "EnclosureShape",
+    "LimitShape",
+    "PlaceShape",
+    "PointingShape",
+    "RuleShape",
+    "SightingShape",
+    "SkyList",
+    "SkyObject",
+    "SlewShape",
+]
+
+
+class _Shape(BaseModel):
+    """A key that is not described is an error, not a silence."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class PlaceShape(_Shape):
+    """Where a site is on Earth: degrees north, degrees east, metres."""
+
+    latitude: float
+    longitude: float
+    elevation: float
+
+
+class SlewShape(_Shape):
+    """A command that points a telescope, and its arguments that say where to; empty for none."""
+
+    command: str
+    ra: str
+    dec: str
+    alt: str
+    az: str
+
+
+class PointingShape(_Shape):
+    """Where a telescope may not point: lower than ``horizon``, or within ``sun`` of the Sun."""
+
+    commands: list[SlewShape]
+    horizon: float
+    sun: float
+
+
+class LimitShape(_Shape):
+    """When a signal is unsafe: out of these limits, in or out of these states, or unknown."""
+
+    signal: str
+    above: float | None
+    until_below: float | None
+    below: float | None
+    until_above: float | None
+    states: list[str]
+    safe_states: list[str]
+
+
+class ConditionShape(_Shape):
+    """Unsafe while all of these limits say so. ``link_lost``: without the hub for so long."""
+
+    limits: list[LimitShape]
+    lasting: float
+    link_lost: float | None
+
+
+class RuleShape(_Shape):
+    """An interlock as far as you may see it; ``hidden`` of its conditions you may not.
+
+    ``targets`` are what it refuses: ``device/command``, ``device/drive`` or ``device/*``.
+    """
+
+    id: str
+    name: str
+    conditions: list[ConditionShape]
+    hidden: int
+    targets: list[str]
+    dwell: float
+
+
+class SightingShape(_Shape):
+    """What a sensor says when something is so."""
+
+    signal: str
+    states: list[str]
+
+
+class EnclosureShape(_Shape):
+    """A roof: closed only when all of ``closed`` say so; kept closed by the rules of ``unsafe``."""
+
+    id: str
+    name: str
+    closed: list[SightingShape]
+    moving: list[SightingShape]
+    close: str
+    stop: str
+    unsafe: list[str]
+
+
+class SkyObject(_Shape):
+    """Something of a catalogue; coordinates are degrees of J2000, ``magnitude`` is visual."""
+
+    name: str
+    also: list[str]
+    kind: str
+    constellation: str
+    ra_deg: float
+    dec_deg: float
+    magnitude: float | None
+
+
+class SkyList(_Shape):
+    """What goes by a name. ``available`` is false where the hub has no catalogue."""
+
+    available: bool
+    objects: list[SkyObject]

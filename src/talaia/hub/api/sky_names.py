@@ -1,0 +1,79 @@
+"""Names of the sky: NGC, IC, Messier and what people call them, if the catalogue is installed.
+
+The catalogue (OpenNGC, by the package ``pyongc`` of the extra ``observatory``) comes with its own
+licence, so that it is asked, and never copied into this project.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any, NamedTuple
+
+__all__ = ["Found", "is_there", "look_up"]
+
+MOST = 8
+# OpenNGC's own word for what is another name of something, or is not there at all.
+_NOTHING = frozenset({"Duplicated record", "Nonexistent object"})
+
+
+class Found(NamedTuple):
+    """Something of the catalogue; degrees of J2000, magnitude NaN where nobody has measured it."""
+
+    name: str
+    also: tuple[str, ...]
+    kind: str
+    constellation: str
+    ra_deg: float
+    dec_deg: float
+    magnitude: float
+
+
+@functools.cache
+def _catalogue() -> Any:  # noqa: ANN401 - the package has no types
+    try:
+        from pyongc import ongc
+    except ImportError:
+        return None
+    return ongc
+
+
+def is_there() -> bool:
+    """Say whether the catalogue is installed."""
+    return _catalogue() is not None
+
+
+def look_up(name: str) -> list[Found]:
+    """Find what goes by a designation (``M31``, ``NGC 7000``) or a part of a common name.
+
+    Reads a file: not for the event loop. At most `MOST`, brightest first.
+    """
+    catalogue = _catalogue()
+    # The database reads % and _ as "anything".
+    words = " ".join(name.replace("%", " ").replace("_", " ").split())
+    if catalogue is None or not words:
+        return []
+    exact = catalogue.get(words)
+    rows = [exact] if exact is not None else catalogue.listObjects(cname=words)
+    found = [_found(row) for row in rows if row.type not in _NOTHING]
+    there = [each for each in found if each is not None]
+    return sorted(there, key=lambda each: (math.isnan(each.magnitude), each.magnitude))[:MOST]
+
+
+def _found(row: Any) -> Found | None:  # noqa: ANN401 - the package has no types
+    if row.coords is None:
+        return None
+    (hour, minute, second), (degree, arcminute, arcsecond) = row.coords.tolist()
+    sign = -1.0 if str(row.dec).startswith("-") else 1.0
+    messier, _, _, common, _ = row.identifiers
+    blue, visual = row.magnitudes[:2]
+    measured = visual if visual is not None else blue
+    return Found(
+        name=row.name,
+        also=tuple(each for each in (messier, *(common or ())) if each),
+        kind=row.type,
+        constellation=row.constellation or "",
+        ra_deg=(hour + minute / 60 + second / 3600) * 15,
+        dec_deg=sign * (abs(degree) + abs(arcminute) / 60 + abs(arcsecond) / 3600),
+        magnitude=math.nan if measured is None else float(measured),
+    )

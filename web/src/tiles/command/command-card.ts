@@ -1,0 +1,62 @@
+/** One command as a form, tied to the connection: locks, rights and what became of it. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import type { Arguments, CommandLine } from "../../controllers/drive/command-line.js";
+import { StoreController } from "../../controllers/store.js";
+import { WatchController } from "../../controllers/watch.js";
+import "../../elements/command/command.js";
+import { lockWords } from "../../format/interlock.js";
+import { interlocksContext } from "../../state/contexts.js";
+import type { CommandInfo, DeviceInfo } from "../../wire/api.js";
+
+@customElement("t-command-card")
+export class CommandCard extends LitElement {
+  static override styles = css`
+    :host {
+      display: block;
+      min-inline-size: 0;
+    }
+  `;
+
+  @property() site = "";
+  @property({ attribute: false }) device: DeviceInfo | null = null;
+  @property({ attribute: false }) command: CommandInfo | null = null;
+  @property({ attribute: false }) line: CommandLine | null = null;
+  @property({ type: Boolean }) online = true;
+
+  private readonly interlocks = new StoreController(this, interlocksContext);
+  private readonly watched = new WatchController(this);
+
+  override willUpdate(): void {
+    this.watched.watch(this.line);
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const { device, command } = this;
+    if (device === null || command === null) return nothing;
+    const lock = this.interlocks.store?.lockOf(this.site, device.id, command.id) ?? null;
+    const ask = (event: CustomEvent<Arguments>): void => {
+      const units = command.arguments.map(({ id, unit }) => [id, unit] as const);
+      this.line?.ask(device.id, command.id, event.detail, Object.fromEntries(units));
+    };
+    const cancel = (): void => {
+      this.line?.cancel(device.id, command.id);
+    };
+    return html`<t-command
+      .command=${command}
+      .asked=${this.line?.desk.latest(device.id, command.id) ?? null}
+      .online=${this.online}
+      .locked=${lock === null ? "" : lockWords(lock)}
+      .allowed=${device.rights.includes("use")}
+      @t-ask=${ask}
+      @t-cancel=${cancel}
+    ></t-command>`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-command-card": CommandCard;
+  }
+}

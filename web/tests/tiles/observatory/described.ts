@@ -1,0 +1,31 @@
+/** Devices as the hub describes them, with what a test does not care for left out. */
+
+import type { ArgumentInfo, CommandInfo, DeviceInfo, SignalInfo } from "../../../src/wire/api.js";
+
+export function signal(id: string, more: Partial<SignalInfo> = {}): SignalInfo {
+  return {
+    id, address: `it/${id}`, name: id, type: "number", unit: "", decimals: 1, minimum: null, maximum: null, states: [],
+    frame: "local", max_age: 5, primary: true, public: false, channels: [`it/${id}`], ...more,
+  };
+}
+
+export function state(id: string, states: readonly string[], more: Partial<SignalInfo> = {}): SignalInfo {
+  return signal(id, { type: "state", states, ...more });
+}
+
+export function argument(id: string, more: Partial<ArgumentInfo> = {}): ArgumentInfo {
+  return { id, name: id, type: "number", unit: "", minimum: null, maximum: null, max_length: 200, default: null, ...more };
+}
+
+export function command(id: string, args: readonly ArgumentInfo[] = [], more: Partial<CommandInfo> = {}): CommandInfo {
+  return { id, name: id, description: "", confirm: false, timeout: 10, cancellable: false, arguments: args, ...more };
+}
+
+export function device(
+  kind: DeviceInfo["kind"], signals: readonly SignalInfo[], commands: readonly CommandInfo[] = [], more: Partial<DeviceInfo> = {},
+): DeviceInfo {
+  return {
+    id: "it", name: "Anything", kind, signals, streams: [], commands, drive: null, public: false, link_loss: "", pointing: null,
+    rights: ["view", "use"], ...more,
+  };
+}
