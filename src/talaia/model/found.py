@@ -8,15 +8,23 @@ from __future__ import annotations
 
 import msgspec
 
+from talaia.errors import TalaiaError
+
 __all__ = [
     "ActionFound",
     "FieldFound",
     "Found",
+    "NotAProbe",
     "ServiceFound",
     "TopicFound",
+    "found_from",
 ]
 
 FORMAT = 1
+
+
+class NotAProbe(TalaiaError):
+    """What was read is not what a probe writes."""
 
 
 class FieldFound(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -106,3 +114,26 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
     topics: tuple[TopicFound, ...] = ()
     services: tuple[ServiceFound, ...] = ()
     actions: tuple[ActionFound, ...] = ()
+
+
+def found_from(data: bytes, where: str) -> Found:
+    """Read what `talaia probe --json` printed.
+
+    Args:
+        data: the JSON.
+        where: what it was read from, for the message.
+
+    Raises:
+        NotAProbe: it is something else, or of another version's form.
+
+    """
+    try:
+        found = msgspec.json.decode(data, type=Found)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise NotAProbe(f"{where} is not what `talaia probe --json` prints: {error}") from error
+    if found.talaia_probe != FORMAT:
+        raise NotAProbe(
+            f"{where} is of form {found.talaia_probe}, and this Talaia reads form {FORMAT}; "
+            "use the same version at both places"
+        )
+    return found
