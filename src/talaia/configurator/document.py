@@ -88,6 +88,11 @@ class Document:
         return self._steps[self._now].site
 
     @property
+    def opened(self) -> str:
+        """The text as it was read or saved last; empty for a new one."""
+        return self._text
+
+    @property
     def is_changed(self) -> bool:
         """Whether closing it now would lose something."""
         return self.site not in (self._saved, self._blank)

@@ -16,6 +16,9 @@ from talaia.model.connection import ROS_KINDS, kind_of
 from talaia.model.meaning import word_of
 from talaia.model.services import AiServices
 from talaia.model.site import (
+    Argument,
+    ArgumentType,
+    Command,
     Device,
     DeviceKind,
     Drive,
@@ -33,8 +36,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from talaia.configurator.presets import SensorKind
+    from talaia.model.shape import Shape
 
 __all__ = [
+    "Group",
     "NewSensor",
     "ai_services",
     "cameras",
@@ -42,6 +47,7 @@ __all__ = [
     "free_number",
     "free_word",
     "gps",
+    "groups_at",
     "new_site",
     "with_camera",
     "with_device",
@@ -49,6 +55,7 @@ __all__ = [
     "with_gps",
     "with_sensor",
     "with_services",
+    "with_thing",
     "without",
 ]
 
@@ -66,7 +73,10 @@ FIX_AGE_S = 10.0
 
 
 class NewSensor(NamedTuple):
-    """What a person chose: the kind, the number, and for *Others* a name and a unit."""
+    """What a person chose: the kind, the number, for *Others* a name, and a unit.
+
+    ``unit`` is a symbol of `model.unit`; empty takes the kind's own.
+    """
 
     kind: SensorKind
     number: int
@@ -138,11 +148,13 @@ def with_sensor(site: Site, new: NewSensor) -> Site:
         )
     site, place = with_device(site, "sensors", "Sensors", DeviceKind.OTHER)
     name = new.name.strip() or new.kind.name
+    unit = new.unit or new.kind.unit
+    usual = unit == new.kind.unit
     signal = Signal(
         name=f"{name} {new.number}",
-        unit=new.kind.unit if new.kind.word else new.unit,
-        minimum=new.kind.minimum,
-        maximum=new.kind.maximum,
+        unit=unit,
+        minimum=new.kind.minimum if usual else None,
+        maximum=new.kind.maximum if usual else None,
         source=Source(topic=METRIC, type=TEXT, name=new.word),
     )
     return put(site, ("devices", place, "signals", new.word), signal)
@@ -248,6 +260,65 @@ def _seen_while_driving(site: Site, key: str, address: str) -> Site:
         if at(site, ("devices", word, "drive", key)) == "":
             site = put(site, ("devices", word, "drive", key), address)
     return site
+
+
+# ── things that people write by themselves ──
+
+
+class Group(NamedTuple):
+    """A kind of thing that can be added to another one.
+
+    Attributes:
+        key: of the mapping it stands in; for ``drive`` of the shape itself.
+        title: what people call it.
+
+    """
+
+    key: str
+    title: str
+
+
+def groups_at(site: Site, path: Path) -> tuple[Group, ...]:
+    """Tell what can be added to the thing at a path."""
+    thing = at(site, path)
+    if isinstance(thing, Site):
+        return (Group("devices", "Device"),)
+    if isinstance(thing, Command):
+        return (Group("arguments", "Argument"),)
+    if isinstance(thing, Device):
+        three = (
+            Group("signals", "Signal"),
+            Group("streams", "Camera"),
+            Group("commands", "Command"),
+        )
+        return three if thing.drive is not None else (*three, Group("drive", "Driving"))
+    return ()
+
+
+def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]:
+    """Add an empty thing of a person's own name; gives where it stands.
+
+    Raises:
+        ConfiguratorError: it has no name.
+
+    """
+    if key == "drive":
+        drive = Drive(topic="/cmd_vel", max_speed=CAREFUL_SPEED, max_turn=CAREFUL_TURN)
+        return put(site, (*path, key), drive), (*path, key)
+    if not name.strip():
+        raise ConfiguratorError("a thing of your own needs a name")
+    name = name.strip()
+    mapping = at(site, (*path, key))
+    assert isinstance(mapping, dict)  # noqa: S101 - `groups_at` names mappings
+    word = free_word(word_of(name), mapping)
+    made: dict[str, Shape] = {
+        "devices": Device(name=name),
+        "signals": Signal(name=name, source=Source()),
+        "streams": Stream(name=name, source=Source(type="sensor_msgs/msg/Image")),
+        "commands": Command(name=name, target="", confirm=True),
+        "arguments": Argument(type=ArgumentType.NUMBER, field=word, name=name),
+    }
+    return put(site, (*path, key, word), made[key]), (*path, key, word)
 
 
 # ── taking away ──

@@ -5,6 +5,8 @@ ConfiguratorError
 ├── BadValue          what was typed is not a value of that field
 ├── BadHost           not the name of a computer that ssh may be given
 ├── WordTaken         there is something of that name already
+├── FileChanged       somebody else has written the file since it was opened
+├── NotWritten        the file cannot be written
 └── ImpossibleStep    a piece of work was told something that its state does not allow
 """
 
@@ -16,8 +18,10 @@ __all__ = [
     "BadHost",
     "BadValue",
     "ConfiguratorError",
+    "FileChanged",
     "ImpossibleStep",
     "NoSuchPlace",
+    "NotWritten",
     "WordTaken",
 ]
 
@@ -40,6 +44,14 @@ class BadHost(ConfiguratorError):
 
 class WordTaken(ConfiguratorError):
     """There is something of that name already."""
+
+
+class FileChanged(ConfiguratorError):
+    """Somebody else has written the file since it was opened."""
+
+
+class NotWritten(ConfiguratorError):
+    """The file cannot be written."""
 
 
 class ImpossibleStep(ConfiguratorError):

@@ -1,1 +1,1 @@
-"""What is drawn."""
+"""What is drawn, and the processes that are started: the configurator's outermost layer."""
