@@ -10,7 +10,16 @@ from typing import NamedTuple
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 
-__all__ = ["DARK", "LIGHT", "SPACE", "Colours", "asked_for", "colours_now", "qt_palette", "style_sheet"]
+__all__ = [
+    "DARK",
+    "LIGHT",
+    "SPACE",
+    "Colours",
+    "asked_for",
+    "colours_now",
+    "qt_palette",
+    "style_sheet",
+]
 
 
 class Colours(NamedTuple):
@@ -152,6 +161,7 @@ QLineEdit:disabled, QComboBox:disabled, QSpinBox:disabled {{
 QLineEdit[wrong="true"], QComboBox[wrong="true"], QPlainTextEdit[wrong="true"] {{
   border: 2px solid {c.bad};
 }}
+QSpinBox QLineEdit {{ border: 0; padding: 0; min-height: 0; background: transparent; }}
 QComboBox::drop-down {{ border: 0; width: 22px; }}
 QComboBox QAbstractItemView {{
   background: {c.surface}; border: 1px solid {c.edge};
@@ -166,12 +176,16 @@ QTableView:focus, QTreeView:focus, QListView#problems:focus {{ border: 2px solid
 QTableView::item, QTreeView::item, QListView#problems::item {{ padding: 3px 6px; }}
 QHeaderView::section {{
   background: {c.raised}; color: {c.muted}; border: 0; border-bottom: 1px solid {c.line};
-  padding: 5px 6px;
+  padding: 5px 6px; text-align: left;
 }}
 QProgressBar {{
   background: {c.raised}; border: 0; border-radius: 4px; max-height: 8px; min-height: 8px;
 }}
 QProgressBar::chunk {{ background: {c.accent}; border-radius: 4px; }}
+QTableView::indicator:unchecked {{
+  width: 12px; height: 12px; border: 1px solid {c.edge}; border-radius: 2px;
+}}
+QToolBar::separator {{ background: {c.line}; width: 1px; margin: 5px 6px; }}
 QMenuBar, QMenu {{ background: {c.surface}; }}
 QMenuBar::item:selected, QMenu::item:selected {{ background: {c.raised}; }}
 QStatusBar {{ background: {c.surface}; color: {c.muted}; border-top: 1px solid {c.line}; }}

@@ -164,7 +164,7 @@ class Window(QMainWindow):
 
         action("New", keys.New, self.new)
         action("Open …", keys.Open, self.open)
-        self.save_action = action("Save", keys.Save, self.save)
+        action("Save", keys.Save, self.save)
         action("Save as …", "Ctrl+Shift+S", self.save_as)
         bar.addSeparator()
         self.undo_action = action("Undo", keys.Undo, self.editor.undo)
@@ -320,7 +320,10 @@ class Window(QMainWindow):
         application = QApplication.instance()
         if isinstance(application, QApplication):
             application.setPalette(qt_palette(colours))
-            application.setStyleSheet(style_sheet(colours))
+            sheet = style_sheet(colours)
+            # Every widget is styled anew, which takes a while.
+            if application.styleSheet() != sheet:
+                application.setStyleSheet(sheet)
 
     def _tell(self, text: str) -> None:
         self.notice_text.setText(text)
@@ -332,7 +335,6 @@ class Window(QMainWindow):
         name = self.editor.file.name if self.editor.file else "new description"
         self.setWindowTitle(f"{self.editor.site.name} — {name}[*] — Talaia")
         self.setWindowModified(document.is_changed)
-        self.save_action.setEnabled(document.is_changed or not document.opened)
         for action, word, what in (
             (self.undo_action, "Undo", document.undoes),
             (self.redo_action, "Redo", document.redoes),
