@@ -293,3 +293,9 @@ def test_thousands_of_signals_are_opened_and_changed(window: Any, tmp_path: Path
     assert window.sensors.select(path, ("name",))
     typed(window.sensors.form.field("name"), "Renamed")
     assert at(window.editor.site, (*path, "name")) == "Renamed"
+
+
+def test_none_outlives_more_calls_than_it_has_references(qt: Any) -> None:
+    # Without `keep_constants` this ends the test run on Python 3.11.
+    for _ in range(30_000):
+        assert qt.activeModalWidget() is None
