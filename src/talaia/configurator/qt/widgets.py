@@ -123,7 +123,6 @@ class Number(QSpinBox):
     def __init__(self, low: int, high: int, value: int, suffix: str = "") -> None:
         """Give its limits."""
         super().__init__(minimum=low, maximum=high, value=value, suffix=suffix)
-        self.setButtonSymbols(QSpinBox.ButtonSymbols.NoButtons)
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802 - Qt's name
         """Leave the wheel to the page."""
