@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import os
 import socket
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import msgspec
-
 from talaia.cli.errors import CliError
+from talaia.cli.places import zone_here
 from talaia.cli.probe import add_options, look
 from talaia.model.check import check
-from talaia.model.found import FORMAT, Found
+from talaia.model.found import Found, found_from
 from talaia.model.meaning import word_of
 from talaia.model.propose import propose
 from talaia.model.write import written
@@ -59,7 +57,7 @@ def main(argv: Sequence[str]) -> int:
         found,
         options.site or word_of(host)[:40],
         options.name or host[:100] or "Robot",
-        options.zone or _zone(),
+        options.zone or zone_here(),
     )
     if not made.site.devices and not found.devices:
         raise CliError(
@@ -79,35 +77,15 @@ def _read(where: str) -> Found:
     """Read what a probe wrote.
 
     Raises:
-        CliError: it cannot be read, or is something else.
+        CliError: it cannot be read.
+        NotAProbe: it is something else.
 
     """
     try:
         data = sys.stdin.buffer.read(MAX_BYTES) if where == "-" else Path(where).read_bytes()
-        found = msgspec.json.decode(data, type=Found)
     except OSError as error:
         raise CliError(f"{where} cannot be read: {error.strerror}") from error
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise CliError(f"{where} is not what `talaia probe --json` prints: {error}") from error
-    if found.talaia_probe != FORMAT:
-        raise CliError(
-            f"{where} is of form {found.talaia_probe}, and this Talaia reads form {FORMAT}; "
-            "use the same version at both places"
-        )
-    return found
-
-
-def _zone() -> str:
-    """Give this machine's time zone by its IANA name; UTC where it cannot be told."""
-    named = os.environ.get("TZ", "").lstrip(":")
-    if not named:
-        target = Path("/etc/localtime").resolve()
-        parts = target.parts
-        if "zoneinfo" in parts:
-            named = "/".join(parts[parts.index("zoneinfo") + 1 :])
-    from zoneinfo import available_timezones
-
-    return named.removeprefix("Etc/") if named in available_timezones() else "UTC"
+    return found_from(data, where)
 
 
 def _head(found: Found, made: Proposal) -> list[str]:

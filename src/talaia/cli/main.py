@@ -29,6 +29,9 @@ WORDS = {
     "demo-indi": Word(
         "talaia.cli.demo_indi", "INDI's own simulators and the whole product", "hub,observatory"
     ),
+    "configure": Word(
+        "talaia.cli.configure", "a window to describe a robot and start everything", "configurator"
+    ),
     "up": Word("talaia.cli.up", "hub and gateway of a site together, in your browser", "hub,ros2"),
     "generate": Word("talaia.cli.generate", "a folder that runs a site for good", ""),
     "hub": Word("talaia.hub.run", "the server: accounts, history, dashboard", "hub"),

@@ -7,10 +7,11 @@ import socket
 import sys
 import webbrowser
 from pathlib import Path
+from zoneinfo import available_timezones
 
 from talaia.cli.errors import CliError
 
-__all__ = ["DEFAULT_PORT", "data_folder", "free_port", "has_screen", "open_page"]
+__all__ = ["DEFAULT_PORT", "data_folder", "free_port", "has_screen", "open_page", "zone_here"]
 
 DEFAULT_PORT = 8470
 
@@ -55,3 +56,14 @@ def data_folder(site: str) -> Path:
     """Give the folder where a site's accounts and history are kept for this user."""
     base = os.environ.get("XDG_DATA_HOME") or "~/.local/share"
     return Path(base).expanduser() / "talaia" / site
+
+
+def zone_here() -> str:
+    """Give this machine's time zone by its IANA name; UTC where it cannot be told."""
+    named = os.environ.get("TZ", "").lstrip(":")
+    if not named:
+        target = Path("/etc/localtime").resolve()
+        parts = target.parts
+        if "zoneinfo" in parts:
+            named = "/".join(parts[parts.index("zoneinfo") + 1 :])
+    return named.removeprefix("Etc/") if named in available_timezones() else "UTC"

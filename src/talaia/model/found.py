@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import msgspec
 
+from talaia.errors import TalaiaError
 from talaia.model.site import Device  # noqa: TC001 - msgspec reads it
 
 __all__ = [
@@ -16,12 +17,18 @@ __all__ = [
     "ElementFound",
     "FieldFound",
     "Found",
+    "NotAProbe",
     "PropertyFound",
     "ServiceFound",
     "TopicFound",
+    "found_from",
 ]
 
 FORMAT = 1
+
+
+class NotAProbe(TalaiaError):
+    """What was read is not what a probe writes."""
 
 
 class FieldFound(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -176,3 +183,26 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
     host: str = ""
     port: int = 0
     devices: tuple[DeviceFound, ...] = ()
+
+
+def found_from(data: bytes, where: str) -> Found:
+    """Read what `talaia probe --json` printed.
+
+    Args:
+        data: the JSON.
+        where: what it was read from, for the message.
+
+    Raises:
+        NotAProbe: it is something else, or of another version's form.
+
+    """
+    try:
+        found = msgspec.json.decode(data, type=Found)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise NotAProbe(f"{where} is not what `talaia probe --json` prints: {error}") from error
+    if found.talaia_probe != FORMAT:
+        raise NotAProbe(
+            f"{where} is of form {found.talaia_probe}, and this Talaia reads form {FORMAT}; "
+            "use the same version at both places"
+        )
+    return found

@@ -20,6 +20,7 @@ from talaia.model.connection import Connection, Ros1Connection, Ros2Connection, 
 from talaia.model.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
+from talaia.model.services import AiServices  # noqa: TC001 - msgspec reads it
 from talaia.model.shape import Shape
 
 __all__ = [
@@ -373,6 +374,7 @@ class Site(Shape, frozen=True, kw_only=True):
         interlocks: by name; see `Interlock`.
         recording: raw topics that are recorded; nothing is where it is left out.
         enclosures: by name; see `Enclosure`.
+        services: what the hub works out from the site's data; see `AiServices`.
 
     """
 
@@ -387,6 +389,7 @@ class Site(Shape, frozen=True, kw_only=True):
     recording: Recording | None = None
     place: Place | None = None
     enclosures: dict[str, Enclosure] = {}
+    services: AiServices | None = None
 
     def links(self) -> dict[str, Connection]:
         """Give every connection by name, ``ros2: {}`` among them."""

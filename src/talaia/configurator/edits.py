@@ -1,0 +1,369 @@
+"""What the pages change, as functions from one site to the next. Pure.
+
+Nothing here checks what `talaia check` checks: a description may be wrong while it is edited, and
+says so.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.configurator.errors import ConfiguratorError, WordTaken
+from talaia.configurator.places import Path, at, put, take_out
+from talaia.model.connection import ROS_KINDS, kind_of
+from talaia.model.meaning import word_of
+from talaia.model.services import AiServices
+from talaia.model.site import (
+    Argument,
+    ArgumentType,
+    Command,
+    Device,
+    DeviceKind,
+    Drive,
+    DriveMessage,
+    PositionFrame,
+    Ros2Settings,
+    Signal,
+    SignalType,
+    Site,
+    Source,
+    Stream,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from talaia.configurator.presets import SensorKind
+    from talaia.model.shape import Shape
+
+__all__ = [
+    "Group",
+    "NewSensor",
+    "ai_services",
+    "cameras",
+    "driven",
+    "free_number",
+    "free_word",
+    "gps",
+    "groups_at",
+    "new_site",
+    "with_camera",
+    "with_device",
+    "with_drive",
+    "with_gps",
+    "with_sensor",
+    "with_services",
+    "with_thing",
+    "without",
+]
+
+# The founding vehicle's own topics; a robot with others says which.
+METRIC = "/metric"
+IMAGES = "/images"
+CONTROL = "/control"
+FIX = "/fix"
+TEXT = "std_msgs/msg/String"
+# About a walking child's speed, until the owner says what the robot can do.
+CAREFUL_SPEED = 0.2
+CAREFUL_TURN = 0.5
+# A GPS says little more often than once a second, and nothing for a while under a roof.
+FIX_AGE_S = 10.0
+
+
+class NewSensor(NamedTuple):
+    """What a person chose: the kind, the number, for *Others* a name, and a unit.
+
+    ``unit`` is a symbol of `model.unit`; empty takes the kind's own.
+    """
+
+    kind: SensorKind
+    number: int
+    name: str = ""
+    unit: str = ""
+
+    @property
+    def word(self) -> str:
+        """The last part of its address, and its name on ``/metric``: ``temperature1``."""
+        tail = str(self.number)
+        return (self.kind.word or word_of(self.name))[: 63 - len(tail)] + tail
+
+
+def new_site(word: str, name: str, zone: str) -> Site:
+    """Give a description with nothing in it, of a robot that speaks ROS 2."""
+    return Site(talaia=1, site=word, name=name, zone=zone, ros2=Ros2Settings())
+
+
+# ── AI services ──
+
+
+def ai_services(site: Site) -> AiServices:
+    """Tell which are wanted."""
+    return site.services or AiServices()
+
+
+def with_services(site: Site, services: AiServices) -> Site:
+    """Want these; a site that wants none has no key for it."""
+    wanted = None if services == AiServices() else services
+    return msgspec.structs.replace(site, services=wanted)
+
+
+# ── sensors ──
+
+
+def free_number(site: Site, kind: SensorKind, name: str = "") -> int:
+    """Give the lowest number that no sensor of this kind has."""
+    taken = _taken(site)
+    number = 1
+    while NewSensor(kind, number, name).word in taken:
+        number += 1
+    return number
+
+
+def _taken(site: Site) -> dict[str, str]:
+    """Give the addresses of all signals, by their word and by their name on ``/metric``."""
+    signals = [
+        (f"{device_id}/{word}", word, signal)
+        for device_id, device in site.devices.items()
+        for word, signal in device.signals.items()
+    ]
+    heard = {each.source.name: address for address, _, each in signals if each.source.name}
+    return heard | {word: address for address, word, _ in signals}
+
+
+def with_sensor(site: Site, new: NewSensor) -> Site:
+    """Add a sensor that the robot tells by name on ``/metric``.
+
+    Raises:
+        WordTaken: there is a sensor of that kind and number.
+        ConfiguratorError: it has no name, or the site no ROS to hear it by.
+
+    """
+    if not new.kind.word and not new.name.strip():
+        raise ConfiguratorError("a sensor of your own needs a name")
+    if there := _taken(site).get(new.word):
+        raise WordTaken(
+            f"{there} is there already; number {free_number(site, new.kind, new.name)} is free"
+        )
+    site, place = with_device(site, "sensors", "Sensors", DeviceKind.OTHER)
+    name = new.name.strip() or new.kind.name
+    unit = new.unit or new.kind.unit
+    usual = unit == new.kind.unit
+    signal = Signal(
+        name=f"{name} {new.number}",
+        unit=unit,
+        minimum=new.kind.minimum if usual else None,
+        maximum=new.kind.maximum if usual else None,
+        source=Source(topic=METRIC, type=TEXT, name=new.word),
+    )
+    return put(site, ("devices", place, "signals", new.word), signal)
+
+
+def with_device(site: Site, word: str, name: str, kind: DeviceKind) -> tuple[Site, str]:
+    """Give a device of that word that is reached by ROS, made where there is none.
+
+    Raises:
+        ConfiguratorError: the site has connections, and none of them speaks ROS.
+
+    """
+    if not site.links():
+        site = msgspec.structs.replace(site, ros2=Ros2Settings())
+    links = site.links()
+    by_ros = [each for each, link in links.items() if kind_of(link) in ROS_KINDS]
+    if not by_ros:
+        raise ConfiguratorError(
+            "this needs a robot that speaks ROS, and the site has "
+            f"{', '.join(links)} only; add a connection in the file"
+        )
+    wanted = word
+    while word in site.devices and site.connection_of(word) not in by_ros:
+        word = free_word(wanted, site.devices)
+    if word not in site.devices:
+        link = "" if len(links) == 1 else by_ros[0]
+        site = put(site, ("devices", word), Device(name=name, kind=kind, connection=link))
+    return site, word
+
+
+# ── services ──
+
+
+def driven(site: Site) -> list[str]:
+    """Name the devices that can be driven."""
+    return [word for word, each in site.devices.items() if each.drive is not None]
+
+
+def cameras(site: Site) -> list[Path]:
+    """Give the path of every stream."""
+    return [
+        ("devices", word, "streams", name)
+        for word, each in site.devices.items()
+        for name in each.streams
+    ]
+
+
+def gps(site: Site) -> list[Path]:
+    """Give the path of every position on Earth."""
+    return [
+        ("devices", word, "signals", name)
+        for word, each in site.devices.items()
+        for name, signal in each.signals.items()
+        if signal.type is SignalType.POSITION and signal.frame is PositionFrame.WGS84
+    ]
+
+
+def with_drive(site: Site, topic: str = CONTROL, message: DriveMessage = DriveMessage.KEYS) -> Site:
+    """Make a device drivable (*actuate*), slowly, with the first camera and position in view."""
+    vehicle = next(
+        (word for word, each in site.devices.items() if each.kind is DeviceKind.VEHICLE), "base"
+    )
+    site, place = with_device(site, vehicle, "Vehicle base", DeviceKind.VEHICLE)
+    drive = Drive(
+        topic=topic,
+        message=message,
+        max_speed=CAREFUL_SPEED,
+        max_turn=CAREFUL_TURN,
+        picture=next((f"{each[1]}/{each[3]}" for each in cameras(site)), ""),
+        position=next((f"{each[1]}/{each[3]}" for each in gps(site)), ""),
+    )
+    return put(site, ("devices", place, "drive"), drive)
+
+
+def with_camera(site: Site, topic: str = IMAGES) -> Site:
+    """Add a camera; what is driven without a picture gets it."""
+    site, place = with_device(site, "camera", "Camera", DeviceKind.CAMERA)
+    word = free_word("front", site.devices[place].streams)
+    name = "Front camera" if word == "front" else f"Camera {word.rpartition('_')[2]}"
+    source = Source(topic=topic, type="sensor_msgs/msg/Image")
+    site = put(site, ("devices", place, "streams", word), Stream(name=name, source=source))
+    return _seen_while_driving(site, "picture", f"{place}/{word}")
+
+
+def with_gps(site: Site, topic: str = FIX) -> Site:
+    """Add a position on Earth."""
+    site, place = with_device(site, "gps", "GPS", DeviceKind.OTHER)
+    word = free_word("position", site.devices[place].signals)
+    signal = Signal(
+        name="Geographic position",
+        type=SignalType.POSITION,
+        frame=PositionFrame.WGS84,
+        max_age=FIX_AGE_S,
+        primary=False,
+        source=Source(topic=topic, type="sensor_msgs/msg/NavSatFix"),
+    )
+    site = put(site, ("devices", place, "signals", word), signal)
+    return _seen_while_driving(site, "position", f"{place}/{word}")
+
+
+def _seen_while_driving(site: Site, key: str, address: str) -> Site:
+    for word in driven(site):
+        if at(site, ("devices", word, "drive", key)) == "":
+            site = put(site, ("devices", word, "drive", key), address)
+    return site
+
+
+# ── things that people write by themselves ──
+
+
+class Group(NamedTuple):
+    """A kind of thing that can be added to another one.
+
+    Attributes:
+        key: of the mapping it stands in; for ``drive`` of the shape itself.
+        title: what people call it.
+
+    """
+
+    key: str
+    title: str
+
+
+def groups_at(site: Site, path: Path) -> tuple[Group, ...]:
+    """Tell what can be added to the thing at a path."""
+    thing = at(site, path)
+    if isinstance(thing, Site):
+        return (Group("devices", "Device"),)
+    if isinstance(thing, Command):
+        return (Group("arguments", "Argument"),)
+    if isinstance(thing, Device):
+        three = (
+            Group("signals", "Signal"),
+            Group("streams", "Camera"),
+            Group("commands", "Command"),
+        )
+        return three if thing.drive is not None else (*three, Group("drive", "Driving"))
+    return ()
+
+
+def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]:
+    """Add an empty thing of a person's own name; gives where it stands.
+
+    Raises:
+        ConfiguratorError: it has no name.
+
+    """
+    if key == "drive":
+        drive = Drive(topic="/cmd_vel", max_speed=CAREFUL_SPEED, max_turn=CAREFUL_TURN)
+        return put(site, (*path, key), drive), (*path, key)
+    if not name.strip():
+        raise ConfiguratorError("a thing of your own needs a name")
+    name = name.strip()
+    mapping = at(site, (*path, key))
+    assert isinstance(mapping, dict)  # noqa: S101 - `groups_at` names mappings
+    word = free_word(word_of(name), mapping)
+    made: dict[str, Shape] = {
+        "devices": Device(name=name),
+        "signals": Signal(name=name, source=Source()),
+        "streams": Stream(name=name, source=Source(type="sensor_msgs/msg/Image")),
+        "commands": Command(name=name, target="", confirm=True),
+        "arguments": Argument(type=ArgumentType.NUMBER, field=word, name=name),
+    }
+    return put(site, (*path, key, word), made[key]), (*path, key, word)
+
+
+# ── taking away ──
+
+
+def without(site: Site, paths: Iterable[Path]) -> Site:
+    """Take things out, what driving looked at among them, and devices that this leaves empty."""
+    paths = list(paths)
+    for path in paths:
+        site = take_out(site, path)
+    gone = {f"{path[1]}/{path[3]}" for path in paths if len(path) == 4 and path[0] == "devices"}
+    for word in driven(site):
+        site = put(site, ("devices", word, "drive"), _drive_without(site, word, gone))
+    for word in {path[1]: None for path in paths if len(path) > 2 and path[0] == "devices"}:
+        device = site.devices.get(word)
+        bare = device and not (device.signals or device.streams or device.commands or device.indi)
+        if bare and device and device.drive is None:
+            site = take_out(site, ("devices", word))
+    return site
+
+
+def _drive_without(site: Site, word: str, gone: set[str]) -> Drive:
+    drive = site.devices[word].drive
+    assert drive is not None  # noqa: S101 - `driven` says so
+    signals = {f"{each}/{name}" for each, device in site.devices.items() for name in device.signals}
+    streams = {f"{each}/{name}" for each, device in site.devices.items() for name in device.streams}
+    # Only what is taken out now, or went with a device: a mistake of before stays to be seen.
+    lost = gone | {
+        each
+        for each in (drive.picture, drive.position, *drive.stop.confirmed_by)
+        if each and each.split("/", 1)[0] not in site.devices
+    }
+    kept = tuple(each for each in drive.stop.confirmed_by if each not in lost or each in signals)
+    return msgspec.structs.replace(
+        drive,
+        picture="" if drive.picture in lost - streams else drive.picture,
+        position="" if drive.position in lost - signals else drive.position,
+        stop=msgspec.structs.replace(drive.stop, confirmed_by=kept),
+    )
+
+
+def free_word(word: str, taken: Iterable[str]) -> str:
+    """Give the word, or with a number behind where it is taken."""
+    taken = set(taken)
+    number, made = 2, word
+    while made in taken:
+        made, number = f"{word}_{number}", number + 1
+    return made

@@ -1,0 +1,64 @@
+"""A document out of its file and back: whole or not at all, and never over another's changes."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import stat
+from typing import TYPE_CHECKING
+
+from talaia.configurator.document import Document
+from talaia.configurator.errors import FileChanged, NotWritten
+from talaia.model.load import read_site
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["opened", "save"]
+
+
+def opened(file: Path) -> Document:
+    """Open a description, or a founding observatory's command file as a new description.
+
+    Raises:
+        DescriptionError: it cannot be read, or is neither.
+
+    """
+    whole = read_site(file)
+    if file.suffix == ".json":
+        return Document(whole)
+    return Document.of_text(file.read_text(), whole.devices)
+
+
+def save(document: Document, file: Path, *, over: bool = False) -> None:
+    """Write the document to its file, or to another one.
+
+    Args:
+        document: what to write.
+        file: where to.
+        over: write over what somebody else has written there.
+
+    Raises:
+        FileChanged: the file is not as it was opened.
+        NotWritten: the file or its folder cannot be written; it is as before.
+        DescriptionError: see `Document.text`.
+
+    """
+    text = document.text()
+    try:
+        there = file.read_text() if file.exists() else document.opened
+        if not over and document.opened and there != document.opened:
+            raise FileChanged(f"{file.name} was changed by somebody else since it was opened")
+        mode = stat.S_IMODE(file.stat().st_mode) if file.exists() else 0o644
+        new = file.with_name(f".{file.name}.new")
+        try:
+            new.write_text(text)
+            new.chmod(mode)
+            os.replace(new, file)
+        finally:
+            with contextlib.suppress(FileNotFoundError):
+                new.unlink()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise NotWritten(f"{file} cannot be written: {reason}") from error
+    document.was_saved(text)

@@ -1,0 +1,153 @@
+"""What a probe found, brought into the description that is open. Pure.
+
+What is there already stays as the person has it; only what is new is added. A source is known by
+what it reads, not by its name, so a signal that was renamed does not come twice.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.configurator.edits import free_word
+from talaia.configurator.places import Path, at, put
+from talaia.model.check import check
+from talaia.model.connection import kind_of
+from talaia.model.propose import propose
+
+if TYPE_CHECKING:
+    from talaia.model.found import Found
+    from talaia.model.site import Command, Device, Site, Source
+
+__all__ = ["Merged", "merged"]
+
+
+class Merged(NamedTuple):
+    """The description with what was found, and what came of it.
+
+    Attributes:
+        added: paths of what is new, devices among them.
+        known: how many signals, cameras and commands were described before.
+        left_out: what of the robot is not in it and why, in words.
+
+    """
+
+    site: Site
+    added: tuple[Path, ...]
+    known: int
+    left_out: tuple[str, ...]
+
+    def count(self, group: str) -> int:
+        """Tell how many of ``signals``, ``streams`` or ``commands`` are new."""
+        return sum(len(path) == 4 and path[2] == group for path in self.added)
+
+
+def merged(site: Site, found: Found) -> Merged:
+    """Add to ``site`` what a probe found and it does not describe yet."""
+    proposal = propose(found, site.site, site.name, site.zone)
+    links = site.links()
+    if not links or (found.domain and site.ros2 and site.ros2.domain is None):
+        site = msgspec.structs.replace(site, ros2=proposal.site.ros2 or site.ros2)
+        links = site.links()
+    link = next((name for name, each in links.items() if kind_of(each) == found.protocol), "")
+    words = {each: _place(site, each, link) for each in proposal.site.devices}
+    have = {key for device in site.devices.values() for key in _keys(device)}
+    added: list[Path] = []
+    known = 0
+    for word, device in proposal.site.devices.items():
+        path: Path = ("devices", words[word])
+        if words[word] not in site.devices:
+            drives = device.drive is not None and _undriven(site, device.drive.topic)
+            if not drives and all(key in have for key in _keys(device)):
+                known += len(_keys(device))
+                continue
+            bare = msgspec.structs.replace(
+                device, signals={}, streams={}, commands={}, drive=None,
+                connection=link if len(links) > 1 else "",
+            )  # fmt: skip
+            site = put(site, path, bare)
+            added.append(path)
+        site, new, old = _fill(site, path, device, words, have)
+        added += new
+        known += old
+    site = _runnable(site, added)
+    return Merged(site, tuple(added), known, proposal.left_out)
+
+
+def _place(site: Site, word: str, link: str) -> str:
+    """Give the device to fill: that of the same name, unless it is reached another way."""
+    if word in site.devices and link and site.connection_of(word) not in (link, ""):
+        return free_word(word, site.devices)
+    return word
+
+
+def _fill(
+    site: Site, path: Path, device: Device, words: dict[str, str], have: set[tuple[str, ...]]
+) -> tuple[Site, list[Path], int]:
+    added: list[Path] = []
+    known = 0
+    groups: tuple[tuple[str, dict[str, msgspec.Struct]], ...] = (
+        ("signals", dict(device.signals)),
+        ("streams", dict(device.streams)),
+        ("commands", dict(device.commands)),
+    )
+    for group, things in groups:
+        for name, thing in things.items():
+            if _key(thing) in have:
+                known += 1
+                continue
+            there = at(site, (*path, group))
+            assert isinstance(there, dict)  # noqa: S101 - the three groups are mappings
+            place = (*path, group, free_word(name, there))
+            site = put(site, place, thing)
+            added.append(place)
+    drive = device.drive
+    if drive is not None and at(site, (*path, "drive")) is None and _undriven(site, drive.topic):
+        drive = msgspec.structs.replace(
+            drive, picture=_moved(drive.picture, words), position=_moved(drive.position, words)
+        )
+        confirmed = tuple(_moved(each, words) for each in drive.stop.confirmed_by)
+        stop = msgspec.structs.replace(drive.stop, confirmed_by=confirmed)
+        site = put(site, (*path, "drive"), msgspec.structs.replace(drive, stop=stop))
+        added.append((*path, "drive"))
+    return site, added, known
+
+
+def _moved(address: str, words: dict[str, str]) -> str:
+    device, _, name = address.partition("/")
+    return f"{words.get(device, device)}/{name}" if name else address
+
+
+def _undriven(site: Site, topic: str) -> bool:
+    return all(each.drive is None or each.drive.topic != topic for each in site.devices.values())
+
+
+def _runnable(site: Site, added: list[Path]) -> Site:
+    """Clear what the new driving refers to and the merge has put elsewhere."""
+    for path in [each for each in added if each[-1] == "drive"]:
+        prefix = ".".join(("$", *path))
+        for finding in check(site):
+            if not finding.where.startswith(prefix):
+                continue
+            key = finding.where.removeprefix(f"{prefix}.")
+            if key in ("picture", "position"):
+                site = put(site, (*path, key), "")
+            elif key.startswith("stop.confirmed_by"):
+                site = put(site, (*path, "stop", "confirmed_by"), ())
+    return site
+
+
+def _keys(device: Device) -> list[tuple[str, ...]]:
+    things = (*device.signals.values(), *device.streams.values(), *device.commands.values())
+    return [_key(each) for each in things]
+
+
+def _key(thing: object) -> tuple[str, ...]:
+    """Say what is read or called, whatever it is named here."""
+    source: Source | None = getattr(thing, "source", None)
+    if source is None:
+        command: Command = thing  # type: ignore[assignment]
+        return ("command", command.kind, command.target)
+    kind = type(thing).__name__
+    return (kind, *(str(each) for each in msgspec.structs.astuple(source)))

@@ -1,0 +1,139 @@
+"""Places in a description: a path of keys, the value there, and a description with another.
+
+A `Path` is ``("devices", "base", "signals", "speed", "unit")``, as findings write it
+``$.devices.base.signals.speed.unit``. The empty path is the whole site.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.configurator.errors import NoSuchPlace
+
+if TYPE_CHECKING:
+    from talaia.model.site import Site
+
+__all__ = ["Path", "Spot", "at", "put", "spot_of", "take_out"]
+
+Path = tuple[str, ...]
+
+
+class Spot(NamedTuple):
+    """Where a finding points.
+
+    Attributes:
+        node: path of the thing (a device, a signal …; empty for the site), which a tree can select.
+        field: path inside the thing: ``("source", "topic")``; empty for the thing as a whole.
+
+    """
+
+    node: Path
+    field: Path
+
+
+def at(site: Site, path: Path) -> object:
+    """Give the value at a path.
+
+    Raises:
+        NoSuchPlace: there is none.
+
+    """
+    value: object = site
+    for step in path:
+        value = _inner(value, step, path)
+    return value
+
+
+def _inner(value: object, step: str, path: Path) -> object:
+    if isinstance(value, dict) and step in value:
+        inner: object = value[step]
+        return inner
+    if isinstance(value, msgspec.Struct) and step in value.__struct_fields__:
+        return getattr(value, step)
+    raise NoSuchPlace(f"the description has nothing at {'.'.join(('$', *path))}")
+
+
+def put(site: Site, path: Path, value: object) -> Site:
+    """Give the site with ``value`` at ``path``; a new key of a mapping comes last.
+
+    Raises:
+        NoSuchPlace: what the path goes through is not there.
+
+    """
+    made = _put(site, path, value, path)
+    assert isinstance(made, type(site))  # noqa: S101 - the same type comes out
+    return made
+
+
+def _put(value: object, rest: Path, new: object, path: Path) -> object:
+    if not rest:
+        return new
+    step, *more = rest
+    last = len(rest) == 1
+    if isinstance(value, dict) and (last or step in value):
+        return {**value, step: _put(value.get(step), tuple(more), new, path)}
+    inner = _put(_inner(value, step, path), tuple(more), new, path)
+    assert isinstance(value, msgspec.Struct)  # noqa: S101 - `_inner` knows dicts and structs
+    return msgspec.structs.replace(value, **{step: inner})
+
+
+def take_out(site: Site, path: Path) -> Site:
+    """Give the site without the key of a mapping, or with none where a shape may be left out.
+
+    Raises:
+        NoSuchPlace: there is nothing.
+
+    """
+    at(site, path)
+    parent = at(site, path[:-1])
+    if isinstance(parent, dict):
+        return put(site, path[:-1], {key: each for key, each in parent.items() if key != path[-1]})
+    return put(site, path, None)
+
+
+def spot_of(site: Site, where: str) -> Spot:
+    """Find the thing and the field that a finding's ``where`` points to.
+
+    As much of it as is there: a finding about a missing key leads to the thing that misses it.
+    Keys are followed as they are, with dots in them if they have some.
+    """
+    rest = where.removeprefix("$")
+    value: object = site
+    node: Path = ()
+    field: Path = ()
+    while rest.startswith("."):
+        rest = rest[1:]
+        step = _step(value, rest)
+        if step is None:
+            word = rest.split(".", 1)[0].split("[", 1)[0]
+            # A key of the thing that is not set, or one that no shape has.
+            field = (*field, word) if word and isinstance(value, msgspec.Struct) else field
+            break
+        rest = rest[len(step) :]
+        was, value = value, _inner(value, step, (step,))
+        field = (*field, step)
+        if isinstance(was, dict) or (isinstance(value, msgspec.Struct) and step in _OWN):
+            node, field = (*node, *field), ()
+    return Spot(node, _without_mapping(value, field))
+
+
+# Shapes inside a shape that a tree shows as things of their own.
+_OWN = frozenset({"drive", "ros2"})
+
+
+def _without_mapping(value: object, field: Path) -> Path:
+    """A whole mapping (``signals``) is no field; its thing is what can be shown."""
+    inner = next(iter(value.values()), None) if isinstance(value, dict) else None
+    return field[:-1] if isinstance(inner, msgspec.Struct) else field
+
+
+def _step(value: object, rest: str) -> str | None:
+    keys = value if isinstance(value, dict) else getattr(value, "__struct_fields__", ())
+    fits = [
+        key
+        for key in keys
+        if rest.startswith(key) and rest[len(key) : len(key) + 1] in ("", ".", "[")
+    ]
+    return max(fits, key=len, default=None)

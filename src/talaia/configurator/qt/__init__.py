@@ -1,0 +1,1 @@
+"""What is drawn, and the processes that are started: the configurator's outermost layer."""

@@ -1,0 +1,49 @@
+"""Starts Qt, with the window of the configurator."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication
+
+from talaia.configurator.qt.constants import keep_constants
+from talaia.configurator.qt.window import Window
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from talaia.configurator.qt.window import Means
+
+__all__ = ["application", "run"]
+
+_LOOK_MS = 300
+
+
+def application() -> QApplication:
+    """Give the one Qt application, with the style that the colours are made for."""
+    keep_constants()
+    there = QApplication.instance()
+    made = there if isinstance(there, QApplication) else QApplication(sys.argv[:1])
+    made.setApplicationName("talaia")
+    made.setApplicationDisplayName("Talaia")
+    made.setDesktopFileName("talaia")
+    made.setStyle("Fusion")
+    return made
+
+
+def run(means: Means, file: Path | None) -> int:
+    """Show the window until it is closed; gives the exit code."""
+    qt = application()
+    window = Window(means)
+    if file is not None:
+        window.open_file(file)
+    window.show()
+    signal.signal(signal.SIGINT, lambda *_: window.close())
+    # Qt's loop is C: Python sees Ctrl-C only when it has a turn.
+    turn = QTimer(interval=_LOOK_MS)
+    turn.timeout.connect(lambda: None)
+    turn.start()
+    return qt.exec()

@@ -1,0 +1,215 @@
+"""Find on robot: run a probe here or over ssh, and bring what it found into the description."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QElapsedTimer, QTimer
+from PySide6.QtWidgets import (
+    QButtonGroup,
+    QDialog,
+    QGridLayout,
+    QLabel,
+    QLineEdit,
+    QPlainTextEdit,
+    QProgressBar,
+    QRadioButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from talaia.configurator.errors import BadHost
+from talaia.configurator.looking import SECONDS, Look, LookPhase, probe_command
+from talaia.configurator.merge import merged
+from talaia.configurator.qt.palette import SPACE
+from talaia.configurator.qt.process import Process
+from talaia.configurator.qt.widgets import Number, button, label, mark_wrong, row, telling
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from PySide6.QtGui import QCloseEvent
+
+    from talaia.configurator.merge import Merged
+    from talaia.configurator.qt.editor import Editor
+
+__all__ = ["FindDialog"]
+
+
+class FindDialog(QDialog):
+    """Where to look, how far it is, and what came of it."""
+
+    def __init__(self, editor: Editor, talaia: Sequence[str], parent: QWidget | None) -> None:
+        """Be told how Talaia is started here."""
+        super().__init__(parent)
+        self.setWindowTitle("Find on robot")
+        self.setMinimumWidth(560)
+        self._editor, self._talaia = editor, tuple(talaia)
+        self.look = Look()
+        self._process = Process(self, together=False)
+        self._process.ended.connect(self._ended)
+        self._process.not_started.connect(self._not_started)
+        self._since = QElapsedTimer()
+        self._tick = QTimer(self, interval=100)
+        self._tick.timeout.connect(self._progress)
+        body = QVBoxLayout(self)
+        body.setSpacing(SPACE[1])
+        body.addWidget(label(
+            "Lists the topics, services, actions and cameras of a robot that is running, and "
+            "fills in what the description does not have yet. It only listens.",
+            "muted", wrap=True,
+        ))  # fmt: skip
+        body.addWidget(self._where())
+        self.bar = QProgressBar(maximum=1000, textVisible=False)
+        self.bar.setAccessibleName("Progress")
+        body.addWidget(self.bar)
+        self.told = telling("")
+        body.addWidget(self.told)
+        self.problem = telling("bad")
+        body.addWidget(self.problem)
+        self.left_out = QPlainTextEdit(readOnly=True)
+        self.left_out.setAccessibleName("Left out, and why")
+        self.left_out.setTabChangesFocus(True)
+        self.left_out.setFixedHeight(110)
+        self.left_out.hide()
+        body.addWidget(self.left_out)
+        self.start_button = button("&Look", self.start, "main")
+        self.start_button.setDefault(True)
+        self.close_button = button("Close", self.close)
+        body.addLayout(row(1, self.close_button, self.start_button))
+        self._show_phase()
+
+    def _where(self) -> QWidget:
+        self.here = QRadioButton("On &this machine")
+        self.there = QRadioButton("On the &robot, over ssh")
+        choice = QButtonGroup(self)
+        choice.addButton(self.here)
+        choice.addButton(self.there)
+        self.here.setChecked(True)
+        self.host = QLineEdit(placeholderText="user@robot.local")
+        self.host.setAccessibleName("Robot's computer, user@name")
+        self.program = QLineEdit("talaia")
+        self.program.setAccessibleName("The talaia program there")
+        self.program.setToolTip("its whole path where a plain ssh command does not find it")
+        self.seconds = Number(1, 600, int(SECONDS), " s")
+        self.seconds.setAccessibleName("How long to listen, in seconds")
+        self.there.toggled.connect(lambda _: self._show_phase())
+        inner = QWidget()
+        grid = QGridLayout(inner)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setColumnStretch(1, 1)
+        grid.addWidget(self.here, 0, 0, 1, 2)
+        grid.addWidget(self.there, 1, 0, 1, 2)
+        fields: tuple[tuple[str, QWidget], ...] = (
+            ("&Computer", self.host),
+            ("&Program there", self.program),
+            ("L&isten for", self.seconds),
+        )
+        for number, (text, widget) in enumerate(fields, 2):
+            title = QLabel(text)
+            title.setBuddy(widget)
+            grid.addWidget(title, number, 0)
+            grid.addWidget(widget, number, 1)
+        self._choices = inner
+        return inner
+
+    # ── what happens ──
+
+    def start(self) -> None:
+        """Look, or say why that cannot be asked."""
+        # A blank name is no computer; an empty one would be this machine.
+        host = (self.host.text().strip() or " ?") if self.there.isChecked() else ""
+        mark_wrong(self.host, wrong=False)
+        try:
+            words = probe_command(
+                self._talaia, host, self.program.text().strip(), self.seconds.value()
+            )
+        except BadHost as error:
+            mark_wrong(self.host, wrong=True)
+            self._tell("", str(error))
+            self.host.setFocus()
+            return
+        self._tell("Looking …", "")
+        self.left_out.hide()
+        self.look.start(host, self.seconds.value())
+        self._since.start()
+        self._tick.start()
+        self._show_phase()
+        self._process.start(words)
+
+    def cancel(self) -> None:
+        """End the look; nothing is changed."""
+        if self.look.phase is LookPhase.RUNNING:
+            self.look.cancel()
+            self._process.stop()
+            self._show_phase()
+
+    def reject(self) -> None:
+        """Cancel on Escape while looking; close else."""
+        if self.look.phase is LookPhase.RUNNING:
+            self.cancel()
+        elif self.look.phase is not LookPhase.CANCELLING:
+            super().reject()
+
+    def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802 - Qt's name
+        """A look does not go on behind a closed window."""
+        if self._process.is_running:
+            self.cancel()
+            event.ignore()
+            return
+        super().closeEvent(event)
+
+    def _progress(self) -> None:
+        self.bar.setValue(int(1000 * self.look.progress(self._since.elapsed() / 1000)))
+
+    def _not_started(self) -> None:
+        program = "ssh" if self.there.isChecked() else self._talaia[0]
+        self.look.not_started(program)
+        self._finish()
+
+    def _ended(self, code: int, said: bytes, complained: str) -> None:
+        self.look.ended(code, said, complained)
+        self._finish()
+
+    def _finish(self) -> None:
+        self._tick.stop()
+        self._show_phase()
+        if self.look.phase is LookPhase.CANCELLED:
+            self._tell("Cancelled; nothing was changed.", "")
+        elif self.look.phase is LookPhase.FAILED:
+            self._tell("", self.look.problem)
+        elif self.look.found is not None:
+            result = merged(self._editor.site, self.look.found)
+            self._editor.apply("find on robot", lambda _: result.site)
+            self._tell(_summary(result), "")
+            self.left_out.setPlainText("Left out:\n" + "\n".join(result.left_out))
+            self.left_out.setVisible(bool(result.left_out))
+            self.close_button.setFocus()
+
+    def _show_phase(self) -> None:
+        busy = self.look.phase in (LookPhase.RUNNING, LookPhase.CANCELLING)
+        over = self.there.isChecked()
+        self._choices.setEnabled(not busy)
+        self.host.setEnabled(over)
+        self.program.setEnabled(over)
+        self.start_button.setEnabled(not busy)
+        self.close_button.setText("Cancel" if busy else "Close")
+        self.close_button.setAccessibleName(self.close_button.text())
+        self.bar.setVisible(busy)
+
+    def _tell(self, told: str, problem: str) -> None:
+        self.told.setText(told)
+        self.told.setVisible(bool(told))
+        self.problem.setText(problem)
+        self.problem.setVisible(bool(problem))
+
+
+def _summary(result: Merged) -> str:
+    if not result.added:
+        return f"Nothing new: all {result.known} things that were found are described already."
+    names = {"signals": "sensors", "streams": "cameras", "commands": "commands"}
+    counts = [f"{n} {name}" for key, name in names.items() if (n := result.count(key))]
+    if any(path[-1] == "drive" for path in result.added):
+        counts.append("driving (at a careful speed)")
+    known = f" {result.known} were described already." if result.known else ""
+    return f"Added {', '.join(counts)}.{known} Undo takes it back."

@@ -1,0 +1,260 @@
+"""Last page: start everything here and open the dashboard, or write a deployment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QFileDialog,
+    QGridLayout,
+    QLabel,
+    QLineEdit,
+    QPlainTextEdit,
+    QProgressBar,
+    QSizePolicy,
+    QWidget,
+)
+
+from talaia.configurator.qt.palette import SPACE
+from talaia.configurator.qt.process import Process
+from talaia.configurator.qt.widgets import Card, Choice, Page, button, label, row, telling
+from talaia.configurator.running import (
+    MAX_LINES,
+    Run,
+    RunPhase,
+    deploy_command,
+    up_command,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from talaia.configurator.qt.editor import Editor
+
+__all__ = ["GeneratePage"]
+
+# As `talaia generate` knows them.
+_DATABASES = {
+    "mariadb": "MariaDB, with phpMyAdmin",
+    "postgresql": "PostgreSQL",
+}
+
+
+class GeneratePage(Page):
+    """Two ways from a description to something that runs, and the log of what was started."""
+
+    def __init__(
+        self,
+        editor: Editor,
+        talaia: Sequence[str],
+        save: Callable[[], bool],
+        open_page: Callable[[str], None],
+        data: str = "",
+    ) -> None:
+        """Take what is needed.
+
+        Args:
+            editor: the open document.
+            talaia: how Talaia is started here: the interpreter and its arguments.
+            save: saves the document, asking where to if need be; false when it did not.
+            open_page: opens an address in the browser.
+            data: folder of accounts and history; empty for the usual one.
+
+        """
+        super().__init__("Generate", "Save the description and start everything that it needs.")
+        self._editor, self._talaia, self._save = editor, tuple(talaia), save
+        self._open_page, self._data = open_page, data
+        self.run, self.made = Run(), Run()
+        self._site = self._process(self.run)
+        self._deploy = self._process(self.made)
+        self.body.addWidget(self._here())
+        self.body.addWidget(self._elsewhere())
+        self.log = QPlainTextEdit(readOnly=True, maximumBlockCount=MAX_LINES)
+        self.log.setAccessibleName("Log")
+        self.log.setPlaceholderText("What was started says here what it does.")
+        self.log.setTabChangesFocus(True)
+        self.log.setMinimumHeight(110)
+        self.log.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
+        self.body.addWidget(self.log, 1)
+        editor.changed.connect(self.show_state)
+        self.show_state()
+
+    def _process(self, run: Run) -> Process:
+        process = Process(self, together=True)
+        process.said.connect(lambda line: self._said(run, line))
+        process.ended.connect(lambda code, _out, _errors: self._over(run, code))
+        process.not_started.connect(lambda: self._not_started(run))
+        return process
+
+    def _here(self) -> QWidget:
+        card = Card("Start it on this machine")
+        card.body.addWidget(label(
+            "The hub with accounts, tables and history, and the gateway to the robot; the "
+            "dashboard opens in your browser.", "muted", wrap=True,
+        ))  # fmt: skip
+        self.start_button = button("&Generate", self.start, "main")
+        self.stop_button = button("S&top", self.stop)
+        self.open_button = button("Open &dashboard", self.open_dashboard)
+        card.body.addLayout(row(self.start_button, self.open_button, self.stop_button, 1))
+        self.bar = QProgressBar(textVisible=False, maximum=0)
+        self.bar.setAccessibleName("Starting")
+        card.body.addWidget(self.bar)
+        self.state = label("", "muted", wrap=True)
+        card.body.addWidget(self.state)
+        self.problem = telling("bad")
+        card.body.addWidget(self.problem)
+        return card
+
+    def _elsewhere(self) -> QWidget:
+        card = Card("Make a deployment")
+        card.body.addWidget(label(
+            "A folder with containers for a server, and systemd units for the robot's own "
+            "computer. No default password.", "muted", wrap=True,
+        ))  # fmt: skip
+        self.folder = QLineEdit(placeholderText="a new folder")
+        self.folder.setAccessibleName("Folder of the deployment")
+        self.database = Choice()
+        for word, name in _DATABASES.items():
+            self.database.addItem(name, word)
+        self.database.setAccessibleName("Database of the deployment")
+        self.over = QCheckBox("&Write over files of before")
+        self.over.setToolTip("secrets are kept")
+        self.make_button = button("&Make deployment", self.make)
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(SPACE[1])
+        grid.setColumnStretch(0, 3)
+        grid.setColumnStretch(2, 2)
+        for column, text, widget in ((0, "&Folder", self.folder), (2, "D&atabase", self.database)):
+            title = QLabel(text)
+            title.setBuddy(widget)
+            grid.addWidget(title, 0, column)
+            grid.addWidget(widget, 1, column)
+        grid.addWidget(button("&Choose …", self._choose_folder), 1, 1)
+        grid.addWidget(self.make_button, 1, 3)
+        grid.addWidget(self.over, 2, 0, 1, 2)
+        card.body.addLayout(grid)
+        self.made_state = label("", "ok", wrap=True)
+        card.body.addWidget(self.made_state)
+        self.made_problem = telling("bad")
+        card.body.addWidget(self.made_problem)
+        return card
+
+    # ── starting ──
+
+    def start(self) -> None:
+        """Save, and start hub and gateway; what runs already is started anew."""
+        if self._editor.document.problems or self.run.is_alive or not self._save():
+            self.show_state()
+            return
+        words = up_command(self._talaia, str(self._editor.file), self._data)
+        self._begin(self.run, self._site, words)
+
+    def stop(self) -> None:
+        """End hub and gateway; what was stored stays."""
+        if self.run.phase in (RunPhase.STARTING, RunPhase.UP):
+            self.run.stop()
+            self._site.stop()
+            self.show_state()
+
+    def stop_and_wait(self) -> None:
+        """End hub and gateway before the window goes."""
+        for run, process in ((self.run, self._site), (self.made, self._deploy)):
+            if run.is_alive:
+                if run.phase is not RunPhase.STOPPING:
+                    run.stop()
+                    process.stop()
+                process.wait()
+
+    def make(self) -> None:
+        """Save, and write the deployment's folder."""
+        if self._editor.document.problems or self.made.is_alive:
+            return
+        folder = self.folder.text().strip()
+        if not folder:
+            self.made_problem.setText("choose a folder first")
+            self.made_problem.show()
+            self.folder.setFocus()
+            return
+        if not self._save():
+            return
+        words = deploy_command(
+            self._talaia, str(self._editor.file), str(Path(folder).expanduser()),
+            self.database.currentData(), over=self.over.isChecked(),
+        )  # fmt: skip
+        self._begin(self.made, self._deploy, words)
+
+    def open_dashboard(self) -> None:
+        """Open the browser, at the first admin's page where there is nobody yet."""
+        if self.run.phase is RunPhase.UP:
+            self._open_page(self.run.page)
+
+    def _begin(self, run: Run, process: Process, words: list[str]) -> None:
+        run.start(words)
+        self.log.appendPlainText(f"$ {run.lines[0]}")
+        process.start(words)
+        self.show_state()
+
+    def _said(self, run: Run, line: str) -> None:
+        before = run.phase
+        run.line(line)
+        if line.strip():
+            self.log.appendPlainText(line)
+        if run.phase is not before:
+            self.show_state()
+            if run is self.run:
+                self.open_button.setFocus()
+                self.open_dashboard()
+
+    def _over(self, run: Run, code: int) -> None:
+        run.ended(code)
+        self.show_state()
+
+    def _not_started(self, run: Run) -> None:
+        run.not_started(self._talaia[0])
+        self.show_state()
+
+    def _choose_folder(self) -> None:
+        folder = QFileDialog.getExistingDirectory(self, "Folder of the deployment")
+        if folder:
+            self.folder.setText(folder)
+
+    # ── showing ──
+
+    def show_state(self) -> None:
+        """Show what runs, and what stands in the way."""
+        problems = len(self._editor.document.problems)
+        phase = self.run.phase
+        self.start_button.setEnabled(not problems and not self.run.is_alive)
+        self.make_button.setEnabled(not problems and not self.made.is_alive)
+        self.stop_button.setEnabled(phase in (RunPhase.STARTING, RunPhase.UP))
+        self.open_button.setEnabled(phase is RunPhase.UP)
+        self.bar.setVisible(phase in (RunPhase.STARTING, RunPhase.STOPPING))
+        if problems and not self.run.is_alive:
+            few = "1 problem stands" if problems == 1 else f"{problems} problems stand"
+            self.state.setText(f"{few} in the way; they are listed below.")
+        else:
+            self.state.setText(_TOLD[phase].format(self.run.address))
+        self._show_problem(self.problem, self.run)
+        self._show_problem(self.made_problem, self.made)
+        self.made_state.setText(
+            f"Written to {self.folder.text().strip()}; README.md there says how to start."
+            if self.made.phase is RunPhase.ENDED
+            else ""
+        )
+        self.made_state.setVisible(bool(self.made_state.text()))
+
+    def _show_problem(self, where: QLabel, run: Run) -> None:
+        where.setText(run.problem if run.phase is RunPhase.FAILED else "")
+        where.setVisible(bool(where.text()))
+
+
+_TOLD = {
+    RunPhase.IDLE: "",
+    RunPhase.STARTING: "Starting the hub and the gateway …",
+    RunPhase.UP: "Running: {}. Changes of the description are taken in by Stop and Generate.",
+    RunPhase.STOPPING: "Stopping …",
+    RunPhase.ENDED: "Stopped. What was stored stays.",
+    RunPhase.FAILED: "It is not running.",
+}

@@ -1,0 +1,89 @@
+"""What a probe found comes into the open description, once, and beside what a person wrote."""
+
+from __future__ import annotations
+
+import msgspec
+
+from talaia.configurator import edits
+from talaia.configurator.merge import merged
+from talaia.configurator.places import put
+from talaia.configurator.presets import SENSORS
+from talaia.model.check import check
+from talaia.model.found import FieldFound, Found, ServiceFound, TopicFound
+
+DATA = (FieldFound("data", "number"),)
+FOUND = Found(
+    1,
+    "ros2",
+    "ROS 2, domain 7",
+    5.0,
+    domain=7,
+    topics=(
+        TopicFound("/metric", "std_msgs/msg/String", 1, rate=10, names=("speed1", "light2")),
+        TopicFound("/rover/odom", "nav_msgs/msg/Odometry", 1, rate=20, fields=(
+            FieldFound("twist.twist.linear.x", "number", "m/s"),
+        )),
+        TopicFound("/images", "sensor_msgs/msg/Image", 1, rate=15),
+        TopicFound("/cmd_vel", "geometry_msgs/msg/Twist", 0, 1),
+        TopicFound("/odd", "odd_msgs/msg/Odd", 1, problem="the type is not known here"),
+    ),
+    services=(ServiceFound("/rover/home", "std_srvs/srv/Trigger"),),
+)  # fmt: skip
+EMPTY = edits.new_site("robot", "Robot", "UTC")
+
+
+def test_everything_found_fills_a_new_description_that_then_runs() -> None:
+    result = merged(EMPTY, FOUND)
+    assert check(result.site) == []
+    assert result.site.ros2 is not None
+    assert result.site.ros2.domain == 7
+    assert (result.count("signals"), result.count("streams"), result.count("commands")) == (4, 1, 1)
+    assert edits.driven(result.site)
+    assert result.known == 0
+    assert any("/odd" in each for each in result.left_out)
+
+
+def test_finding_the_same_again_changes_nothing() -> None:
+    once = merged(EMPTY, FOUND)
+    again = merged(once.site, FOUND)
+    assert again.site == once.site
+    assert again.added == ()
+    assert again.known == 6
+
+
+def test_what_a_person_named_and_moved_stays_as_it_is() -> None:
+    site = edits.with_sensor(EMPTY, edits.NewSensor(SENSORS[8], 1))
+    path = ("devices", "sensors", "signals", "speed1")
+    site = put(site, (*path, "name"), "Speed over ground")
+    result = merged(site, FOUND)
+    assert result.site.devices["sensors"].signals["speed1"].name == "Speed over ground"
+    metric = [
+        signal.source.name
+        for device in result.site.devices.values()
+        for signal in device.signals.values()
+        if signal.source.topic == "/metric"
+    ]
+    assert sorted(metric) == ["light2", "speed1"]
+    assert check(result.site) == []
+
+
+def test_a_device_of_that_name_at_another_protocol_is_left_alone() -> None:
+    found = msgspec.structs.replace(FOUND, domain=None)
+    mixed = msgspec.convert(
+        {
+            "talaia": 1, "site": "a", "name": "A",
+            "connections": {"robot": {"kind": "ros2"}, "mount": {"kind": "indi"}},
+            "devices": {"camera": {"name": "CCD", "connection": "mount", "indi": "CCD"}},
+        },
+        type(EMPTY),
+    )  # fmt: skip
+    result = merged(mixed, found)
+    assert result.site.devices["camera"] == mixed.devices["camera"]
+    assert result.site.devices["camera_2"].connection == "robot"
+    assert check(result.site) == []
+
+
+def test_a_sensor_that_was_found_is_not_added_a_second_time_by_its_number() -> None:
+    site = merged(EMPTY, FOUND).site
+    speed = next(each for each in SENSORS if each.word == "speed")
+    assert edits.free_number(site, speed) == 2

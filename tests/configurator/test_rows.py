@@ -1,0 +1,95 @@
+"""Forms come from the model: each field shows its value and reads back the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, strategies as st
+
+from talaia.configurator.errors import BadValue
+from talaia.configurator.places import at
+from talaia.configurator.rows import Row, RowKind, read, rows_at, rows_of, shown, value_of
+from talaia.model.load import read_site
+from talaia.model.site import Argument, Command, Device, Drive, Signal, Site, Stream
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda each: each.parent.name)
+def test_every_field_of_every_example_reads_back_as_it_is_shown(path: Path) -> None:
+    site = read_site(path)
+    things: list[tuple[str, ...]] = [()]
+    for word, device in site.devices.items():
+        things.append(("devices", word))
+        things += [("devices", word, "signals", each) for each in device.signals]
+        things += [("devices", word, "streams", each) for each in device.streams]
+        things += [("devices", word, "commands", each) for each in device.commands]
+    for place in things:
+        thing = at(site, place)
+        for row in rows_at(site, place):
+            value = value_of(thing, row)
+            assert read(row, shown(row, value)) == value
+
+
+@pytest.mark.parametrize("shape", [Site, Device, Signal, Stream, Command, Argument, Drive])
+def test_every_row_has_a_label_and_the_models_own_words_help(shape: type) -> None:
+    rows = rows_of(shape)
+    assert len({row.path for row in rows}) == len(rows)
+    assert all(row.label and row.label[0].isupper() for row in rows)
+    assert any(row.help for row in rows)
+
+
+def test_a_signal_of_ros_is_not_asked_for_what_indi_needs() -> None:
+    agv, indi, *_ = (read_site(each) for each in EXAMPLES)
+    keys = {row.key for row in rows_at(agv, ("devices", "base", "signals", "speed"))}
+    assert {"name", "unit", "source.topic", "source.field", "primary"} <= keys
+    assert not {"source.property", "source.run", "states", "yaw_from"} & keys
+    keys = {row.key for row in rows_at(agv, ("devices", "base", "signals", "wandering"))}
+    assert "states" in keys
+    assert "unit" not in keys
+    device, found = next((k, d) for k, d in indi.devices.items() if d.signals)
+    keys = {
+        row.key for row in rows_at(indi, ("devices", device, "signals", next(iter(found.signals))))
+    }
+    assert "source.property" in keys
+    assert "source.topic" not in keys
+
+
+ANY = Row(("default",), "Default", RowKind.ANY, optional=True)
+
+
+@given(
+    st.one_of(
+        st.booleans(),
+        st.integers(-(2**63), 2**63),
+        st.floats(allow_nan=False, allow_infinity=False),
+        st.from_regex(r"[A-Za-z0-9_. :/-]{1,20}", fullmatch=True).map(str.strip).filter(bool),
+    )
+)
+def test_a_fixed_value_keeps_its_kind(value: object) -> None:
+    back = read(ANY, shown(ANY, value))
+    assert back == value
+    assert type(back) is type(value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "said"),
+    [
+        (RowKind.NUMBER, "fast", "expected a number, found 'fast'"),
+        (RowKind.NUMBER, "", "expected a number"),
+        (RowKind.NUMBER, "inf", "finite"),
+        (RowKind.INTEGER, "1.5", "whole number"),
+        (RowKind.PAIRS, "open", "word: value"),
+        (RowKind.PAIRS, "a: 1\na: 2", "twice"),
+    ],
+)
+def test_what_is_no_value_is_told_with_what_was_expected(
+    kind: RowKind, text: str, said: str
+) -> None:
+    with pytest.raises(BadValue, match=said):
+        read(Row(("x",), "X", kind), text)
+
+
+def test_a_decimal_comma_is_understood() -> None:
+    assert read(Row(("x",), "X", RowKind.NUMBER), "0,25") == 0.25

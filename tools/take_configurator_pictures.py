@@ -1,0 +1,66 @@
+"""Take the configurator's pictures for the docs, without a screen.
+
+.venv/bin/python tools/take_configurator_pictures.py [FOLDER]
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+os.environ["QT_QPA_PLATFORM"] = "offscreen"
+
+from PySide6.QtWidgets import QApplication
+
+from talaia.configurator.qt.app import application
+from talaia.configurator.qt.palette import DARK, LIGHT
+from talaia.configurator.qt.window import Means, Window
+
+ROOT = Path(__file__).resolve().parent.parent
+SIZE = (1024, 700)
+SPEED = ("devices", "base", "signals", "speed")
+
+
+def main(folder: Path) -> int:
+    """Write each picture; 0 when all are written."""
+    qt = application()
+    folder.mkdir(parents=True, exist_ok=True)
+    window = Window(Means((sys.executable, "-m", "talaia"), "UTC", lambda _: None))
+    window.resize(*SIZE)
+    window.show()
+    take(qt, window, LIGHT, folder / "configure-services-light.png", 0)
+    window.open_file(ROOT / "examples/agv/site.yaml")
+    for colours, theme in ((LIGHT, "light"), (DARK, "dark")):
+        window.show_page(1)
+        window.sensors.select(SPEED)
+        take(qt, window, colours, folder / f"configure-sensors-{theme}.png", 1)
+    window.devices.select(SPEED)
+    window.editor.apply("break", lambda site: broken(site))
+    window.devices.select(SPEED, ("unit",))
+    take(qt, window, DARK, folder / "configure-problems-dark.png", 3)
+    window.editor.undo()
+    take(qt, window, LIGHT, folder / "configure-robot-light.png", 2)
+    return 0
+
+
+def broken(site: object) -> object:
+    """Give a description with a unit that there is not."""
+    from talaia.configurator.places import put
+
+    return put(site, (*SPEED, "unit"), "m/sec")  # type: ignore[arg-type]
+
+
+def take(qt: QApplication, window: Window, colours: object, file: Path, page: int) -> None:
+    """Paint the window in these colours and write what it looks like."""
+    window.steps.setCurrentRow(page)
+    window.paint(colours)  # type: ignore[arg-type]
+    for _ in range(8):
+        qt.sendPostedEvents()
+        qt.processEvents()
+    if not window.grab().toImage().save(str(file)):
+        raise SystemExit(f"{file} cannot be written")
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "pictures"))
