@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 from zoneinfo import available_timezones
 
+from talaia.model.check_alarms import alarms_findings
 from talaia.model.check_connections import (
     command_fits,
     connection_findings,
@@ -80,6 +81,7 @@ def _site(site: Site) -> Iterator[Finding]:
         yield from _device(site, where, device)
     yield from interlock_findings(site)
     yield from enclosure_findings(site)
+    yield from alarms_findings(site)
     if site.recording is not None:
         yield from _recording(site, site.recording)
 

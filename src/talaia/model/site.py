@@ -15,6 +15,7 @@ from enum import StrEnum
 import msgspec
 
 # These stand beside: what they need of a site is its addresses only.
+from talaia.model.alarm import Alarm  # noqa: TC001 - msgspec reads it
 from talaia.model.connection import Connection, Ros1Connection, Ros2Connection, Ros2Settings
 from talaia.model.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
@@ -367,6 +368,7 @@ class Site(Shape, frozen=True, kw_only=True):
         interlocks: by name; see `Interlock`.
         recording: raw topics that are recorded; nothing is where it is left out.
         enclosures: by name; see `Enclosure`.
+        alarms: by name; see `Alarm`.
 
     """
 
@@ -381,6 +383,7 @@ class Site(Shape, frozen=True, kw_only=True):
     recording: Recording | None = None
     place: Place | None = None
     enclosures: dict[str, Enclosure] = {}
+    alarms: dict[str, Alarm] = {}
 
     def links(self) -> dict[str, Connection]:
         """Give every connection by name, ``ros2: {}`` among them."""

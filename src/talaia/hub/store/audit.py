@@ -24,7 +24,7 @@ from talaia.hub.store.tables import audit, audit_head
 from talaia.hub.store.visible import visible
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Collection
+    from collections.abc import AsyncIterator, Collection, Sequence
 
     from sqlalchemy import ColumnElement
     from sqlalchemy.ext.asyncio import AsyncConnection
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
-__all__ = ["Audit", "Chain", "Entry", "Filter", "Row", "chain_hash"]
+__all__ = ["Audit", "Chain", "Entry", "Filter", "Row", "append", "chain_hash"]
 
 _LOG = logging.getLogger(__name__)
 _MOST_WAITING = 20_000
@@ -188,7 +188,7 @@ class Audit:
         batch = list(self._waiting)
         if batch:
             async with self._database.write() as connection:
-                await _append(connection, batch)
+                await append(connection, batch)
             for _ in batch:
                 self._waiting.popleft()
         if not self._waiting:
@@ -273,7 +273,8 @@ class Audit:
 _COLUMNS = tuple(audit.c[name] for name in Entry._fields)
 
 
-async def _append(connection: AsyncConnection, batch: list[Entry]) -> None:
+async def append(connection: AsyncConnection, batch: Sequence[Entry]) -> None:
+    """Write rows in a transaction that writes; their texts must have passed `visible`."""
     head = select(audit_head.c.hash).where(audit_head.c.id == _HEAD).with_for_update()
     before = (await connection.execute(head)).scalar_one()
     rows = []
