@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
@@ -16,7 +17,63 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
-__all__ = ["History"]
+__all__ = ["AnomalyNews", "DetectorNews", "History", "Sighting"]
+
+
+@dataclass(frozen=True, slots=True)
+class AnomalyNews:
+    """A detector says that a channel is unusual, or is so no more. Times are µs (UTC).
+
+    Attributes:
+        channel: its address.
+        began_us: with site and channel it names the anomaly.
+        ended_us: None while it goes on; say it once more with the end when it is over.
+        score: how unusual, by the detector's scale.
+        why: in words.
+
+    """
+
+    site: str
+    channel: str
+    began_us: int
+    ended_us: int | None
+    score: float
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """A detector sees something, or sees it no more. Times are µs (UTC).
+
+    Attributes:
+        camera: address of the stream.
+        label: what is seen, by the detector's name for it.
+        count: so many at once, at most.
+        confidence: of the surest, 0 to 1.
+        began_us: with site, camera and label it names the sighting.
+        ended_us: None while it goes on; say it once more with the end when it is over.
+
+    """
+
+    site: str
+    camera: str
+    label: str
+    count: int
+    confidence: float
+    began_us: int
+    ended_us: int | None
+
+
+class DetectorNews(Protocol):
+    """Whoever wants to hear what detectors find. Neither call waits or raises."""
+
+    def anomaly(self, news: AnomalyNews) -> None:
+        """Hear of an anomaly: when it begins, when its score changes, and when it ends."""
+        ...
+
+    def sighting(self, news: Sighting) -> None:
+        """Hear of a sighting: when it begins, when its count changes, and when it ends."""
+        ...
 
 
 class History(Protocol):

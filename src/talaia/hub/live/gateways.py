@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.live.admission import Admission
+    from talaia.hub.live.alarms import Alarms
     from talaia.hub.live.browsers import Browsers
     from talaia.hub.live.fanout import Fanout
     from talaia.hub.live.links import Links
@@ -72,6 +73,7 @@ class Gateways:
         browsers: Browsers,
         fanout: Fanout,
         reporting: Reporting,
+        alarms: Alarms,
         media: Media,
         history: History,
         registry: SiteRegistry,
@@ -89,6 +91,7 @@ class Gateways:
         self._browsers = browsers
         self._fanout = fanout
         self._reporting = reporting
+        self._alarms = alarms
         self._rivals = Rivals(reporting)
         self._media = media
         self._history = history
@@ -231,6 +234,7 @@ class Gateways:
             live.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
         if changed:
             self._fanout.redescribed(live)
+            self._alarms.described(live)
         self._browsers.tell(site_news(live))
         self._reporting.event(live, "gateway connected", message=f"version {hello.version}")
         if changed and before is not None:
@@ -285,6 +289,7 @@ class Gateways:
                     if message.live and batch.addresses is addresses:
                         live.latest.update(batch.columns, self._clock.monotonic_ns())
                         self._fanout.publish(live, batch.columns)
+                        self._alarms.take(live, batch.columns)
                     ingest.put(batch)
                 case frames.Gap():
                     ingest.put(message)

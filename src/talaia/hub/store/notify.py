@@ -111,7 +111,7 @@ class NotifyStore:
                     row = rows.first()
                     if row is None or row.kind != kind.value:
                         return None
-                    before = self._open(row) if _same_server(row, settings) else {}
+                    before = {} if _elsewhere(row, settings, secrets) else self._open(row)
                 kept = {key: said for key, said in {**before, **secrets}.items() if said}
                 values = {
                     "name": name,
@@ -256,10 +256,12 @@ def _about_way(number: int) -> str:
     return f"way {number}"
 
 
-def _same_server(row: object, settings: Mapping[str, str]) -> bool:
-    """Tell whether a kept secret may go on being used: never at another server.
+def _elsewhere(row: object, settings: Mapping[str, str], secrets: Mapping[str, str]) -> bool:
+    """Tell whether it goes to another server than before.
 
-    Else whoever may change a way could have its secret sent to a server of theirs.
+    There a kept secret is of no use: else whoever may change a way could have it sent to a server
+    of theirs.
     """
     before = json.loads(row.settings)  # type: ignore[attr-defined]
-    return all(before.get(key) == settings.get(key) for key in ("host", "port", "security"))
+    moved = any(before.get(key) != settings.get(key) for key in ("host", "port", "security"))
+    return moved or "url" in secrets
