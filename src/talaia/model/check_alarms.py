@@ -26,7 +26,7 @@ _OWN = {
     AlarmKind.LIMIT: {"signal", "above", "below", "hysteresis", "max_age"},
     AlarmKind.STATE: {"signal", "is_one_of", "is_not", "max_age"},
     AlarmKind.STALE: {"signal", "max_age"},
-    AlarmKind.ANOMALY: {"signal", "score"},
+    AlarmKind.ANOMALY: {"signal", "score", "max_age"},
     AlarmKind.DETECTION: {"stream", "label", "count", "confidence"},
     AlarmKind.EXPRESSION: {"expression", "max_age"},
 }

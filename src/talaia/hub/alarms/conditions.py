@@ -122,7 +122,7 @@ class Condition:
         None while it is not known, not a number, or too old.
         """
         reading = readings.get(address)
-        if reading is None or reading.age_s > self._longest(address):
+        if reading is None or reading.age_s > self.longest_s(address):
             return None
         signal = self._signals[address]
         if signal.type is SignalType.TEXT:
@@ -134,7 +134,8 @@ class Condition:
             return signal.states[at] if 0 <= at < len(signal.states) else f"{at}"
         return reading.value
 
-    def _longest(self, address: str) -> float:
+    def longest_s(self, address: str) -> float:
+        """Give how old a channel's value may be before it is unknown (s)."""
         own = self.alarm.max_age
         return self._signals[address].max_age if own is None else own
 
@@ -142,7 +143,7 @@ class Condition:
         name, reading = self._signals[address].name, readings.get(address)
         if reading is None:
             return Verdict(Truth.UNKNOWN, f"{name} has never been heard of")
-        if reading.age_s > self._longest(address):
+        if reading.age_s > self.longest_s(address):
             return Verdict(Truth.UNKNOWN, f"{name} is {_seconds(reading.age_s)} old")
         return Verdict(Truth.UNKNOWN, f"{name} is not a number")
 
@@ -175,7 +176,7 @@ class Condition:
         name, reading = self._signals[address].name, readings.get(address)
         if reading is None:
             return Verdict(Truth.HOLDS, f"{name} has never been heard of")
-        if reading.age_s > self._longest(address):
+        if reading.age_s > self.longest_s(address):
             return Verdict(Truth.HOLDS, f"{name} is {_seconds(reading.age_s)} old")
         return Verdict(Truth.FALSE, f"{name} is fresh")
 
