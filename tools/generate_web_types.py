@@ -11,15 +11,17 @@ import json
 import sys
 import types
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Literal, Union, get_args, get_origin
 
 import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
 from talaia.hub.api import (
+    alarm_shapes,
     archive_shapes,
     history_shapes,
+    notify_shapes,
     people_shapes,
     recording_shapes,
     shapes,
@@ -40,7 +42,15 @@ UNIONS = (
     ("MediaToBrowser", browser.MediaToBrowser),
     ("MediaFromBrowser", browser.MediaFromBrowser),
 )
-SHAPES = (shapes, people_shapes, history_shapes, recording_shapes, archive_shapes)
+SHAPES = (
+    shapes,
+    people_shapes,
+    history_shapes,
+    recording_shapes,
+    archive_shapes,
+    alarm_shapes,
+    notify_shapes,
+)
 # Texts of the API that come from a closed list.
 CLOSED = {
     ("SignalShape", "type"): [kind.value for kind in SignalType],
@@ -197,6 +207,9 @@ def api_type(hint: object, words: list[str] | None) -> str:
     """
     if hint is str and words:
         return " | ".join(json.dumps(word) for word in words)
+    if get_origin(hint) is Annotated:
+        # What stands beside the type says which values fit, not what they are.
+        return api_type(get_args(hint)[0], words)
     if get_origin(hint) is Literal:
         return " | ".join(json.dumps(word) for word in get_args(hint))
     if isinstance(hint, type) and hint in SIMPLE:

@@ -139,6 +139,7 @@ export interface EventList {
 
 /** Something that happened. */
 export interface EventShape {
+  readonly id: string;
   readonly time_us: number;
   readonly kind: string;
   readonly device: string;
@@ -652,4 +653,203 @@ export interface NightShape {
   readonly night: string;
   readonly frames: number;
   readonly bytes: number;
+}
+
+/** Do something about an alarm. */
+export interface ActAsk {
+  readonly act: "acknowledge" | "assign" | "comment" | "shelve" | "unshelve";
+  readonly text?: string;
+  readonly to?: string;
+  readonly until_us?: number;
+}
+
+/** An alarm, in the words of the site description; see there what each key means. */
+export interface AlarmDefinition {
+  readonly name: string;
+  readonly kind: "limit" | "state" | "stale" | "anomaly" | "detection" | "expression";
+  readonly signal?: string;
+  readonly above?: number | null;
+  readonly below?: number | null;
+  readonly hysteresis?: number;
+  readonly is_one_of?: readonly string[];
+  readonly is_not?: readonly string[];
+  readonly max_age?: number | null;
+  readonly score?: number;
+  readonly stream?: string;
+  readonly label?: string;
+  readonly count?: number;
+  readonly confidence?: number;
+  readonly expression?: string;
+  readonly severity?: "info" | "warning" | "critical";
+  readonly delay?: number;
+  readonly clear_delay?: number;
+  readonly unknown_after?: number | null;
+  readonly record?: boolean;
+  readonly advice?: string;
+}
+
+/** The alarms of a site. ``may_manage``: you may make, change and remove them. */
+export interface AlarmList {
+  readonly alarms: readonly AlarmShape[];
+  readonly may_manage: boolean;
+}
+
+/** One thing that happened to an alarm; ``episode`` counts how often it was raised. */
+export interface AlarmPast {
+  readonly id: string;
+  readonly what: string;
+  readonly episode: number;
+  readonly time_us: number;
+  readonly who: string;
+  readonly message: string;
+}
+
+/** What happened to an alarm, newest first; with ``more``, ask again ``before`` the last. */
+export interface AlarmPastList {
+  readonly past: readonly AlarmPast[];
+  readonly more: boolean;
+}
+
+/** An alarm that is open to you. */
+export interface AlarmShape {
+  readonly alarm: string;
+  readonly device: string;
+  readonly definition: AlarmDefinition;
+  readonly made: boolean;
+  readonly problem: string;
+  readonly may_use: boolean;
+}
+
+/** How an alarm would have done over a window, by default the last day. */
+export interface PreviewAsk {
+  readonly definition: AlarmDefinition;
+  readonly hours?: number;
+}
+
+/** What would have been. */
+export interface PreviewShape {
+  readonly where?: string;
+  readonly problem?: string;
+  readonly from_us?: number;
+  readonly to_us?: number;
+  readonly count?: number;
+  readonly unknown_us?: number;
+  readonly spans?: readonly SpanShape[];
+  readonly signals?: readonly string[];
+}
+
+/** It would have been active from then to then. */
+export interface SpanShape {
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly why: string;
+}
+
+/** A browser's subscription, as its Push API gives it. */
+export interface PushAsk {
+  readonly endpoint: string;
+  readonly p256dh: string;
+  readonly auth: string;
+}
+
+/** A browser of yours that takes messages. */
+export interface PushBrowserShape {
+  readonly id: string;
+  readonly agent: string;
+  readonly created_us: number;
+}
+
+/** Your browsers; ``key`` is what a browser needs to subscribe, empty where push is not set. */
+export interface PushList {
+  readonly key: string;
+  readonly browsers: readonly PushBrowserShape[];
+}
+
+/** Tell me of alarms. */
+export interface RuleAsk {
+  readonly site: string;
+  readonly way: string;
+  readonly target?: string;
+  readonly least?: "info" | "warning" | "critical";
+  readonly over?: boolean;
+  readonly quiet_from?: number;
+  readonly quiet_to?: number;
+  readonly quiet_least?: "info" | "warning" | "critical";
+  readonly zone?: string;
+  readonly group_s?: number;
+}
+
+/** Your rules. */
+export interface RuleList {
+  readonly rules: readonly RuleShape[];
+}
+
+/** One of your rules. */
+export interface RuleShape {
+  readonly site: string;
+  readonly way: string;
+  readonly target?: string;
+  readonly least?: "info" | "warning" | "critical";
+  readonly over?: boolean;
+  readonly quiet_from?: number;
+  readonly quiet_to?: number;
+  readonly quiet_least?: "info" | "warning" | "critical";
+  readonly zone?: string;
+  readonly group_s?: number;
+  readonly id: string;
+}
+
+/** A server that messages go to. */
+export interface WayAsk {
+  readonly name: string;
+  readonly kind: "mail" | "webhook" | "chat" | "push";
+  readonly host?: string;
+  readonly port?: number;
+  readonly security?: "starttls" | "tls" | "none";
+  readonly sender?: string;
+  readonly user?: string;
+  readonly secrets?: WriteOnly;
+}
+
+/** A way that you can be told by. */
+export interface WayChoice {
+  readonly id: string;
+  readonly name: string;
+  readonly kind: "mail" | "webhook" | "chat" | "push";
+}
+
+/** All ways that you can be told by. */
+export interface WayChoiceList {
+  readonly ways: readonly WayChoice[];
+}
+
+/** All ways. */
+export interface WayList {
+  readonly ways: readonly WayShape[];
+}
+
+/** A way, as an admin sees it; ``secrets`` names those that are set, and no more. */
+export interface WayShape {
+  readonly id: string;
+  readonly name: string;
+  readonly kind: "mail" | "webhook" | "chat" | "push";
+  readonly host: string;
+  readonly port: number;
+  readonly security: "starttls" | "tls" | "none";
+  readonly sender: string;
+  readonly user: string;
+  readonly secrets: readonly string[];
+}
+
+/** How a test went: ``sent``, or what went wrong, in the words of whoever refused it. */
+export interface WentShape {
+  readonly sent: boolean;
+  readonly problem: string;
+}
+
+/** Secrets of a way; what is left out stays as it is, an empty text removes it. */
+export interface WriteOnly {
+  readonly password?: string | null;
+  readonly url?: string | null;
+  readonly token?: string | null;
 }

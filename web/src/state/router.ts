@@ -14,12 +14,15 @@ export type PageName =
   | "history"
   | "recordings"
   | "drive"
+  | "alarms"
+  | "logbook"
   | "device"
   | "archive"
   | "people"
   | "roles"
   | "gateways"
   | "storage"
+  | "ways"
   | "audit"
   | "gallery"
   | "missing";
@@ -32,7 +35,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive"];
+const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "logbook"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -42,6 +45,8 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/devices": "devices",
   "/public": "public",
   "/account": "account",
+  "/alarms": "alarms",
+  "/admin/ways": "ways",
   "/admin": "people",
   "/admin/people": "people",
   "/admin/roles": "roles",
@@ -52,7 +57,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
 };
 
 /** The pages that only an admin of the whole hub may open. */
-export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "storage", "audit"];
+export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "ways", "storage", "audit"];
 
 /** Reads a path. Anything unknown is the `missing` page, not an error. */
 export function routeOf(path: string): Route {
@@ -67,7 +72,7 @@ export function routeOf(path: string): Route {
 }
 
 /** The path of a site's page. */
-export function sitePath(site: string, page: "live" | "history" | "recordings" | "drive" | "archive"): string {
+export function sitePath(site: string, page: "live" | "history" | "recordings" | "drive" | "archive" | "logbook"): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }
 

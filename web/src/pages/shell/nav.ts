@@ -12,7 +12,7 @@ import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/icon.js";
 
 interface Place {
-  readonly page: "home" | "public" | "devices" | "live" | "history" | "drive" | "people";
+  readonly page: "home" | "public" | "devices" | "live" | "history" | "drive" | "alarms" | "people";
   readonly icon: IconName;
   readonly title?: string;
 }
@@ -23,6 +23,7 @@ const PLACES: readonly Place[] = [
   { page: "devices", icon: "devices" },
   { page: "live", icon: "live" },
   { page: "history", icon: "history" },
+  { page: "alarms", icon: "bell" },
   { page: "drive", icon: "drive" },
   { page: "people", icon: "shield", title: "Admin" },
 ];
@@ -155,7 +156,8 @@ export class Nav extends LitElement {
     return (
       page === this.page ||
       (page === "devices" && this.page === "device") ||
-      (page === "history" && this.page === "recordings")
+      (page === "history" && this.page === "recordings") ||
+      (page === "alarms" && this.page === "logbook")
     );
   }
 
@@ -167,6 +169,7 @@ export class Nav extends LitElement {
       case "home":
       case "public":
       case "devices":
+      case "alarms":
         return `/${page}`;
       case "live":
       case "history":
