@@ -32,7 +32,7 @@ from talaia.hub.api.alarm_shapes import (
     SpanShape,
 )
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.auth.permissions import ANY, Right
+from talaia.hub.auth.permissions import ANY, Right, sees_device
 from talaia.hub.store.alarms import Made
 from talaia.model.alarm import Alarm, AlarmKind
 from talaia.model.check_alarms import alarm_findings
@@ -228,17 +228,22 @@ class AlarmPages:
         """Find an alarm that somebody has a right on.
 
         Raises:
-            ApiProblem: 404 there is none, or they may not know of it; 403 they may only see it.
+            ApiProblem: 404 there is none, or they may not know of its device; 403 they may know of
+                it, and no more.
 
         """
         grants = who_of(request).grants
         found = self._alarms.find(site, alarm)
         device = (found.about.device or ANY) if found else ANY
-        if found is None or not grants.may(Right.VIEW, site, device):
+        described = live_of(request).description
+        if found is not None and grants.may(right, site, device):
+            return found
+        if found is None or not (
+            grants.may(Right.VIEW, site, device)
+            or sees_device(grants, described, found.about.device)
+        ):
             raise ApiProblem(404, "unknown", "there is no such alarm")
-        if not grants.may(right, site, device):
-            raise ApiProblem(403, "forbidden", "you do not have the right to do this")
-        return found
+        raise ApiProblem(403, "forbidden", "you do not have the right to do this")
 
     def _note(self, request: Request, kind: str, live: LiveSite, message: str) -> None:
         name, address = who_of(request).name, address_of(request)

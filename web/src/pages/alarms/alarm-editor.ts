@@ -138,7 +138,7 @@ export class AlarmEditor extends LitElement {
         action="Remove"
         ?busy=${this.action.busy}
         .problem=${this.action.problem}
-        @t-confirm=${this.remove}
+        @t-confirm=${this.erase}
         @t-close=${this.unask}
       >
         <p>Nobody is told of it any more. What has happened stays in the logbook.</p>
@@ -147,7 +147,7 @@ export class AlarmEditor extends LitElement {
 
   private errorOf(name: string): string {
     if (this.wrong === name) return "Expected a number.";
-    if (this.preview?.where === name || (name === "is_one_of" && this.preview?.where === "is")) return this.preview?.problem ?? "";
+    if (this.preview?.where === name || (name === "is_one_of" && this.preview?.where === "is")) return this.preview.problem ?? "";
     return "";
   }
 
@@ -264,7 +264,7 @@ export class AlarmEditor extends LitElement {
     this.removing = false;
   };
 
-  private readonly remove = (): void => {
+  private readonly erase = (): void => {
     void this.action.run("remove the alarm", () => new AlarmsApi(this.api).remove(this.site, this.alarm)).then((done) => {
       if (done) this.leave();
     });

@@ -3,6 +3,7 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
@@ -124,10 +125,12 @@ export class PageAlarms extends LitElement {
           <p class="muted" role="status">${this.counted(list)}</p>
         </div>
         <div class="actions">
-          ${(this.sites.store?.list ?? []).map(
-            ({ site, name }, _, all) => html`<a href=${sitePath(site, "logbook")}>Logbook${all.length > 1 ? ` of ${name}` : ""}</a>`,
+          ${map(
+            this.sites.store?.list ?? [],
+            ({ site, name }) => html`<a href=${sitePath(site, "logbook")}>Logbook of ${name}</a>`,
           )}
-          ${manageable.map(
+          ${map(
+            manageable,
             (site) => html`<t-button @click=${this.maker(site)}
               >New alarm${manageable.length > 1 ? ` of ${this.sites.store?.row(site)?.name ?? site}` : ""}</t-button
             >`,

@@ -87,7 +87,7 @@ export class PageWays extends LitElement {
         action="Remove"
         ?busy=${this.action.busy}
         .problem=${this.action.problem}
-        @t-confirm=${this.remove}
+        @t-confirm=${this.erase}
         @t-close=${this.unask}
       >
         <p>Nobody is told by it any more; the rules that use it go, too.</p>
@@ -250,7 +250,7 @@ export class PageWays extends LitElement {
     this.removing = null;
   };
 
-  private readonly remove = (): void => {
+  private readonly erase = (): void => {
     const way = this.removing;
     if (way === null) return;
     void this.action.run("remove the way", () => new NotifyApi(this.api).removeWay(way.id)).then((done) => {
