@@ -20,14 +20,12 @@ from __future__ import annotations
 import math
 import operator
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from talaia.errors import TalaiaError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
 
 __all__ = [
     "MAX_LENGTH",
@@ -255,8 +253,7 @@ class _Reader:
             at, right = self._word, inner()
             _want(left, Kind.NUMBER, start)
             _want(right, Kind.NUMBER, at)
-            work = _WORK[sign.text]
-            left = _Node(Kind.NUMBER, lambda _, v, work=work: _known(work, v), (left, right))
+            left = _working(_WORK[sign.text], left, right)
             # A long chain leans to the left: its tree is as deep as the chain is long.
             self._links += 1
             if self._links > _MAX_LINKS:
@@ -271,7 +268,7 @@ class _Reader:
         if not minus:
             return part
         _want(part, Kind.NUMBER, start)
-        return _Node(Kind.NUMBER, lambda _, v: _known(operator.neg, v), (part,))
+        return _Node(Kind.NUMBER, lambda _, v: _known(_negative, v), (part,))
 
     def _atom(self) -> _Node:
         word = self._word
@@ -321,17 +318,29 @@ class _Reader:
         return _Node(Kind.NUMBER, lambda _, v: _known(work, v), tuple(parts))
 
 
+def _working(work: _Work, left: _Node, right: _Node) -> _Node:
+    return _Node(Kind.NUMBER, lambda _, values: _known(work, values), (left, right))
+
+
 def _want(node: _Node, kind: Kind, word: _Token) -> None:
     if node.kind is not kind:
         raise ExpressionError(word.at, f"expected a {kind}, found a {node.kind}")
 
 
-def _known(work: Callable[..., Value], values: tuple[Value, ...]) -> Value:
+def _negative(values: tuple[Value, ...]) -> Value:
+    return -_numbers(values)[0]
+
+
+def _numbers(values: tuple[Value, ...]) -> list[float]:
+    return [value for value in values if isinstance(value, float)]
+
+
+def _known(work: _Work, values: tuple[Value, ...]) -> Value:
     """Do it if all is known, and the outcome is a number that is one."""
     if any(value is None for value in values):
         return None
     try:
-        return _finite(work(*values))
+        return _finite(work(values))
     except (ZeroDivisionError, OverflowError):
         return None
 
@@ -352,18 +361,24 @@ def _or(values: tuple[Value, ...]) -> Value:
     return None if None in values else False
 
 
-_COMPARE: Mapping[str, Callable[..., bool]] = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
+_Work = Callable[[tuple[Value, ...]], Value]
+
+_COMPARE: Mapping[str, _Work] = {
+    "<": lambda v: bool(operator.lt(v[0], v[1])),
+    "<=": lambda v: bool(operator.le(v[0], v[1])),
+    ">": lambda v: bool(operator.gt(v[0], v[1])),
+    ">=": lambda v: bool(operator.ge(v[0], v[1])),
+    "==": lambda v: v[0] == v[1],
+    "!=": lambda v: v[0] != v[1],
 }
-_WORK: Mapping[str, Callable[..., float]] = {
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
-    "/": operator.truediv,
+_WORK: Mapping[str, _Work] = {
+    "+": lambda v: float(operator.add(v[0], v[1])),
+    "-": lambda v: float(operator.sub(v[0], v[1])),
+    "*": lambda v: float(operator.mul(v[0], v[1])),
+    "/": lambda v: float(operator.truediv(v[0], v[1])),
 }
-_CALLS: Mapping[str, Callable[..., float]] = {"abs": abs, "min": min, "max": max}
+_CALLS: Mapping[str, _Work] = {
+    "abs": lambda v: abs(_numbers(v)[0]),
+    "min": lambda v: min(_numbers(v)),
+    "max": lambda v: max(_numbers(v)),
+}

@@ -1,4 +1,4 @@
-"""Alarms in a real Chromium: the bar over the page, acknowledged there, and the logbook after it."""
+"""Alarms in a real Chromium: the bar over the page, acknowledging there, and the logbook."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from playwright.async_api import async_playwright, expect
 from talaia.web import static_dir
 from talaia.wire.browser import AlarmNews
 
-from ..conftest import DESCRIPTION, PASSWORD
+from ..conftest import DESCRIPTION, PASSWORD  # noqa: TID252 - of the same tests
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]
 

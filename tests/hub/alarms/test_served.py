@@ -1,4 +1,6 @@
-"""An alarm's way through a hub that really serves: raised, told, acknowledged, kept over a restart."""
+"""An alarm's way through a hub that really serves: raised, told, acknowledged, kept."""
+
+# ruff: noqa: D107
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ from talaia.hub.ports import AnomalyNews, DetectorNews, Sighting
 from talaia.wire.browser import AlarmNews, EventNews
 from talaia.wire.frames import RecordAsk
 
-from ..conftest import DESCRIPTION, RunningHub
+from ..conftest import DESCRIPTION, RunningHub  # noqa: TID252 - of the same tests
 
 LOW = """
 alarms:

@@ -355,7 +355,9 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/me/rules/{rule}/test"): _of_rule(_tested),
     ("GET", "/api/me/push"): Recipe(plain()),
     ("POST", "/api/me/push"): Recipe(
-        plain(json={"endpoint": "https://push.example/1", "p256dh": "AA", "auth": "AA"}, done=(204,))
+        plain(
+            json={"endpoint": "https://push.example/1", "p256dh": "AA", "auth": "AA"}, done=(204,)
+        )
     ),
     ("DELETE", "/api/me/push/{browser}"): Recipe(
         _browser, OWN_AND_FOREIGN, lambda *who: _own(*who) or _is_admin(*who)

@@ -6,8 +6,8 @@ import pytest
 import sqlalchemy as sa
 import websockets
 
-from talaia.hub.store.audit import Filter
 from talaia.clock import SECOND, HandClock
+from talaia.hub.store.audit import Filter
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import CommandAsk, LeaseAsk, LeaseOp, LeaseState, StopAsk
 

@@ -59,9 +59,7 @@ class Preview(NamedTuple):
     unknown_us: int
 
 
-def preview(
-    condition: Condition, tracks: Mapping[str, Track], from_us: int, to_us: int
-) -> Preview:
+def preview(condition: Condition, tracks: Mapping[str, Track], from_us: int, to_us: int) -> Preview:
     """Let the samples of a window pass before a condition, with its delays."""
     watch = Watch(condition.alarm, on=False)
     spans: list[Span] = []

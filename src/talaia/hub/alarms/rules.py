@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
 from talaia.hub.alarms.machine import What
-from talaia.model.alarm import Severity
 
 if TYPE_CHECKING:
     from talaia.hub.alarms.machine import Happened
+    from talaia.model.alarm import Severity
 
 __all__ = ["DAY_MIN", "Rule", "due_us", "wants"]
 

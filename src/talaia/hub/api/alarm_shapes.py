@@ -132,5 +132,5 @@ class PreviewShape(Shape):
     to_us: int = 0
     count: int = 0
     unknown_us: int = 0
-    spans: list[SpanShape] = []
-    signals: list[str] = []
+    spans: list[SpanShape] = Field(default=[])
+    signals: list[str] = Field(default=[])

@@ -101,8 +101,7 @@ class AlarmPages:
                     may_use=grants.may(Right.USE, site, each.about.device or ANY),
                 )
                 for each in self._alarms.of(site)
-                if each.alarm is not None
-                and grants.may(Right.VIEW, site, each.about.device or ANY)
+                if each.alarm is not None and grants.may(Right.VIEW, site, each.about.device or ANY)
             ],
         )
 
@@ -141,9 +140,7 @@ class AlarmPages:
         except NotNow as error:
             raise ApiProblem(409, "not_now", str(error)) from error
 
-    async def define(
-        self, site: str, alarm: str, asked: AlarmDefinition, request: Request
-    ) -> None:
+    async def define(self, site: str, alarm: str, asked: AlarmDefinition, request: Request) -> None:
         """Make an alarm, or change one that was made here."""
         live = live_of(request)
         if not _ID.match(alarm):
@@ -180,7 +177,9 @@ class AlarmPages:
         finding = next(iter(alarm_findings(described, "$", alarm)), None)
         if finding is not None:
             where = finding.where.removeprefix("$").removeprefix(".")
-            return PreviewShape(where=where, problem=f"{finding.problem}; {finding.remedy}".rstrip("; "))
+            return PreviewShape(
+                where=where, problem=f"{finding.problem}; {finding.remedy}".rstrip("; ")
+            )
         if alarm.kind in {AlarmKind.ANOMALY, AlarmKind.DETECTION}:
             return PreviewShape(
                 problem="what detectors say is not in the history of signals: no preview"

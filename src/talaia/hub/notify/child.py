@@ -204,7 +204,7 @@ def _webhook(job: Job, left: _Left) -> Outcome:
 
 
 def _chat(job: Job, left: _Left) -> Outcome:
-    import apprise  # noqa: PLC0415 - takes half a second, and only this way needs it
+    import apprise
 
     scheme = job["url"].partition("://")[0].lower()
     if scheme not in _CHATS:
@@ -235,7 +235,7 @@ def _chat(job: Job, left: _Left) -> Outcome:
 
 def _push(job: Job, _: _Left) -> Outcome:
     """Send to every browser of the person; one that has gone away is named for removal."""
-    from pywebpush import WebPushException, webpush  # noqa: PLC0415 - only this way needs it
+    from pywebpush import WebPushException, webpush
 
     gone, problems, reached = [], [], 0
     for number, subscription in job["browsers"]:

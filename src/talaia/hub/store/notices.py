@@ -170,9 +170,7 @@ def _text(about: About, happened: Happened) -> str:
     return f"{said}\n{advice}".strip()
 
 
-async def _with_the_others(
-    connection: AsyncConnection, rule: Rule, now_us: int, due: int
-) -> int:
+async def _with_the_others(connection: AsyncConnection, rule: Rule, now_us: int, due: int) -> int:
     """Go out with what waits already: a burst is one message, counted from its first."""
     found = await connection.execute(
         select(func.min(notices.c.due_us)).where(
@@ -242,9 +240,7 @@ class Notices:
             await connection.execute(
                 update(notices)
                 .where(notices.c.id.in_(ids))
-                .values(
-                    state=NoticeState.SENDING.value, parcel=key, tries=notices.c.tries + 1
-                )
+                .values(state=NoticeState.SENDING.value, parcel=key, tries=notices.c.tries + 1)
             )
         told = tuple(_notice(row) for row in rows)
         tries = max(row.tries for row in rows) + 1
@@ -340,7 +336,7 @@ class Notices:
 
     @staticmethod
     async def _target(connection: AsyncConnection, row: object) -> tuple[str, str] | None:
-        """Give where to, and the person's time zone; None when the rule, the person or their right is gone."""
+        """Give where to, and the person's zone; None when rule, person or right are gone."""
         found = row._mapping  # type: ignore[attr-defined]  # noqa: SLF001 - SQLAlchemy's own name
         rows = await connection.execute(
             select(notify_rules.c.target, notify_rules.c.zone, users.c.role_id)
@@ -355,9 +351,7 @@ class Notices:
             return None
         return str(there.target), str(there.zone)
 
-    async def _settle(
-        self, parcel: Parcel, state: NoticeState, now_us: int, problem: str
-    ) -> None:
+    async def _settle(self, parcel: Parcel, state: NoticeState, now_us: int, problem: str) -> None:
         ids = [notice.id for notice in parcel.notices]
         async with self._database.write() as connection:
             await self._mark(connection, ids, state, now_us, problem)

@@ -247,7 +247,9 @@ class NotifyStore:
 
     def _open(self, row: object) -> dict[str, str]:
         found = row._mapping  # type: ignore[attr-defined]  # noqa: SLF001 - SQLAlchemy's own name
-        text = self._seal().open(found["sealed"], _about_way(found["id"])) if found["sealed"] else ""
+        text = (
+            self._seal().open(found["sealed"], _about_way(found["id"])) if found["sealed"] else ""
+        )
         opened: dict[str, str] = json.loads(text) if text else {}
         return opened
 

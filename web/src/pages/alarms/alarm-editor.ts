@@ -34,6 +34,7 @@ export class AlarmEditor extends LitElement {
       form {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr));
+        align-items: start;
         gap: var(--t-space-4);
       }
       .wide {

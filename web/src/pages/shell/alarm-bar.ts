@@ -126,7 +126,7 @@ export class AlarmBar extends LitElement {
             >`
           : nothing}
         <t-button kind="quiet" @click=${this.toggle}>${this.sound.on ? "Mute" : "Sound on"}</t-button>
-        <a class="all" href="/alarms">All alarms</a>
+        <a class="all" href="/alarms" aria-label="All alarms">All</a>
       </span>
     </div>`;
   }
