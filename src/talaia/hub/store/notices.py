@@ -4,6 +4,8 @@ A row goes ``pending`` → ``sending`` → ``sent``, ``failed`` or ``unsure``; o
 not arrive goes back to ``pending`` for another try. ``sending`` is written before a word leaves
 the hub. So a row that is found in it at the start may have been delivered, and is not sent again
 unless the way lets the other side see that it is the same message (decision 0050).
+
+Long, because a row's whole life is told here, from what happened to what became of it.
 """
 
 from __future__ import annotations
