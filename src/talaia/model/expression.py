@@ -331,6 +331,11 @@ def _negative(values: tuple[Value, ...]) -> Value:
     return -_numbers(values)[0]
 
 
+def _two(values: tuple[Value, ...]) -> tuple[float, float]:
+    left, right = _numbers(values)
+    return left, right
+
+
 def _numbers(values: tuple[Value, ...]) -> list[float]:
     return [value for value in values if isinstance(value, float)]
 
@@ -364,18 +369,18 @@ def _or(values: tuple[Value, ...]) -> Value:
 _Work = Callable[[tuple[Value, ...]], Value]
 
 _COMPARE: Mapping[str, _Work] = {
-    "<": lambda v: bool(operator.lt(v[0], v[1])),
-    "<=": lambda v: bool(operator.le(v[0], v[1])),
-    ">": lambda v: bool(operator.gt(v[0], v[1])),
-    ">=": lambda v: bool(operator.ge(v[0], v[1])),
+    "<": lambda v: operator.lt(*_two(v)),
+    "<=": lambda v: operator.le(*_two(v)),
+    ">": lambda v: operator.gt(*_two(v)),
+    ">=": lambda v: operator.ge(*_two(v)),
     "==": lambda v: v[0] == v[1],
     "!=": lambda v: v[0] != v[1],
 }
 _WORK: Mapping[str, _Work] = {
-    "+": lambda v: float(operator.add(v[0], v[1])),
-    "-": lambda v: float(operator.sub(v[0], v[1])),
-    "*": lambda v: float(operator.mul(v[0], v[1])),
-    "/": lambda v: float(operator.truediv(v[0], v[1])),
+    "+": lambda v: float(operator.add(*_two(v))),
+    "-": lambda v: float(operator.sub(*_two(v))),
+    "*": lambda v: float(operator.mul(*_two(v))),
+    "/": lambda v: float(operator.truediv(*_two(v))),
 }
 _CALLS: Mapping[str, _Work] = {
     "abs": lambda v: abs(_numbers(v)[0]),

@@ -209,7 +209,7 @@ def test_preview_counts_what_would_have_been() -> None:
     slow = Alarm(name="Low", kind=AlarmKind.LIMIT, signal="base/volts", below=11.0, delay=4.0)
     tracks = {"base/volts": Track(times, values, {}, 0)}
     said = preview(Condition(load_site(SITE), slow), tracks, 0, 110_000_000)
-    assert said.count == 5
+    assert said.times == 5
     assert (said.spans[0].from_us, said.spans[0].to_us) == (14_000_000, 20_000_000)
     # Its last value is five seconds good.
     assert said.unknown_us == pytest.approx(6_000_000, abs=10)

@@ -48,7 +48,7 @@ class Seen(NamedTuple):
     """What a detector says goes on now: an anomaly (its score), or things that a camera sees."""
 
     score: float = 0.0
-    count: int = 0
+    many: int = 0
     confidence: float = 0.0
     why: str = ""
 
@@ -193,8 +193,8 @@ class Condition:
     def _detection(self, seen: tuple[Seen, ...], *, online: bool) -> Verdict:
         alarm = self.alarm
         for each in seen:
-            if each.count >= alarm.count and each.confidence >= alarm.confidence:
-                many = f"{each.count} × {alarm.label}" if each.count > 1 else alarm.label
+            if each.many >= alarm.count and each.confidence >= alarm.confidence:
+                many = f"{each.many} × {alarm.label}" if each.many > 1 else alarm.label
                 return Verdict(Truth.HOLDS, f"{many} seen ({each.confidence:.0%} sure)")
         if not online:
             return Verdict(Truth.UNKNOWN, "the site is away")

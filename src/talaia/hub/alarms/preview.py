@@ -49,13 +49,13 @@ class Preview(NamedTuple):
 
     Attributes:
         spans: when it would have been active; the first ones, if there are very many.
-        count: how often.
+        times: how often.
         unknown_us: for so long it could not have been judged.
 
     """
 
     spans: tuple[Span, ...]
-    count: int
+    times: int
     unknown_us: int
 
 

@@ -197,7 +197,7 @@ class AlarmPages:
         return PreviewShape(
             from_us=from_us,
             to_us=to_us,
-            count=said.count,
+            count=said.times,
             unknown_us=said.unknown_us,
             spans=[SpanShape(**span._asdict()) for span in said.spans],
             signals=list(condition.channels),

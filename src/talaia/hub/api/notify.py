@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
@@ -253,11 +253,17 @@ def _way_shape(way: Way) -> WayShape:
         kind=way.kind.value,
         host=settings.get("host", ""),
         port=int(settings.get("port", "587")),
-        security=settings.get("security", "starttls"),
+        security=_security(settings.get("security", "")),
         sender=settings.get("sender", ""),
         user=settings.get("user", ""),
         secrets=list(way.secrets),
     )
+
+
+def _security(word: str) -> Literal["starttls", "tls", "none"]:
+    if word == "tls":
+        return "tls"
+    return "none" if word == "none" else "starttls"
 
 
 def _rule_shape(rule: Rule) -> RuleShape:

@@ -286,7 +286,7 @@ class Alarms:
 
     def sighting(self, news: Sighting) -> None:
         """Take what a detector of objects says."""
-        seen = Seen(count=news.count, confidence=news.confidence)
+        seen = Seen(many=news.count, confidence=news.confidence)
         what = (news.camera, news.label)
         self._happens(news.site, what, news.began_us, seen, over=bool(news.ended_us))
 
@@ -346,7 +346,7 @@ class Alarms:
             for value, text, arrived in (found,)
             if address.partition("/")[0] not in live.unreached
         }
-        seen = ()
+        seen: tuple[Seen, ...] = ()
         if condition.happening is not None:
             seen = tuple(known.seen.get(condition.happening, {}).values())
         return condition.judge(readings, seen, held=each.watch.on, online=live.online)

@@ -235,7 +235,11 @@ def _chat(job: Job, left: _Left) -> Outcome:
 
 def _push(job: Job, _: _Left) -> Outcome:
     """Send to every browser of the person; one that has gone away is named for removal."""
-    from pywebpush import WebPushException, webpush
+    # Only this way needs it.
+    from pywebpush import (  # type: ignore[import-untyped]
+        WebPushException,
+        webpush,
+    )
 
     gone, problems, reached = [], [], 0
     for number, subscription in job["browsers"]:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["Outcome", "Sender", "Went"]
 
 _LONGEST_S = 60.0
+# Where to is said by a person's browser there, not by an admin: public addresses only.
+_NETWORKS_OF_PUSH: tuple[str, ...] = ()
 # What a child needs of our surroundings; secrets of the hub's are not among it.
 _SURROUNDINGS = ("PATH", "PYTHONPATH", "LANG", "SSL_CERT_FILE", "SSL_CERT_DIR", "SYSTEMROOT")
 
@@ -68,8 +70,7 @@ class Sender:
             **message._asdict(),
             "kind": way.kind.value,
             "target": target,
-            # Where to is said by the person's browser here, not by an admin.
-            "networks": [] if push else self._networks,
+            "networks": list(_NETWORKS_OF_PUSH) if push else self._networks,
             "browsers": [(each.id, dict(each.subscription)) for each in browsers],
         }
         return await _run(json.dumps(job).encode())
