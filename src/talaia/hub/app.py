@@ -169,8 +169,9 @@ class Hub:
         await self._tries.bring_back()
         await self._history.open()
         await self._remember_sites()
-        await self.alarms.open()
+        # First what became of messages: the alarms show it.
         await self._delivering.recover()
+        await self.alarms.open()
         await self._recordings.open()
         self.setup_token = await self._people.offer_setup(self.settings.setup_s)
         self._tasks = [

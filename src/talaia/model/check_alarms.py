@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Signal, Site
 
-__all__ = ["alarm_findings", "alarms_findings", "kinds_of", "signals_of"]
+__all__ = ["Addresses", "alarm_findings", "alarms_findings", "signals_of"]
 
 _DAY = 86_400.0
 _MOST = 1000
@@ -33,17 +33,47 @@ _OWN = {
 _WRITTEN = {"is_one_of": "is"}
 
 
+class Addresses:
+    """What a description has, by address; made once for all of its alarms.
+
+    Attributes:
+        signals: the signal of each channel.
+        streams: every camera.
+        kinds: what each channel is in an expression: a state compares as the text of its name.
+
+    """
+
+    def __init__(self, site: Site) -> None:
+        """Look through ``site``."""
+        self.signals = {
+            channel.address: site.devices[channel.device].signals[channel.signal]
+            for channel in site.channels()
+        }
+        self.kinds = {
+            address: Kind.NUMBER
+            if signal.type in {SignalType.NUMBER, SignalType.POSITION}
+            else Kind.TEXT
+            for address, signal in self.signals.items()
+        }
+        self.streams = [
+            f"{device_id}/{stream_id}"
+            for device_id, device in site.devices.items()
+            for stream_id in device.streams
+        ]
+
+
 def alarms_findings(site: Site) -> Iterator[Finding]:
     """List what does not fit in a description's alarms."""
+    addresses = Addresses(site)
     if len(site.alarms) > _MOST:
         yield Finding("$.alarms", f"more than {_MOST} alarms")
     for alarm_id, alarm in site.alarms.items():
         where = f"$.alarms.{alarm_id}"
         yield from id_fits(where, alarm_id)
-        yield from alarm_findings(site, where, alarm)
+        yield from alarm_findings(addresses, where, alarm)
 
 
-def alarm_findings(site: Site, where: str, alarm: Alarm) -> Iterator[Finding]:
+def alarm_findings(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
     """List what does not fit in one alarm."""
     yield from name_fits(f"{where}.name", alarm.name)
     for key in ("delay", "clear_delay"):
@@ -60,29 +90,18 @@ def alarm_findings(site: Site, where: str, alarm: Alarm) -> Iterator[Finding]:
     yield from _strangers(where, alarm)
     match alarm.kind:
         case AlarmKind.DETECTION:
-            yield from _detection(site, where, alarm)
+            yield from _detection(addresses, where, alarm)
         case AlarmKind.EXPRESSION:
-            yield from _expression(site, where, alarm)
+            yield from _expression(addresses, where, alarm)
         case _:
-            yield from _of_signal(site, where, alarm)
+            yield from _of_signal(addresses, where, alarm)
 
 
-def kinds_of(site: Site) -> dict[str, Kind]:
-    """Give what each channel is in an expression: a state compares as the text of its name."""
-    described = _channels(site)
-    return {
-        address: Kind.NUMBER
-        if signal.type in {SignalType.NUMBER, SignalType.POSITION}
-        else Kind.TEXT
-        for address, signal in described.items()
-    }
-
-
-def signals_of(site: Site, alarm: Alarm) -> tuple[str, ...]:
+def signals_of(addresses: Addresses, alarm: Alarm) -> tuple[str, ...]:
     """Name the channels that an alarm looks at; none for what a camera sees."""
     if alarm.kind is AlarmKind.EXPRESSION:
         try:
-            return parse(alarm.expression, kinds_of(site)).signals
+            return parse(alarm.expression, addresses.kinds).signals
         except ExpressionError:
             return ()
     return (alarm.signal,) if alarm.signal else ()
@@ -99,15 +118,8 @@ def _strangers(where: str, alarm: Alarm) -> Iterator[Finding]:
             )
 
 
-def _channels(site: Site) -> dict[str, Signal]:
-    return {
-        channel.address: site.devices[channel.device].signals[channel.signal]
-        for channel in site.channels()
-    }
-
-
-def _of_signal(site: Site, where: str, alarm: Alarm) -> Iterator[Finding]:
-    described = _channels(site)
+def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+    described = addresses.signals
     fitting = {
         AlarmKind.LIMIT: {SignalType.NUMBER, SignalType.POSITION},
         AlarmKind.ANOMALY: {SignalType.NUMBER, SignalType.POSITION},
@@ -153,12 +165,8 @@ def _states(where: str, alarm: Alarm, signal: Signal) -> Iterator[Finding]:
                 yield _of(UnknownWord(at, "state", word, signal.states))
 
 
-def _detection(site: Site, where: str, alarm: Alarm) -> Iterator[Finding]:
-    streams = [
-        f"{device_id}/{stream_id}"
-        for device_id, device in site.devices.items()
-        for stream_id in device.streams
-    ]
+def _detection(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+    streams = addresses.streams
     if alarm.stream not in streams:
         yield _of(UnknownWord(f"{where}.stream", "stream", alarm.stream, streams))
     yield from name_fits(f"{where}.label", alarm.label)
@@ -168,9 +176,9 @@ def _detection(site: Site, where: str, alarm: Alarm) -> Iterator[Finding]:
         yield Finding(f"{where}.confidence", f"expected 0 to 1, found {alarm.confidence}")
 
 
-def _expression(site: Site, where: str, alarm: Alarm) -> Iterator[Finding]:
+def _expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
     try:
-        found = parse(alarm.expression, kinds_of(site))
+        found = parse(alarm.expression, addresses.kinds)
     except ExpressionError as error:
         yield Finding(f"{where}.expression", str(error))
         return

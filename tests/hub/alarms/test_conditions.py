@@ -32,6 +32,7 @@ from talaia.hub.alarms.watch import Turn, Watch
 from talaia.hub.notify.addresses import may_reach
 from talaia.model.alarm import Alarm, AlarmKind, Severity
 from talaia.model.check import check
+from talaia.model.check_alarms import Addresses
 from talaia.model.load import load_site
 
 SITE = """
@@ -54,7 +55,7 @@ LOW = Alarm(name="Low", kind=AlarmKind.LIMIT, signal="base/volts", below=11.0, h
 
 def judged(alarm: Alarm, *, held=False, **values: tuple[float, float]) -> Verdict:
     """Judge by value and age of each signal of the base."""
-    condition = Condition(load_site(SITE), alarm)
+    condition = Condition(Addresses(load_site(SITE)), alarm)
     readings = {f"base/{name}": Reading(value, "", age) for name, (value, age) in values.items()}
     return condition.judge(readings, (), held=held, online=True)
 
@@ -208,7 +209,7 @@ def test_preview_counts_what_would_have_been() -> None:
     values = np.where((times // 10_000_000) % 2 == 0, 12.0, 10.0)
     slow = Alarm(name="Low", kind=AlarmKind.LIMIT, signal="base/volts", below=11.0, delay=4.0)
     tracks = {"base/volts": Track(times, values, {}, 0)}
-    said = preview(Condition(load_site(SITE), slow), tracks, 0, 110_000_000)
+    said = preview(Condition(Addresses(load_site(SITE)), slow), tracks, 0, 110_000_000)
     assert said.times == 5
     assert (said.spans[0].from_us, said.spans[0].to_us) == (14_000_000, 20_000_000)
     # Its last value is five seconds good.

@@ -7,15 +7,15 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.alarm import Alarm, AlarmKind
-from talaia.model.check_alarms import kinds_of, signals_of
+from talaia.model.check_alarms import signals_of
 from talaia.model.expression import Expression, parse
 from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from talaia.model.check_alarms import Addresses
     from talaia.model.expression import Value
-    from talaia.model.site import Site
 
 __all__ = ["Condition", "Reading", "Seen", "Truth", "Verdict"]
 
@@ -62,23 +62,19 @@ class Condition:
 
     """
 
-    def __init__(self, site: Site, alarm: Alarm) -> None:
+    def __init__(self, addresses: Addresses, alarm: Alarm) -> None:
         """Look the signals up; the alarm must be one in which `check` finds nothing."""
         self.alarm = alarm
-        self.channels = signals_of(site, alarm)
+        self.channels = signals_of(addresses, alarm)
         self.happening: tuple[str, str] | None = None
         if alarm.kind is AlarmKind.ANOMALY:
             self.happening = (alarm.signal, "")
         elif alarm.kind is AlarmKind.DETECTION:
             self.happening = (alarm.stream, alarm.label)
-        described = {
-            channel.address: site.devices[channel.device].signals[channel.signal]
-            for channel in site.channels()
-        }
-        self._signals = {each: described[each] for each in self.channels}
+        self._signals = {each: addresses.signals[each] for each in self.channels}
         self._expression: Expression | None = None
         if alarm.kind is AlarmKind.EXPRESSION:
-            self._expression = parse(alarm.expression, kinds_of(site))
+            self._expression = parse(alarm.expression, addresses.kinds)
 
     @property
     def aged(self) -> bool:

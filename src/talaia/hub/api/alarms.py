@@ -35,7 +35,7 @@ from talaia.hub.api.problems import ApiProblem
 from talaia.hub.auth.permissions import ANY, Right, sees_device
 from talaia.hub.store.alarms import Made
 from talaia.model.alarm import Alarm, AlarmKind
-from talaia.model.check_alarms import alarm_findings
+from talaia.model.check_alarms import Addresses, alarm_findings
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -153,7 +153,7 @@ class AlarmPages:
         if known is None and sum(each.made for each in self._alarms.of(site)) >= _MOST_MADE:
             raise ApiProblem(409, "too_many", f"a site has at most {_MOST_MADE} alarms made here")
         definition = _alarm(asked)
-        finding = next(iter(alarm_findings(live.description, "$", definition)), None)
+        finding = next(iter(alarm_findings(Addresses(live.description), "$", definition)), None)
         if finding is not None:
             raise ApiProblem(422, "invalid", str(finding).removeprefix("$."))
         text = msgspec.json.encode(definition).decode()
@@ -173,7 +173,7 @@ class AlarmPages:
 
     async def preview(self, site: str, asked: PreviewAsk, request: Request) -> PreviewShape:
         """Try an alarm on what has been."""
-        described, alarm = live_of(request).description, _alarm(asked.definition)
+        described, alarm = Addresses(live_of(request).description), _alarm(asked.definition)
         finding = next(iter(alarm_findings(described, "$", alarm)), None)
         if finding is not None:
             where = finding.where.removeprefix("$").removeprefix(".")

@@ -41,7 +41,7 @@ from talaia.hub.live.conflate import conflate, pick
 from talaia.hub.store.alarms import Change, Made
 from talaia.hub.store.notices import About
 from talaia.model.alarm import Alarm, AlarmKind
-from talaia.model.check_alarms import alarm_findings, signals_of
+from talaia.model.check_alarms import Addresses, alarm_findings, signals_of
 from talaia.wire import browser as page
 from talaia.wire.frames import RecordAsk
 
@@ -63,7 +63,8 @@ __all__ = ["Alarms", "LiveAlarm", "device_of"]
 
 _LOG = logging.getLogger(__name__)
 # Conditions are looked at so often at least: values age, delays end (s).
-_TICK_S = 0.25
+_TICK_S = 0.5
+_TICK_NS = round(_TICK_S * SECOND)
 _RETRY_S = 1.0
 # A batch with more samples of what is watched is made fewer, its extremes kept.
 _MOST_AT_ONCE = 256
@@ -108,7 +109,6 @@ class _Site:
 
     def __init__(self) -> None:
         self.alarms: dict[str, LiveAlarm] = {}
-        self.description: Site | None = None
         # For each channel of the wire's list, whether anybody looks at it, and who does.
         self.watched: NDArray[np.bool_] = np.zeros(0, bool)
         self.lookers: dict[int, list[LiveAlarm]] = {}
@@ -143,6 +143,7 @@ class Alarms:
         self._queue: deque[_Ask] = deque()
         self._news = asyncio.Event()
         self._stopping = False
+        self._looked_ns = clock.monotonic_ns()
         self._wake_delivery: Callable[[], None] = lambda: None
 
     def on_notice(self, wake: Callable[[], None]) -> None:
@@ -164,9 +165,11 @@ class Alarms:
         """Take a site's description, new or the same; alarms that stay keep their state."""
         known = self._of.setdefault(live.name, _Site())
         before, known.alarms = known.alarms, {}
-        known.description = live.description
+        addresses = Addresses(live.description)
         for name, alarm, made in self._definitions(live.description):
-            known.alarms[name] = self._live(live, name, alarm, before.get(name), made=made)
+            known.alarms[name] = self._live(
+                live, addresses, name, alarm, before.get(name), made=made
+            )
         self._index(live, known)
         for name, gone in before.items():
             if name not in known.alarms:
@@ -202,7 +205,14 @@ class Alarms:
                 _LOG.exception("the alarm %s of %s cannot be read", name, site.site)
 
     def _live(
-        self, live: LiveSite, name: str, alarm: Alarm, before: LiveAlarm | None, *, made: bool
+        self,
+        live: LiveSite,
+        addresses: Addresses,
+        name: str,
+        alarm: Alarm,
+        before: LiveAlarm | None,
+        *,
+        made: bool,
     ) -> LiveAlarm:
         site = live.description
         state = before.state if before else self._states.get((live.name, name), State())
@@ -211,15 +221,15 @@ class Alarms:
             if ask.live is before and before is not None:
                 with contextlib.suppress(NotNow):
                     state = step(state, ask.event)[0]
-        finding = next(iter(alarm_findings(site, "$", alarm)), None)
+        finding = next(iter(alarm_findings(addresses, "$", alarm)), None)
         about = About(
-            live.name, name, device_of(site, alarm), alarm.severity, alarm.name, site.name,
+            live.name, name, device_of(addresses, alarm), alarm.severity, alarm.name, site.name,
             alarm.advice,
         )  # fmt: skip
         same = before is not None and before.alarm == alarm and before.condition is not None
         if before is not None and same and finding is None:
             before.about, before.made = about, made
-            before.condition = Condition(site, alarm)
+            before.condition = Condition(addresses, alarm)
             return before
         return LiveAlarm(
             about,
@@ -227,7 +237,7 @@ class Alarms:
             made,
             state,
             Watch(alarm, on=state.on),
-            None if finding else Condition(site, alarm),
+            None if finding else Condition(addresses, alarm),
             str(finding).removeprefix("$.") if finding else "",
             before.undelivered if before else "",
         )
@@ -344,7 +354,7 @@ class Alarms:
             for address in condition.channels
             if (found := known.values.get(address)) is not None
             for value, text, arrived in (found,)
-            if address.partition("/")[0] not in live.unreached
+            if not live.unreached or address.partition("/")[0] not in live.unreached
         }
         seen: tuple[Seen, ...] = ()
         if condition.happening is not None:
@@ -383,13 +393,12 @@ class Alarms:
         """Look, write down and tell, until `stop`; what is decided by then is written first."""
         failing = False
         while not self._stopping or self._queue:
-            try:
+            with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(_TICK_S):
                     await self._news.wait()
-            except TimeoutError:
-                self.look()
             self._news.clear()
             try:
+                self._look_again()
                 await self.settle()
             except StoreDown:
                 if not failing:
@@ -399,8 +408,21 @@ class Alarms:
                     return
                 await asyncio.sleep(_RETRY_S)
                 self._news.set()
+            except Exception:  # noqa: BLE001 - logged, and tried again
+                # Alarms that end without a word would be the worst of all.
+                _LOG.exception("what happens to alarms cannot be dealt with; it is tried again")
+                if self._stopping:
+                    return
+                await asyncio.sleep(_RETRY_S)
+                self._news.set()
             else:
                 failing = False
+
+    def _look_again(self) -> None:
+        now = self._clock.monotonic_ns()
+        if now - self._looked_ns >= _TICK_NS:
+            self._looked_ns = now
+            self.look()
 
     def stop(self) -> None:
         """Let `run` end."""
@@ -506,9 +528,9 @@ class Alarms:
         return self._clock.wall_ns() // 1000
 
 
-def device_of(site: Site, alarm: Alarm) -> str:
+def device_of(addresses: Addresses, alarm: Alarm) -> str:
     """Name the one device that an alarm is about; empty when it is about more: the whole site."""
-    devices = {address.partition("/")[0] for address in signals_of(site, alarm)}
+    devices = {address.partition("/")[0] for address in signals_of(addresses, alarm)}
     if alarm.stream:
         devices = {alarm.stream.partition("/")[0]}
     return next(iter(devices)) if len(devices) == 1 else ""

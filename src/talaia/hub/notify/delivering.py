@@ -122,6 +122,9 @@ class Delivering:
         except StoreDown:
             # It stays as being sent: the next start finds it so, and says so.
             _LOG.exception("what became of a message about an alarm cannot be written down")
+        except Exception:  # noqa: BLE001 - logged; see below
+            # One message must not end the others; it too is found as being sent.
+            _LOG.exception("a message about an alarm could not be dealt with")
         finally:
             self._turns.release()
             self._news.set()
