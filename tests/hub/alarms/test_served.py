@@ -65,7 +65,7 @@ async def test_an_alarm_is_raised_told_acknowledged_and_cleared(hub, watched):
     seen = await page.hear(AlarmNews, lambda news: news.phase == "acknowledged")
     assert seen.acked_by == "operator"
     await watched.samples(("power/voltage", now_us(), 12.0))
-    await page.hear(AlarmNews, lambda news: news.phase == "normal")
+    await page.hear(AlarmNews, lambda news: news.phase == "normal" and news.cleared_us)
     past = (await client.get("/api/sites/agv/alarms/low/history")).json()["past"]
     assert [each["what"] for each in past] == ["cleared", "acknowledged", "raised"]
     events = (await client.get("/api/sites/agv/events", params={"kind": "alarm"})).json()
