@@ -11,16 +11,18 @@ import json
 import sys
 import types
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
 
 import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
 from talaia.hub.api import (
+    alarm_shapes,
     archive_shapes,
     description_shapes,
     history_shapes,
+    notify_shapes,
     observatory_shapes,
     people_shapes,
     recording_shapes,
@@ -50,6 +52,8 @@ SHAPES = (
     archive_shapes,
     description_shapes,
     observatory_shapes,
+    alarm_shapes,
+    notify_shapes,
 )
 # Texts of the API that come from a closed list.
 CLOSED = {
@@ -207,6 +211,9 @@ def api_type(hint: object, words: list[str] | None) -> str:
     """
     if hint is str and words:
         return " | ".join(json.dumps(word) for word in words)
+    if get_origin(hint) is Annotated:
+        # What stands beside the type says which values fit, not what they are.
+        return api_type(get_args(hint)[0], words)
     if get_origin(hint) is Literal:
         return " | ".join(json.dumps(word) for word in get_args(hint))
     if isinstance(hint, type) and hint in SIMPLE:

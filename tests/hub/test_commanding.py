@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from talaia.hub.store.audit import Audit
+from talaia.hub.store.audit import Audit, Filter
 from talaia.wire import browser as page_wire, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
@@ -267,7 +267,7 @@ async def test_what_was_done_is_written_down_in_an_unbroken_chain(hub, gateway) 
     await gateway.hear(frames.StopAsk)
     audit: Audit = hub.hub._audit
     await audit.written()
-    kinds = {entry.kind for entry in await audit.recent("agv", 100)}
+    kinds = {row.entry.kind for row in (await audit.find(Filter(site="agv"), 100))[0]}
     assert {"gateway connected", "lease taken", "stop pressed"} <= kinds
     assert (await audit.verify()).broken == 0
 

@@ -314,7 +314,11 @@ async def test_notes_are_written_in_order_and_chained(database) -> None:
     await written(Audit(database, SystemClock()), "a", "b", "c")
     await written(Audit(database, SystemClock()), "d")
     audit = Audit(database, SystemClock())
-    assert [entry.kind for entry in await audit.recent("agv", 3)] == ["d", "c", "b"]
+    assert [row.entry.kind for row in (await audit.find(Filter(site="agv"), 3))[0]] == [
+        "d",
+        "c",
+        "b",
+    ]
     assert await audit.verify() == (4, 0)
 
 

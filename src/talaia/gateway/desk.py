@@ -263,6 +263,8 @@ class FrontDesk:
         if self._recorder is None:
             why = "the description says nothing of recording"
             self._voice.tell("recording_refused", why, who=asked.who)
+        elif asked.alarm:
+            self._recorder.trigger(Trigger.ALARM, asked.why, asked.who)
         elif asked.on:
             self._recorder.begin(asked.who, asked.why)
         else:

@@ -13,6 +13,7 @@ from fastapi import Depends, FastAPI
 from talaia.hub.api.access import Access
 from talaia.hub.api.account_parts import AccountParts
 from talaia.hub.api.accounts import Accounts
+from talaia.hub.api.alarms import AlarmPages
 from talaia.hub.api.anomalies import AnomalyPages
 from talaia.hub.api.archive import ArchivePages
 from talaia.hub.api.audit import AuditPages
@@ -20,6 +21,7 @@ from talaia.hub.api.descriptions import DescriptionPages
 from talaia.hub.api.gateways import GatewayPages, Proof
 from talaia.hub.api.history import HistoryPages
 from talaia.hub.api.limits import Limits
+from talaia.hub.api.notify import NotifyPages
 from talaia.hub.api.openapi import ApiDescription
 from talaia.hub.api.own import OwnPages
 from talaia.hub.api.pages import Pages
@@ -44,6 +46,7 @@ from talaia.hub.history.limits import Limits as HistoryLimits
 from talaia.hub.history.parcel import FOLDER as IMPORTS
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.live.admission import Admission
+from talaia.hub.live.alarms import Alarms
 from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.changes import Changes
 from talaia.hub.live.commanding import Commanding
@@ -61,6 +64,9 @@ from talaia.hub.live.sites import Sites
 from talaia.hub.live.told import told_by
 from talaia.hub.live.uploads import Refused, Uploads
 from talaia.hub.live.watching import Watching
+from talaia.hub.notify.delivering import Delivering
+from talaia.hub.notify.sending import Sender
+from talaia.hub.store.alarms import AlarmStore
 from talaia.hub.store.audit import Audit
 from talaia.hub.store.browsers import KnownBrowsers
 from talaia.hub.store.database import Database
@@ -68,6 +74,8 @@ from talaia.hub.store.descriptions import Descriptions
 from talaia.hub.store.enrolment import Enrolment
 from talaia.hub.store.factors import Factors
 from talaia.hub.store.learned import Learned
+from talaia.hub.store.notices import Notices
+from talaia.hub.store.notify import NotifyStore
 from talaia.hub.store.people import People
 from talaia.hub.store.recordings import RecordingList
 from talaia.hub.store.register import Register
@@ -105,6 +113,7 @@ class Hub:
     Attributes:
         browsers: the pages that are connected now.
         fanout: who of them gets which live values.
+        alarms: every alarm of every site; it is the `DetectorNews` that detectors speak to.
         setup_token: opens the set-up page; set after the start when there are no people yet.
 
     """
@@ -146,6 +155,15 @@ class Hub:
         )
         self._watching = Watching(self._sites, self._history, Learned(self._database, clock), clock)
         self._inbox = Inbox(self._history, settings.data / IMPORTS, self._on_imported)
+        notices = Notices(self._database)
+        self._alarm_store = AlarmStore(self._database)
+        self.alarms = Alarms(self._sites, self.browsers, self._alarm_store, notices, clock)
+        self._notify_store = NotifyStore(self._database, self._seal)
+        self._sender = Sender(settings.notify_networks)
+        self._delivering = Delivering(
+            notices, self._notify_store, self._sender, clock, self.alarms.refresh_troubles
+        )
+        self.alarms.on_notice(self._delivering.wake)
         self._tasks: list[asyncio.Task[None]] = []
         self.app = self._application()
         self.asgi: ASGIApp = Shield(self.app, settings)
@@ -163,11 +181,16 @@ class Hub:
         await self._tries.bring_back()
         await self._history.open()
         await self._remember_sites()
+        # First what became of messages: the alarms show it.
+        await self._delivering.recover()
+        await self.alarms.open()
         await self._recordings.open()
         self.setup_token = await self._people.offer_setup(self.settings.setup_s)
         self._tasks = [
             asyncio.create_task(self._audit.run()),
             asyncio.create_task(self._registry.attendance.run()),
+            asyncio.create_task(self.alarms.run()),
+            asyncio.create_task(self._delivering.run()),
             asyncio.create_task(self._seats.watch(self.settings.check_s)),
             asyncio.create_task(self._links.watch(self.settings.check_s)),
             asyncio.create_task(self._inbox.run()),
@@ -179,13 +202,14 @@ class Hub:
         """Let go of everything; what was noted is written first."""
         self._media.close()
         if self._tasks:
-            auditing, attending, *watching = self._tasks
+            auditing, attending, alarming, *watching = self._tasks
             for task in watching:
                 task.cancel()
             self._audit.note("hub stopped")
+            self.alarms.stop()
             self._audit.stop()
             self._registry.attendance.stop()
-            await asyncio.gather(auditing, attending, *watching, return_exceptions=True)
+            await asyncio.gather(auditing, attending, alarming, *watching, return_exceptions=True)
             await self._watching.close()
         await self._history.close()
         await self._database.close()
@@ -222,6 +246,15 @@ class Hub:
             SkyPages(),
             RecordingPages(self._recordings, self._audit),
             DescriptionPages(self._descriptions, self._changes, self._audit),
+            AlarmPages(
+                self.alarms,
+                self._alarm_store,
+                self._people,
+                self._history,
+                self._audit,
+                self._clock,
+            ),
+            NotifyPages(self._notify_store, self._sender, self._audit, self._clock),
             self._gateway_pages(),
             AuditPages(self._audit),
             ApiDescription(lambda: app),
@@ -291,12 +324,14 @@ class Hub:
     def _sockets(self, access: Access, limits: Limits) -> Sockets:
         browsers = self.browsers
         commanding = Commanding(self._sites, self._audit)
-        reporting = Reporting(self._sites, browsers, self._audit, self._clock)
+        reporting = Reporting(self._sites, browsers, self.alarms, self._audit, self._clock)
         self._watching.listen(reporting)
+        self._watching.listen(self.alarms)
         describing = Describing(
             self._sites,
             browsers,
             self.fanout,
+            self.alarms,
             reporting,
             self._media,
             self._history,
@@ -309,6 +344,7 @@ class Hub:
             browsers,
             self.fanout,
             reporting,
+            self.alarms,
             self._media,
             self._history,
             self._registry,
@@ -366,6 +402,7 @@ class Hub:
             await self._registry.said_hello(head.site, head.description, "", "")
             live = self._sites.describe(description, "")
             live.why = "only recordings of it were imported"
+            self.alarms.described(live)
         message = f"{head.file}: {how.stored} samples, {how.there} were there already"
         self._audit.note("history imported", who="command line", message=message, site=head.site)
 

@@ -118,6 +118,28 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("POST", "/api/sites/{site}/descriptions/edit"): Need.ADMIN,
     ("POST", "/api/sites/{site}/descriptions/{number}/restore"): Need.ADMIN,
     ("GET", "/api/description-schema"): Need.SESSION,
+    # Each alarm's device is looked at besides; what may not be seen is as if it were not there.
+    ("GET", "/api/sites/{site}/alarms"): Need.SEE,
+    ("GET", "/api/sites/{site}/alarms/{alarm}/history"): Need.SEE,
+    ("POST", "/api/sites/{site}/alarms/{alarm}/act"): Need.SEE,
+    # Of the whole site: an alarm may look at any of its signals.
+    ("POST", "/api/sites/{site}/alarm-preview"): Need.ADMIN,
+    ("PUT", "/api/sites/{site}/alarms/{alarm}"): Need.ADMIN,
+    ("DELETE", "/api/sites/{site}/alarms/{alarm}"): Need.ADMIN,
+    # Names and kinds only: a person chooses among them. What they are set to is an admin's matter.
+    ("GET", "/api/me/ways"): Need.OWN,
+    ("GET", "/api/me/rules"): Need.OWN,
+    ("POST", "/api/me/rules"): Need.OWN,
+    ("DELETE", "/api/me/rules/{rule}"): Need.OWN,
+    ("POST", "/api/me/rules/{rule}/test"): Need.OWN,
+    ("GET", "/api/me/push"): Need.OWN,
+    ("POST", "/api/me/push"): Need.OWN,
+    ("DELETE", "/api/me/push/{browser}"): Need.OWN,
+    ("GET", "/api/ways"): Need.ADMIN,
+    ("POST", "/api/ways"): Need.ADMIN,
+    ("PUT", "/api/ways/{way}"): Need.ADMIN,
+    ("DELETE", "/api/ways/{way}"): Need.ADMIN,
+    ("POST", "/api/ways/{way}/test"): Need.ADMIN,
     ("GET", "/api/gateways"): Need.ADMIN,
     ("POST", "/api/gateways/codes"): Need.ADMIN,
     ("DELETE", "/api/gateways/codes/{code}"): Need.ADMIN,
@@ -175,6 +197,8 @@ TO_BROWSER: Mapping[type[Message], Need] = {
     # Whoever sees a site knows why nothing moves there; names only the devices they may see.
     browser.InterlockNews: Need.SEE,
     browser.DeviceNews: Need.VIEW,
+    # Of the whole site where an alarm is about more than one device.
+    browser.AlarmNews: Need.VIEW,
     browser.EventNews: Need.VIEW,
     browser.Pong: Need.SESSION,
     browser.Problem: Need.SESSION,

@@ -175,6 +175,14 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         " X-Forwarded headers are believed, and nobody else's; may repeat",
     )
     parser.add_argument(
+        "--notify-network",
+        action="append",
+        default=[],
+        metavar="NETWORK",
+        help="messages about alarms may go to servers in this network besides public addresses;"
+        " may repeat",
+    )
+    parser.add_argument(
         "--history-gb", type=float, default=0.0,
         help="the history's blocks may take so many GB; then the oldest go (no limit)",
     )  # fmt: skip
@@ -199,18 +207,19 @@ def _settings(options: argparse.Namespace) -> Settings:
         cert=options.tls_cert,
         key=options.tls_key,
         hosts=tuple(options.allow_host),
-        proxies=_networks(options.proxy),
+        proxies=_networks("--proxy", options.proxy),
+        notify_networks=_networks("--notify-network", options.notify_network),
         database_url=Settings.url_from(os.environ),
         history_bytes=max(0, round(options.history_gb * 1e9)),
         recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
     )
 
 
-def _networks(texts: Sequence[str]) -> tuple[Network, ...]:
+def _networks(option: str, texts: Sequence[str]) -> tuple[Network, ...]:
     try:
         return tuple(ipaddress.ip_network(text) for text in texts)
     except ValueError as error:
-        raise CannotStart(f"--proxy: {error}", "write it like 10.0.0.5 or 10.0.0.0/24") from error
+        raise CannotStart(f"{option}: {error}", "write it like 10.0.0.5 or 10.0.0.0/24") from error
 
 
 async def _serve(settings: Settings) -> None:

@@ -31,6 +31,7 @@ class Settings:
         hosts: names besides localhost and ``host`` under which the hub is reached.
         proxies: reverse proxies that end TLS before this hub; their headers are believed.
         database_url: like ``postgresql://user@host/name``; empty takes SQLite in ``data``.
+        notify_networks: messages about alarms may go to these besides public addresses.
         history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
         file_bytes: a file that a gateway sends may be so large (bytes).
         recordings_bytes: recordings may take so many bytes; then the oldest go. 0: no limit.
@@ -57,6 +58,7 @@ class Settings:
     hosts: tuple[str, ...] = ()
     proxies: tuple[Network, ...] = ()
     database_url: str = ""
+    notify_networks: tuple[Network, ...] = ()
     history_bytes: int = 0
     file_bytes: int = 4 * 1024**3
     recordings_bytes: int = 20_000_000_000

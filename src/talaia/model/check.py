@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from zoneinfo import available_timezones
 
 from talaia.model.change import former_findings
+from talaia.model.check_alarms import alarms_findings
 from talaia.model.check_anomalies import anomaly_findings
 from talaia.model.check_connections import (
     command_fits,
@@ -87,6 +88,7 @@ def _site(site: Site) -> Iterator[Finding]:
     yield from interlock_findings(site)
     yield from enclosure_findings(site)
     yield from former_findings(site)
+    yield from alarms_findings(site)
     if site.recording is not None:
         yield from _recording(site, site.recording)
 

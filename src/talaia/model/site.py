@@ -14,6 +14,8 @@ from enum import StrEnum
 
 import msgspec
 
+from talaia.model.alarm import Alarm  # noqa: TC001 - msgspec reads it
+
 # These stand beside: what they need of a site is its addresses only.
 from talaia.model.anomaly import Watch  # noqa: TC001 - msgspec reads it
 from talaia.model.connection import Connection, Ros1Connection, Ros2Connection, Ros2Settings
@@ -375,6 +377,7 @@ class Site(Shape, frozen=True, kw_only=True):
         recording: raw topics that are recorded; nothing is where it is left out.
         enclosures: by name; see `Enclosure`.
         services: what the hub works out from the site's data; see `AiServices`.
+        alarms: by name; see `Alarm`.
 
     """
 
@@ -390,6 +393,7 @@ class Site(Shape, frozen=True, kw_only=True):
     place: Place | None = None
     enclosures: dict[str, Enclosure] = {}
     services: AiServices | None = None
+    alarms: dict[str, Alarm] = {}
 
     def links(self) -> dict[str, Connection]:
         """Give every connection by name, ``ros2: {}`` among them."""

@@ -39,6 +39,7 @@ __all__ = [
     "MEDIA_FROM_BROWSER",
     "MEDIA_TO_BROWSER",
     "TO_BROWSER",
+    "AlarmNews",
     "Cancel",
     "Command",
     "CommandNews",
@@ -375,6 +376,48 @@ class DeviceNews(Message, frozen=True, kw_only=True, tag="device_news"):
     since_us: Micros = 0
 
 
+class AlarmNews(Message, frozen=True, kw_only=True, tag="alarm"):
+    """How an alarm stands; told to a page that comes, and whenever it changes.
+
+    Attributes:
+        device: the one device it is about; empty: more than one, or the whole site.
+        phase: ``normal``, ``active``, ``acknowledged`` or ``cleared`` (over and not acknowledged).
+        why: what raised it.
+        known: whether it can be judged now; a normal one that cannot be is not well.
+        raised_us: when it was raised last, and likewise; 0: not yet, or not since it was raised.
+        shelved_until_us: it is put aside until then; 0: it is not.
+        undelivered: why a message of it did not reach somebody, or may not have.
+        signals: channels that it looks at.
+        made: made in the page; the description's own are changed there.
+        gone: there is no such alarm any more.
+
+    """
+
+    site: Word
+    alarm: Word
+    device: Word = ""
+    name: Word
+    kind: Word
+    severity: Word
+    phase: Word
+    why: Sentence = ""
+    known: bool = True
+    unknown_why: Sentence = ""
+    raised_us: Micros = 0
+    cleared_us: Micros = 0
+    acked_us: Micros = 0
+    acked_by: Word = ""
+    assigned: Word = ""
+    shelved_until_us: Micros = 0
+    shelved_by: Word = ""
+    shelved_why: Sentence = ""
+    undelivered: Sentence = ""
+    advice: Sentence = ""
+    signals: Annotated[list[Word], Meta(max_length=1000)] = []
+    made: bool = False
+    gone: bool = False
+
+
 class EventNews(Message, frozen=True, kw_only=True, tag="event"):
     """Something happened at a site that people should know of."""
 
@@ -473,6 +516,7 @@ ToBrowser = (
     | CommandNews
     | InterlockNews
     | DeviceNews
+    | AlarmNews
     | EventNews
     | Pong
     | Problem

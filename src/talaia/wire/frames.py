@@ -654,11 +654,18 @@ class Reconnect(Message, frozen=True, kw_only=True, tag="reconnect"):
 
 
 class RecordAsk(Message, frozen=True, kw_only=True, tag="record"):
-    """Begin or end a recording of raw topics. The hub has seen to the right."""
+    """Begin or end a recording of raw topics. The hub has seen to the right.
+
+    Attributes:
+        alarm: an alarm begins it, not a person: it goes on as long as one that began by itself,
+            if the description wants that.
+
+    """
 
     on: bool
     who: Name
     why: Sentence = ""
+    alarm: bool = False
 
 
 class FileHave(Message, frozen=True, kw_only=True, tag="file_have"):

@@ -203,6 +203,99 @@ async def _no_recording(world: World, client: httpx.AsyncClient, about: str) -> 
     return (await _recording(world, client, about))._replace(done=(204,))
 
 
+ALARMED = ("agv/base", "agv/power", "moon/rover")
+ALARM = {"name": "Made", "kind": "stale", "severity": "info"}
+
+
+def _of_alarm(level: str, **ask: object) -> Recipe:
+    """Ask about the alarm of a device, which alone decides who may do what with it."""
+
+    async def make(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+        site, _, device = about.partition("/")
+        return Ask({"site": site, "alarm": f"odd_{device}"}, **ask)
+
+    return Recipe(make, ALARMED, lambda actor, about: holds(actor, level, about))
+
+
+def _definition(site: str) -> dict[str, str]:
+    return {**ALARM, "signal": {"agv": "base/open", "moon": "rover/open"}[site]}
+
+
+async def _define(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    name = f"made_{next(_NUMBERS)}"
+    return Ask({"site": about, "alarm": name}, json=_definition(about), done=(204,))
+
+
+async def _undefine(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    ask = await _define(world, client, about)
+    path = f"/api/sites/{about}/alarms/{ask.params['alarm']}"
+    made = await (await world.admin()).put(path, json=ask.json)
+    assert made.status_code == 204, made.text
+    return Ask(ask.params, done=(204,))
+
+
+async def _preview(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    return Ask({"site": about}, json={"definition": _definition(about)})
+
+
+def _way_of(number: int) -> dict[str, object]:
+    # Nothing answers there, and the hub may not speak to it anyway.
+    url = {"url": "http://127.0.0.1:9/"}
+    return {"name": f"way {number}", "kind": "webhook", "secrets": url}
+
+
+async def _way(world: World, _client: httpx.AsyncClient, _about: str) -> str:
+    way = _way_of(next(_NUMBERS))
+    made = await (await world.admin()).post("/api/ways", json=way)
+    return made.json()["id"]
+
+
+async def _add_way(_world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    return Ask(json=_way_of(next(_NUMBERS)), done=(201,))
+
+
+def _of_way(**ask: object) -> Recipe:
+    """Ask about a way that has just been set up."""
+
+    async def make(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+        return Ask({"way": await _way(world, client, about)}, **ask)
+
+    return Recipe(make)
+
+
+async def _add_rule(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    return Ask(json={"site": "*", "way": await _way(world, client, about)}, done=(201,))
+
+
+def _tested(actor: str, about: str) -> bool:
+    # A guest may view nothing, so there is nothing to be told.
+    return _own(actor, about) and actor != "guest"
+
+
+def _of_rule(mine: Callable[[str, str], bool], **ask: object) -> Recipe:
+    async def make(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+        added = await _add_rule(world, client, about)
+        whose = client if about == "own" else await world.admin()
+        made = await whose.post("/api/me/rules", json=added.json)
+        return Ask({"rule": made.json().get("id", "0")}, **ask)
+
+    return Recipe(make, OWN_AND_FOREIGN, lambda *who: mine(*who) or _is_admin(*who))
+
+
+def _is_admin(actor: str, about: str) -> bool:
+    # The foreign rule is the admin's.
+    return actor == "admin" and about == "foreign"
+
+
+async def _browser(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    endpoint = f"https://push.example/{next(_NUMBERS)}"
+    asked = {"endpoint": endpoint, "p256dh": "AA", "auth": "AA"}
+    whose = client if about == "own" else await world.admin()
+    await whose.post("/api/me/push", json=asked)
+    listed = (await whose.get("/api/me/push")).json().get("browsers", [])
+    return Ask({"browser": listed[-1]["id"] if listed else "0"}, done=(204,))
+
+
 RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/health"): Recipe(plain()),
     ("POST", "/api/login"): Recipe(plain(json={"name": "guest", "password": PASSWORD})),
@@ -277,6 +370,33 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("DELETE", "/api/roles/{role}"): _of_role(done=(204,)),
     ("GET", "/api/openapi.json"): Recipe(plain()),
     ("GET", "/api/devices"): Recipe(plain()),
+    ("GET", "/api/sites/{site}/alarms"): of_site(),
+    ("GET", "/api/sites/{site}/alarms/{alarm}/history"): _of_alarm("view"),
+    ("POST", "/api/sites/{site}/alarms/{alarm}/act"): _of_alarm(
+        "use", json={"act": "comment", "text": "seen"}, done=(204,)
+    ),
+    ("POST", "/api/sites/{site}/alarm-preview"): Recipe(_preview, SITES),
+    ("PUT", "/api/sites/{site}/alarms/{alarm}"): Recipe(_define, SITES),
+    ("DELETE", "/api/sites/{site}/alarms/{alarm}"): Recipe(_undefine, SITES),
+    ("GET", "/api/me/ways"): Recipe(plain()),
+    ("GET", "/api/me/rules"): Recipe(plain()),
+    ("POST", "/api/me/rules"): Recipe(_add_rule),
+    ("DELETE", "/api/me/rules/{rule}"): _of_rule(_own, done=(204,)),
+    ("POST", "/api/me/rules/{rule}/test"): _of_rule(_tested),
+    ("GET", "/api/me/push"): Recipe(plain()),
+    ("POST", "/api/me/push"): Recipe(
+        plain(
+            json={"endpoint": "https://push.example/1", "p256dh": "AA", "auth": "AA"}, done=(204,)
+        )
+    ),
+    ("DELETE", "/api/me/push/{browser}"): Recipe(
+        _browser, OWN_AND_FOREIGN, lambda *who: _own(*who) or _is_admin(*who)
+    ),
+    ("GET", "/api/ways"): Recipe(plain()),
+    ("POST", "/api/ways"): Recipe(_add_way),
+    ("PUT", "/api/ways/{way}"): _of_way(json=_way_of(0), done=(204,)),
+    ("DELETE", "/api/ways/{way}"): _of_way(done=(204,)),
+    ("POST", "/api/ways/{way}/test"): _of_way(),
     ("GET", "/api/gateways"): Recipe(plain()),
     ("POST", "/api/gateways/codes"): Recipe(plain(json={"site": "farm"})),
     ("DELETE", "/api/gateways/codes/{code}"): Recipe(_code),

@@ -126,6 +126,7 @@ async def everything(world: World, listeners: list[Listener]) -> None:
         await _event(world, about)
         await _interlock(world, acting, about)
         await _reach(world, acting, about)
+        await _alarm(world, acting, about)
         await settle(listeners)
     await acting.say(browser.Ping(n=1, at_ms=0.0))
     await acting.hear(browser.Pong)
@@ -240,6 +241,15 @@ async def _reach(world: World, acting, about: str) -> None:
     await acting.hear(browser.DeviceNews, lambda news: news.why == hidden(about))
     await gateway.say(frames.DeviceState(device=device, reached=True))
     await acting.hear(browser.DeviceNews, lambda news: news.device == device and news.reached)
+
+
+async def _alarm(_world: World, acting, about: str) -> None:
+    """Hear of the alarm that the device's words have raised."""
+    site, _, device = about.partition("/")
+    await acting.hear(
+        browser.AlarmNews,
+        lambda news: (news.site, news.device, news.phase) == (site, device, "active"),
+    )
 
 
 async def _event(world: World, about: str) -> None:

@@ -7,6 +7,7 @@ import sqlalchemy as sa
 import websockets
 
 from talaia.clock import SECOND, HandClock
+from talaia.hub.store.audit import Filter
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import CommandAsk, LeaseAsk, LeaseOp, LeaseState, StopAsk
 
@@ -109,7 +110,8 @@ async def test_what_was_noted_meanwhile_is_written_down_later(hub, gateway) -> N
         await page.say(page_wire.Stop(site="agv", device="base", id="s1"))
         await gateway.hear(StopAsk)
     await hub.hub._audit.written()
-    kinds = [entry.kind for entry in await hub.hub._audit.recent("agv", 50)]
+    found, _ = await hub.hub._audit.find(Filter(site="agv"), 50)
+    kinds = [row.entry.kind for row in found]
     assert "stop pressed" in kinds
     assert (await hub.hub._audit.verify()).broken == 0
 

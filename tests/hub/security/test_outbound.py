@@ -34,6 +34,7 @@ BROADCAST = {
     browser.StopNews,
     browser.CommandNews,
     browser.DeviceNews,
+    browser.AlarmNews,
     browser.EventNews,
     browser.InterlockNews,
 }

@@ -20,6 +20,7 @@ CODE = {"eval", "exec", "compile", "__import__"}
 MODULES_OF_CODE = {"pickle", "marshal", "shelve", "dill", "jinja2", "mako"}
 # What speaks to addresses that somebody else chose.
 CLIENTS = {"httpx", "requests", "aiohttp", "urllib.request", "urllib3", "http.client", "ftplib"}
+CLIENTS |= {"smtplib", "apprise", "pywebpush"}
 # Names of our own tables and pragmas, written in the very file: no word of anybody else's.
 OUR_WORDS = {
     "hub/store/sqlite.py",
@@ -118,7 +119,10 @@ def test_no_shell_is_ever_asked() -> None:
 
 def test_the_hub_calls_no_address_that_it_is_given() -> None:
     wrong = [path for path in trees() if path.is_relative_to(SOURCE / "hub")]
-    assert [str(path) for path in wrong if imports(path) & CLIENTS] == []
+    # But for the process that sends one message: whatever asks there, `socket.getaddrinfo` itself
+    # gives it no address that messages may not go to; see `tests/hub/alarms/test_ways.py`.
+    child = SOURCE / "hub" / "notify" / "child.py"
+    assert [path for path in wrong if imports(path) & CLIENTS] == [child]
 
 
 def test_yaml_is_read_by_the_safe_loader_only() -> None:

@@ -50,11 +50,17 @@ def _site(site: str, **devices: str) -> str:
         for device, visibility in devices.items()
     )
     first = next(iter(devices))
+    alarms = "".join(
+        f"  odd_{device}: {{name: Odd, kind: state, signal: {device}/words, max_age: 9999,"
+        f" is: [hidden-{site}-{device}], advice: hidden-{site}-{device}}}\n"
+        for device in devices
+    )
     lock = f"{{name: Lock, when: [{{signal: {first}/shut, above: 5}}], refuse: [{first}/turn]"
     return (
         f"talaia: 1\nsite: {site}\nname: {site.title()}\nros2: {{}}\ndevices:{written}"
         f"interlocks:\n  lock: {lock}, longest_override: 60}}\n"
         "recording: {}\n"
+        f"alarms:\n{alarms}"
     )
 
 

@@ -248,6 +248,34 @@ export interface DeviceNews {
   readonly since_us: number;
 }
 
+/** How an alarm stands; told to a page that comes, and whenever it changes. */
+export interface AlarmNews {
+  readonly t: "alarm";
+  readonly site: string;
+  readonly alarm: string;
+  readonly device: string;
+  readonly name: string;
+  readonly kind: string;
+  readonly severity: string;
+  readonly phase: string;
+  readonly why: string;
+  readonly known: boolean;
+  readonly unknown_why: string;
+  readonly raised_us: number;
+  readonly cleared_us: number;
+  readonly acked_us: number;
+  readonly acked_by: string;
+  readonly assigned: string;
+  readonly shelved_until_us: number;
+  readonly shelved_by: string;
+  readonly shelved_why: string;
+  readonly undelivered: string;
+  readonly advice: string;
+  readonly signals: readonly string[];
+  readonly made: boolean;
+  readonly gone: boolean;
+}
+
 /** Something happened at a site that people should know of. */
 export interface EventNews {
   readonly t: "event";
@@ -333,6 +361,7 @@ export type ToBrowser =
   | CommandNews
   | InterlockNews
   | DeviceNews
+  | AlarmNews
   | EventNews
   | Pong
   | Problem
@@ -361,6 +390,7 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
   "command_news",
   "interlock_news",
   "device_news",
+  "alarm",
   "event",
   "pong",
   "problem",
@@ -399,6 +429,7 @@ export const DEFAULTS = {
   command_news: { message: "", progress: 0.0, who: "" },
   interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0 },
   device_news: { why: "", since_us: 0 },
+  alarm: { device: "", why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "", shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], made: false, gone: false },
   event: { device: "", message: "", who: "", time_us: 0, good: true },
   pong: {},
   problem: { about: "" },

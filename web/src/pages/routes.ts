@@ -36,6 +36,9 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
     title: "Recordings",
     load: () => import("./recordings/page-recordings.js"),
   },
+  alarms: { tag: "t-page-alarms", title: "Alarms", load: () => import("./alarms/page-alarms.js") },
+  logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
+  ways: { tag: "t-page-ways", title: "Notification", load: () => import("./ways/page-ways.js") },
   drive: { tag: "t-page-drive", title: "Actuate", load: () => import("./drive/page-drive.js") },
   archive: { tag: "t-page-archive", title: "Archive", load: () => import("./archive/page-archive.js") },
   gallery: { tag: "t-page-gallery", title: "Gallery", load: () => import("./gallery/page-gallery.js") },
@@ -51,7 +54,7 @@ export function isOpen(page: PageName): boolean {
 export function mayOpen(page: PageName, person: Person): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
-  if (page === "drive") return !seesOnlyPublic(person);
+  if (page === "drive" || page === "alarms" || page === "logbook") return !seesOnlyPublic(person);
   return true;
 }
 

@@ -14,12 +14,15 @@ export type PageName =
   | "history"
   | "recordings"
   | "drive"
+  | "alarms"
+  | "logbook"
   | "device"
   | "archive"
   | "people"
   | "roles"
   | "gateways"
   | "storage"
+  | "ways"
   | "audit"
   | "description"
   | "gallery"
@@ -33,7 +36,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive"];
+const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "logbook"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -43,6 +46,8 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/devices": "devices",
   "/public": "public",
   "/account": "account",
+  "/alarms": "alarms",
+  "/admin/ways": "ways",
   "/admin": "people",
   "/admin/people": "people",
   "/admin/roles": "roles",
@@ -54,7 +59,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
 };
 
 /** The pages that only an admin of the whole hub may open. */
-export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "storage", "description", "audit"];
+export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "ways", "storage", "description", "audit"];
 
 /** Reads a path. Anything unknown is the `missing` page, not an error. */
 export function routeOf(path: string): Route {
@@ -69,7 +74,7 @@ export function routeOf(path: string): Route {
 }
 
 /** The path of a site's page. */
-export function sitePath(site: string, page: "live" | "history" | "recordings" | "drive" | "archive"): string {
+export function sitePath(site: string, page: "live" | "history" | "recordings" | "drive" | "archive" | "logbook"): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }
 

@@ -43,6 +43,10 @@ RATES: Mapping[str, Rate] = {
     "/api/sites/{site}/export": HEAVY,
     "/api/storage": HEAVY,
     "/api/audit/export": HEAVY,
+    # Each is a message that goes out, and a process.
+    "/api/ways/{way}/test": HEAVY,
+    "/api/me/rules/{rule}/test": HEAVY,
+    "/api/sites/{site}/alarm-preview": HISTORY,
     "/api/audit/verify": HEAVY,
 }
 # Sockets of one person: open at once, and opened.

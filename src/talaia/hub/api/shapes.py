@@ -282,6 +282,7 @@ class HistoryAnswer(Shape):
 class EventShape(Shape):
     """Something that happened."""
 
+    id: str
     time_us: int
     kind: str
     device: str

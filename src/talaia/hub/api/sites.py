@@ -17,6 +17,7 @@ from talaia.hub.api.shapes import (
     SiteSummary,
 )
 from talaia.hub.auth.permissions import Right, sees_site
+from talaia.hub.store.audit import Filter
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["SitePages"]
 
 _Time = Annotated[int, Query(ge=0, le=2**53)]
+# No database holds a NUL.
+_Text = Annotated[str | None, Query(max_length=200, pattern=r"^[^\x00]*$")]
 
 
 class SitePages:
@@ -79,17 +82,30 @@ class SitePages:
         limit: Annotated[int, Query(ge=1, le=1000)] = 100,
         from_us: _Time = 0,
         to_us: _Time = 2**53,
+        before: _Time | None = None,
+        kind: _Text = None,
+        who: _Text = None,
+        device: _Text = None,
+        text: _Text = None,
+        good: bool | None = None,  # noqa: FBT001 - a part of the address
     ) -> EventList:
         """List what happened at a site, newest first, of the devices you may view.
 
+        ``from_us`` and ``to_us`` are both included. ``before`` is the id of the last one of a
+        page, for the next page; ``kind`` is its beginning; ``text`` stands anywhere in it.
         A device that the description no longer has is open to those who have a right on it.
         """
         devices = who_of(request).grants.devices(Right.VIEW, site)
-        entries = await self._audit.recent(site, limit + 1, from_us, to_us, devices)
+        wanted = Filter(
+            site=site, from_us=from_us, to_us=to_us + 1, before=before, kind=kind, who=who,
+            device=device, text=text, good=good, devices=devices,
+        )  # fmt: skip
+        rows, more = await self._audit.find(wanted, limit)
         return EventList(
-            more=len(entries) > limit,
+            more=more,
             events=[
                 EventShape(
+                    id=str(number),
                     time_us=entry.time_us,
                     kind=entry.kind,
                     device=entry.device,
@@ -97,7 +113,7 @@ class SitePages:
                     message=entry.message,
                     good=entry.good,
                 )
-                for entry in entries[:limit]
+                for number, entry in rows
                 # A database may compare names without regard to case; a right does not.
                 if devices is None or entry.device in devices
             ],

@@ -13,6 +13,7 @@ from talaia.hub.live.race import until_first
 from talaia.wire.browser import (
     FROM_BROWSER,
     TO_BROWSER,
+    AlarmNews,
     Command,
     CommandNews,
     DeviceNews,
@@ -242,6 +243,8 @@ def _state_key(message: ToBrowser) -> Hashable | None:
             return type(message), message.site
         case DeviceNews() | DriveNews() | LeaseNews(refused=""):
             return type(message), message.site, message.device
+        case AlarmNews():
+            return AlarmNews, message.site, message.alarm
         case InterlockNews():
             return InterlockNews, message.site, message.interlock
         case StopNews():

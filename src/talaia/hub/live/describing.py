@@ -20,6 +20,7 @@ from talaia.wire.errors import PeerError
 from talaia.wire.sealing import inflated
 
 if TYPE_CHECKING:
+    from talaia.hub.live.alarms import Alarms
     from talaia.hub.live.browsers import Browsers
     from talaia.hub.live.changes import Changes
     from talaia.hub.live.fanout import Fanout
@@ -58,6 +59,7 @@ class Describing:
         sites: Sites,
         browsers: Browsers,
         fanout: Fanout,
+        alarms: Alarms,
         reporting: Reporting,
         media: Media,
         history: History,
@@ -69,6 +71,7 @@ class Describing:
         self._sites = sites
         self._browsers = browsers
         self._fanout = fanout
+        self._alarms = alarms
         self._reporting = reporting
         self._media = media
         self._history = history
@@ -148,6 +151,7 @@ class Describing:
             for device in [each for each in known if each not in description.devices]:
                 del known[device]
         self._fanout.redescribed(live)
+        self._alarms.described(live)
         self._media.watch(live.name)
         self._browsers.tell(site_news(live))
         for browser in self._browsers:

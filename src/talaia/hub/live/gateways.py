@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.live.admission import Admission
+    from talaia.hub.live.alarms import Alarms
     from talaia.hub.live.browsers import Browsers
     from talaia.hub.live.describing import Describing
     from talaia.hub.live.fanout import Fanout
@@ -75,6 +76,7 @@ class Gateways:
         browsers: Browsers,
         fanout: Fanout,
         reporting: Reporting,
+        alarms: Alarms,
         media: Media,
         history: History,
         registry: SiteRegistry,
@@ -95,6 +97,7 @@ class Gateways:
         self._browsers = browsers
         self._fanout = fanout
         self._reporting = reporting
+        self._alarms = alarms
         self._rivals = Rivals(reporting)
         self._media = media
         self._history = history
@@ -242,6 +245,7 @@ class Gateways:
             live.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
         if changed:
             self._fanout.redescribed(live)
+            self._alarms.described(live)
         self._browsers.tell(site_news(live))
         self._reporting.event(live, "gateway connected", message=f"version {hello.version}")
         if changed and before is not None:
@@ -307,6 +311,7 @@ class Gateways:
                         if message.live:
                             live.latest.update(shown, self._clock.monotonic_ns())
                             self._fanout.publish(live, shown)
+                            self._alarms.take(live, shown)
                         self._watching.put(live, shown)
                     ingest.put(batch)
                 case frames.Described():

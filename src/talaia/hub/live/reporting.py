@@ -14,6 +14,7 @@ from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
+    from talaia.hub.live.alarms import Alarms
     from talaia.hub.live.browsers import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalyNews
@@ -50,8 +51,11 @@ Told = (
 class Reporting:
     """Tells pages what is so, now and whenever it changes."""
 
-    def __init__(self, sites: Sites, browsers: Browsers, audit: Audit, clock: Clock) -> None:
+    def __init__(
+        self, sites: Sites, browsers: Browsers, alarms: Alarms, audit: Audit, clock: Clock
+    ) -> None:
         """Write down in ``audit`` what happened and how it ended."""
+        self._alarms = alarms
         self._sites = sites
         self._browsers = browsers
         self._audit = audit
@@ -70,6 +74,7 @@ class Reporting:
             self.greet_interlocks(live, browser)
             for device in live.unreached:
                 browser.tell(self._device_news(live, device))
+        self._alarms.greet(browser)
 
     def greet_interlocks(self, live: LiveSite, browser: Browser) -> None:
         """Tell a page how all interlocks of a site stand."""

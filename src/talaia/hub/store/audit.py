@@ -17,14 +17,14 @@ from collections import deque
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from sqlalchemy import func, insert, select, update
+from sqlalchemy import func, insert, or_, select, update
 
 from talaia.hub.errors import StoreDown
 from talaia.hub.store.tables import audit, audit_head
 from talaia.hub.store.visible import visible
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Collection
+    from collections.abc import AsyncIterator, Collection, Sequence
 
     from sqlalchemy import ColumnElement
     from sqlalchemy.ext.asyncio import AsyncConnection
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
-__all__ = ["Audit", "Chain", "Entry", "Filter", "Row", "chain_hash"]
+__all__ = ["Audit", "Chain", "Entry", "Filter", "Row", "append", "chain_hash"]
 
 _LOG = logging.getLogger(__name__)
 _MOST_WAITING = 20_000
@@ -69,6 +69,8 @@ class Filter:
         kind: the beginning of the kind: ``command`` finds all about commands.
         from_us: not before. to_us: before.
         before: only rows with a smaller number.
+        devices: only about one of these; not of the site as a whole.
+        text: these words stand in the kind, the person, the device or the message, in any case.
 
     """
 
@@ -80,6 +82,8 @@ class Filter:
     from_us: int | None = None
     to_us: int | None = None
     before: int | None = None
+    devices: Collection[str] | None = None
+    text: str | None = None
 
     def conditions(self) -> list[ColumnElement[bool]]:
         """Say it in SQL."""
@@ -97,6 +101,14 @@ class Filter:
             said.append(audit.c.time_us < self.to_us)
         if self.before is not None:
             said.append(audit.c.id < self.before)
+        if self.devices is not None:
+            said.append(audit.c.device.in_(sorted(self.devices)))
+        if self.text:
+            wanted = self.text.lower()
+            columns = (audit.c.kind, audit.c.who, audit.c.device, audit.c.message)
+            said.append(
+                or_(*(func.lower(each).contains(wanted, autoescape=True) for each in columns))
+            )
         return said
 
 
@@ -188,7 +200,7 @@ class Audit:
         batch = list(self._waiting)
         if batch:
             async with self._database.write() as connection:
-                await _append(connection, batch)
+                await append(connection, batch)
             for _ in batch:
                 self._waiting.popleft()
         if not self._waiting:
@@ -197,27 +209,6 @@ class Audit:
     async def written(self) -> None:
         """Wait until everything noted so far is in the database."""
         await self._written.wait()
-
-    async def recent(
-        self,
-        site: str,
-        limit: int,
-        from_us: int = 0,
-        to_us: int = 2**53,
-        devices: Collection[str] | None = None,
-    ) -> list[Entry]:
-        """List the newest entries of a site within a window (µs), newest first.
-
-        With ``devices``, only those about one of them; None: also those about the whole site.
-        """
-        query = select(*_COLUMNS).where(
-            audit.c.site == site, audit.c.time_us.between(from_us, to_us)
-        )
-        if devices is not None:
-            query = query.where(audit.c.device.in_(sorted(devices)))
-        async with self._database.read() as connection:
-            rows = await connection.execute(query.order_by(audit.c.id.desc()).limit(limit))
-            return [Entry(*row) for row in rows]
 
     async def find(self, wanted: Filter, limit: int) -> tuple[list[Row], bool]:
         """List the newest rows that are meant, newest first; tell whether there are more."""
@@ -273,7 +264,8 @@ class Audit:
 _COLUMNS = tuple(audit.c[name] for name in Entry._fields)
 
 
-async def _append(connection: AsyncConnection, batch: list[Entry]) -> None:
+async def append(connection: AsyncConnection, batch: Sequence[Entry]) -> None:
+    """Write rows in a transaction that writes; their texts must have passed `visible`."""
     head = select(audit_head.c.hash).where(audit_head.c.id == _HEAD).with_for_update()
     before = (await connection.execute(head)).scalar_one()
     rows = []

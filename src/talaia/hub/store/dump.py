@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import Column, MetaData, String, Table, create_engine, func, insert, select, tuple_
 
 # Every table of ours must be known before `metadata` is gone through.
-from talaia.hub.store import history_tables as _history_tables
+from talaia.hub.store import alarm_tables as _alarm_tables, history_tables as _history_tables
 from talaia.hub.store.reach import reach
 from talaia.hub.store.tables import metadata
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["VERSION_TABLE", "copy_tables", "open_plain"]
 
 _AT_ONCE = 200
-_ = _history_tables
+_ = (_alarm_tables, _history_tables)
 VERSION_TABLE = Table(
     "alembic_version", MetaData(), Column("version_num", String(32), primary_key=True)
 )

@@ -5,12 +5,13 @@ import { customElement } from "lit/decorators.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
 import { sheets } from "../../elements/sheets.js";
-import { levelAt, placeKey } from "../../state/rights.js";
+import { levelAt, placeKey, seesOnlyPublic } from "../../state/rights.js";
 import { sessionContext } from "../../state/contexts.js";
 import type { Person } from "../../wire/api.js";
 import "../../elements/status.js";
 import "./factor.js";
 import "./password.js";
+import "./rules.js";
 import "./sessions.js";
 import "./tokens.js";
 
@@ -45,6 +46,7 @@ export class PageAccount extends LitElement {
         <t-account-password class="sheet" .name=${person.name}></t-account-password>
         <t-account-factor class="sheet" .active=${person.factor}></t-account-factor>
       </div>
+      ${seesOnlyPublic(person) ? nothing : html`<t-account-rules class="sheet"></t-account-rules>`}
       <t-account-sessions class="sheet"></t-account-sessions>
       <t-account-tokens class="sheet" .person=${person}></t-account-tokens>
     `;

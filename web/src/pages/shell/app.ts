@@ -4,6 +4,7 @@ import { ContextProvider } from "@lit/context";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import {
+  alarmsContext,
   apiContext,
   connectionContext,
   interlocksContext,
@@ -15,6 +16,7 @@ import {
   sitesContext,
   themeContext,
 } from "../../state/contexts.js";
+import { Alarms } from "../../state/alarms.js";
 import { Interlocks } from "../../state/interlocks.js";
 import { LiveValues } from "../../state/live.js";
 import { Reach } from "../../state/reach.js";
@@ -43,6 +45,7 @@ export class App extends LitElement {
     url: socketUrl("/ws", location),
     touched: () => this.touched.take(),
   });
+  private readonly alarms = new Alarms(this.connection);
   private readonly interlocks = new Interlocks(this.connection);
   private readonly live = new LiveValues(this.connection);
   private readonly reach = new Reach(this.connection);
@@ -58,6 +61,7 @@ export class App extends LitElement {
 
   constructor() {
     super();
+    new ContextProvider(this, { context: alarmsContext, initialValue: this.alarms });
     new ContextProvider(this, { context: apiContext, initialValue: this.api });
     new ContextProvider(this, { context: connectionContext, initialValue: this.connection });
     new ContextProvider(this, { context: interlocksContext, initialValue: this.interlocks });

@@ -12,7 +12,7 @@ import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/icon.js";
 
 interface Place {
-  readonly page: "home" | "public" | "devices" | "live" | "history" | "drive" | "archive" | "people";
+  readonly page: "home" | "public" | "devices" | "live" | "history" | "alarms" | "drive" | "archive" | "people";
   readonly icon: IconName;
   readonly title?: string;
 }
@@ -23,6 +23,7 @@ const PLACES: readonly Place[] = [
   { page: "devices", icon: "devices" },
   { page: "live", icon: "live" },
   { page: "history", icon: "history" },
+  { page: "alarms", icon: "bell" },
   { page: "drive", icon: "drive" },
   { page: "archive", icon: "camera" },
   { page: "people", icon: "shield", title: "Admin" },
@@ -158,7 +159,8 @@ export class Nav extends LitElement {
     return (
       page === this.page ||
       (page === "devices" && this.page === "device") ||
-      (page === "history" && this.page === "recordings")
+      (page === "history" && this.page === "recordings") ||
+      (page === "alarms" && this.page === "logbook")
     );
   }
 
@@ -170,6 +172,7 @@ export class Nav extends LitElement {
       case "home":
       case "public":
       case "devices":
+      case "alarms":
         return `/${page}`;
       case "live":
       case "history":

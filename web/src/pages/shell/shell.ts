@@ -19,6 +19,7 @@ import "../../elements/empty.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "../../elements/time.js";
+import "./alarm-bar.js";
 import "./header.js";
 import "./interlocks.js";
 import "./nav.js";
@@ -168,7 +169,7 @@ export class Shell extends LitElement {
           ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived}></t-nav>` : nothing}
         </t-header>
         ${this.banner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
-        ${inside ? html`<t-interlocks></t-interlocks>` : nothing}
+        ${inside ? html`<t-alarm-bar></t-alarm-bar><t-interlocks></t-interlocks>` : nothing}
         ${inside && person.admin ? html`<t-storage-warning></t-storage-warning>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.content()}</main>

@@ -14,7 +14,7 @@ describe("marks of what happened", () => {
   });
 
   it("stand in the order of time, under the names that people gave", () => {
-    const event: EventInfo = { time_us: 5, kind: "stop pressed", device: "base", who: "ada", message: "", good: true };
+    const event: EventInfo = { id: "1", time_us: 5, kind: "stop pressed", device: "base", who: "ada", message: "", good: true };
     const marks = marksOf([event, { ...event, time_us: 3, device: "gone" }], new Map([["base", "Vehicle base"]]));
     expect(marks.map(({ timeUs, device }) => [timeUs, device])).toEqual([[3, "gone"], [5, "Vehicle base"]]);
   });

@@ -1,0 +1,1 @@
+"""Alarms, decided from values and times alone: no socket, clock or database is known here."""

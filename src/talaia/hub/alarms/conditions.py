@@ -1,0 +1,223 @@
+"""Whether an alarm's condition holds, and why, by what is known now."""
+
+from __future__ import annotations
+
+import math
+from enum import Enum, auto
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.model.alarm import Alarm, AlarmKind
+from talaia.model.check_alarms import signals_of
+from talaia.model.expression import Expression, parse
+from talaia.model.site import SignalType
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.model.check_alarms import Addresses
+    from talaia.model.expression import Value
+
+__all__ = ["Condition", "Reading", "Seen", "Truth", "Verdict"]
+
+
+class Truth(Enum):
+    """What can be said of a condition."""
+
+    HOLDS = auto()
+    FALSE = auto()
+    # Neither: never taken for well.
+    UNKNOWN = auto()
+
+
+class Verdict(NamedTuple):
+    """What is so, and why in words that people read."""
+
+    truth: Truth
+    why: str
+
+
+class Reading(NamedTuple):
+    """The newest sample of a channel: its value, its text, and how long ago it came (s)."""
+
+    value: float
+    text: str
+    age_s: float
+
+
+class Seen(NamedTuple):
+    """What a detector says goes on now: an anomaly (its score), or things that a camera sees."""
+
+    score: float = 0.0
+    many: int = 0
+    confidence: float = 0.0
+    why: str = ""
+
+
+class Condition:
+    """One alarm's condition, made ready for one description.
+
+    Attributes:
+        channels: addresses that it looks at.
+        happening: what it wants to know of a detector: ``(stream or channel, label)``; None: none.
+
+    """
+
+    def __init__(self, addresses: Addresses, alarm: Alarm) -> None:
+        """Look the signals up; the alarm must be one in which `check` finds nothing."""
+        self.alarm = alarm
+        self.channels = signals_of(addresses, alarm)
+        self.happening: tuple[str, str] | None = None
+        if alarm.kind is AlarmKind.ANOMALY:
+            self.happening = (alarm.signal, "")
+        elif alarm.kind is AlarmKind.DETECTION:
+            self.happening = (alarm.stream, alarm.label)
+        self._signals = {each: addresses.signals[each] for each in self.channels}
+        self._expression: Expression | None = None
+        if alarm.kind is AlarmKind.EXPRESSION:
+            self._expression = parse(alarm.expression, addresses.kinds)
+
+    @property
+    def aged(self) -> bool:
+        """Whether time alone can change what is so."""
+        return self.happening is None or self.alarm.kind is AlarmKind.ANOMALY
+
+    def judge(
+        self,
+        readings: Mapping[str, Reading],
+        seen: tuple[Seen, ...],
+        *,
+        held: bool,
+        online: bool,
+    ) -> Verdict:
+        """Tell whether it holds.
+
+        Args:
+            readings: the newest sample of each of `channels` that has one.
+            seen: what goes on now of `happening`.
+            held: it counts as true now, so that a limit lets go later (hysteresis).
+            online: the site's gateway is connected.
+
+        """
+        match self.alarm.kind:
+            case AlarmKind.STALE:
+                return self._stale(readings)
+            case AlarmKind.ANOMALY:
+                return self._anomaly(readings, seen)
+            case AlarmKind.DETECTION:
+                return self._detection(seen, online=online)
+            case AlarmKind.EXPRESSION:
+                return self._compared(readings)
+            case AlarmKind.LIMIT:
+                return self._limit(readings, held=held)
+            case AlarmKind.STATE:
+                return self._state(readings)
+
+    def value(self, address: str, readings: Mapping[str, Reading]) -> Value:
+        """Give what a channel says now: a number, or a state's or a text's words.
+
+        None while it is not known, not a number, or too old.
+        """
+        reading = readings.get(address)
+        if reading is None or reading.age_s > self.longest_s(address):
+            return None
+        signal = self._signals[address]
+        if signal.type is SignalType.TEXT:
+            return reading.text
+        if not math.isfinite(reading.value):
+            return None
+        if signal.type is SignalType.STATE:
+            at = round(reading.value)
+            return signal.states[at] if 0 <= at < len(signal.states) else f"{at}"
+        return reading.value
+
+    def longest_s(self, address: str) -> float:
+        """Give how old a channel's value may be before it is unknown (s)."""
+        own = self.alarm.max_age
+        return self._signals[address].max_age if own is None else own
+
+    def _unknown(self, address: str, readings: Mapping[str, Reading]) -> Verdict:
+        name, reading = self._signals[address].name, readings.get(address)
+        if reading is None:
+            return Verdict(Truth.UNKNOWN, f"{name} has never been heard of")
+        if reading.age_s > self.longest_s(address):
+            return Verdict(Truth.UNKNOWN, f"{name} is {_seconds(reading.age_s)} old")
+        return Verdict(Truth.UNKNOWN, f"{name} is not a number")
+
+    def _limit(self, readings: Mapping[str, Reading], *, held: bool) -> Verdict:
+        alarm, address = self.alarm, self.alarm.signal
+        value = self.value(address, readings)
+        if not isinstance(value, float):
+            return self._unknown(address, readings)
+        slack = alarm.hysteresis if held else 0.0
+        said = f"{self._signals[address].name} is {self._number(address, value)}"
+        if alarm.above is not None and value > alarm.above - slack:
+            word = "above" if value > alarm.above else "not yet well below"
+            return Verdict(Truth.HOLDS, f"{said}, {word} {self._number(address, alarm.above)}")
+        if alarm.below is not None and value < alarm.below + slack:
+            word = "below" if value < alarm.below else "not yet well above"
+            return Verdict(Truth.HOLDS, f"{said}, {word} {self._number(address, alarm.below)}")
+        return Verdict(Truth.FALSE, said)
+
+    def _state(self, readings: Mapping[str, Reading]) -> Verdict:
+        alarm, address = self.alarm, self.alarm.signal
+        value = self.value(address, readings)
+        if not isinstance(value, str):
+            return self._unknown(address, readings)
+        holds = value in alarm.is_one_of or bool(alarm.is_not and value not in alarm.is_not)
+        said = f"{self._signals[address].name} is {value!r}"
+        return Verdict(Truth.HOLDS if holds else Truth.FALSE, said)
+
+    def _stale(self, readings: Mapping[str, Reading]) -> Verdict:
+        address = self.alarm.signal
+        name, reading = self._signals[address].name, readings.get(address)
+        if reading is None:
+            return Verdict(Truth.HOLDS, f"{name} has never been heard of")
+        if reading.age_s > self.longest_s(address):
+            return Verdict(Truth.HOLDS, f"{name} is {_seconds(reading.age_s)} old")
+        return Verdict(Truth.FALSE, f"{name} is fresh")
+
+    def _anomaly(self, readings: Mapping[str, Reading], seen: tuple[Seen, ...]) -> Verdict:
+        address = self.alarm.signal
+        name = self._signals[address].name
+        for each in seen:
+            if each.score >= self.alarm.score:
+                return Verdict(Truth.HOLDS, f"{name} is unusual: {each.why}".rstrip(": "))
+        if self.value(address, readings) is None:
+            return self._unknown(address, readings)
+        return Verdict(Truth.FALSE, f"{name} is as usual")
+
+    def _detection(self, seen: tuple[Seen, ...], *, online: bool) -> Verdict:
+        alarm = self.alarm
+        for each in seen:
+            if each.many >= alarm.count and each.confidence >= alarm.confidence:
+                many = f"{each.many} × {alarm.label}" if each.many > 1 else alarm.label
+                return Verdict(Truth.HOLDS, f"{many} seen ({each.confidence:.0%} sure)")
+        if not online:
+            return Verdict(Truth.UNKNOWN, "the site is away")
+        return Verdict(Truth.FALSE, f"no {alarm.label} seen")
+
+    def _compared(self, readings: Mapping[str, Reading]) -> Verdict:
+        values = {address: self.value(address, readings) for address in self.channels}
+        found = self._expression.judge(values) if self._expression else None
+        if found is None:
+            missing = next((each for each in self.channels if values[each] is None), None)
+            if missing is not None:
+                return self._unknown(missing, readings)
+            return Verdict(Truth.UNKNOWN, "it has no outcome: a division by zero?")
+        said = ", ".join(
+            f"{self._signals[address].name} is {self._said(address, value)}"
+            for address, value in values.items()
+            if value is not None
+        )
+        return Verdict(Truth.HOLDS if found else Truth.FALSE, said[:400])
+
+    def _said(self, address: str, value: Value) -> str:
+        return self._number(address, value) if isinstance(value, float) else repr(value)
+
+    def _number(self, address: str, value: float) -> str:
+        unit = self._signals[address].unit
+        return f"{value:.6g}" + (f" {unit}" if unit else "")
+
+
+def _seconds(age_s: float) -> str:
+    return f"{age_s:.1f} s" if age_s < 60 else f"{age_s / 60:.0f} min"

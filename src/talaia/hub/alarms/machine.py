@@ -1,0 +1,300 @@
+"""The states of one alarm, and everything that takes it from one to another.
+
+::
+
+    normal ──raise──▶ active ──acknowledge──▶ acknowledged ──clear──▶ normal
+                        │ ▲                                             ▲
+                      clear raise                                       │
+                        ▼ │                                             │
+                      cleared ───────────── acknowledge ────────────────┘
+
+All passes through `step`. Each time it is raised begins an *episode* with its own number, by
+which a message about it is told from any other, also over a restart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import NamedTuple, assert_never
+
+from talaia.errors import TalaiaError
+
+__all__ = [
+    "Acknowledge",
+    "Assign",
+    "Clear",
+    "Comment",
+    "Event",
+    "Happened",
+    "NotNow",
+    "Phase",
+    "Raise",
+    "Retire",
+    "Shelve",
+    "State",
+    "Unshelve",
+    "What",
+    "step",
+]
+
+
+class Phase(StrEnum):
+    """Where an alarm stands."""
+
+    NORMAL = "normal"
+    ACTIVE = "active"
+    ACKNOWLEDGED = "acknowledged"
+    # Over, and nobody has said that they have seen it.
+    CLEARED = "cleared"
+
+
+class What(StrEnum):
+    """What happened to an alarm."""
+
+    RAISED = "raised"
+    CLEARED = "cleared"
+    ACKNOWLEDGED = "acknowledged"
+    ASSIGNED = "assigned"
+    COMMENTED = "commented"
+    SHELVED = "shelved"
+    UNSHELVED = "unshelved"
+    RETIRED = "retired"
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """One alarm, as the database has it. Times are µs since the epoch (UTC); 0: not yet.
+
+    Attributes:
+        episode: how often it has been raised.
+        assigned: who sees to it.
+        shelved_until_us: it is shown apart and nobody is told of it until then.
+
+    """
+
+    phase: Phase = Phase.NORMAL
+    episode: int = 0
+    why: str = ""
+    raised_us: int = 0
+    cleared_us: int = 0
+    acked_us: int = 0
+    acked_by: str = ""
+    assigned: str = ""
+    shelved_until_us: int = 0
+    shelved_by: str = ""
+    shelved_why: str = ""
+
+    @property
+    def on(self) -> bool:
+        """Whether its condition counts as true."""
+        return self.phase in {Phase.ACTIVE, Phase.ACKNOWLEDGED}
+
+    @property
+    def unseen(self) -> bool:
+        """Whether it waits for somebody to acknowledge it."""
+        return self.phase in {Phase.ACTIVE, Phase.CLEARED}
+
+
+class Raise(NamedTuple):
+    """Its condition has begun to count."""
+
+    time_us: int
+    why: str
+
+
+class Clear(NamedTuple):
+    """Its condition has ceased to count."""
+
+    time_us: int
+    why: str
+
+
+class Acknowledge(NamedTuple):
+    """Somebody has seen it."""
+
+    time_us: int
+    who: str
+    comment: str = ""
+
+
+class Assign(NamedTuple):
+    """Somebody is to see to it; an empty ``to``: nobody."""
+
+    time_us: int
+    who: str
+    to: str
+
+
+class Comment(NamedTuple):
+    """Somebody has something to say about it."""
+
+    time_us: int
+    who: str
+    text: str
+
+
+class Shelve(NamedTuple):
+    """It is put aside until a moment."""
+
+    time_us: int
+    who: str
+    until_us: int
+    why: str
+
+
+class Unshelve(NamedTuple):
+    """It is put aside no longer: by somebody, or (no ``who``) since the time is over."""
+
+    time_us: int
+    who: str = ""
+
+
+class Retire(NamedTuple):
+    """There is no such alarm any more."""
+
+    time_us: int
+    who: str = ""
+
+
+Event = Raise | Clear | Acknowledge | Assign | Comment | Shelve | Unshelve | Retire
+
+
+class Happened(NamedTuple):
+    """What came of an event.
+
+    Attributes:
+        tell: people are to be told of it, by whatever way they chose.
+
+    """
+
+    what: What
+    episode: int
+    time_us: int
+    who: str
+    message: str
+    tell: bool = False
+
+
+class NotNow(TalaiaError):
+    """What somebody asked of an alarm makes no sense as it stands."""
+
+    def __init__(self, problem: str) -> None:
+        """Say why, in a sentence."""
+        super().__init__(problem)
+        self.problem = problem
+
+    def __str__(self) -> str:
+        return self.problem
+
+
+def step(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
+    """Give the state after ``event``, and what happened; nothing when it changes nothing.
+
+    Raises:
+        NotNow: a person asked for what cannot be done as it stands.
+
+    """
+    match event:
+        case Raise():
+            return _raised(state, event)
+        case Clear():
+            return _cleared(state, event)
+        case Acknowledge():
+            return _acknowledged(state, event)
+        case Assign():
+            message = f"to {event.to}" if event.to else "to nobody"
+            said = _said(What.ASSIGNED, state, event.time_us, event.who, message)
+            return (state, ()) if state.assigned == event.to else (_assigned(state, event), (said,))
+        case Comment():
+            return state, (_said(What.COMMENTED, state, event.time_us, event.who, event.text),)
+        case Shelve():
+            return _shelved(state, event)
+        case Unshelve():
+            return _unshelved(state, event)
+        case Retire():
+            return _retired(state, event)
+        case _:
+            assert_never(event)
+
+
+def _raised(state: State, event: Raise) -> tuple[State, tuple[Happened, ...]]:
+    if state.on:
+        return state, ()
+    after = replace(
+        state,
+        phase=Phase.ACTIVE,
+        episode=state.episode + 1,
+        why=event.why,
+        raised_us=event.time_us,
+        cleared_us=0,
+        acked_us=0,
+        acked_by="",
+        # What comes back before anybody has seen it stays with whoever sees to it.
+        assigned=state.assigned if state.phase is Phase.CLEARED else "",
+    )
+    tell = not _is_shelved(state, event.time_us)
+    return after, (_said(What.RAISED, after, event.time_us, "", event.why, tell=tell),)
+
+
+def _cleared(state: State, event: Clear) -> tuple[State, tuple[Happened, ...]]:
+    if not state.on:
+        return state, ()
+    phase = Phase.CLEARED if state.phase is Phase.ACTIVE else Phase.NORMAL
+    after = replace(state, phase=phase, cleared_us=event.time_us)
+    tell = not _is_shelved(state, event.time_us)
+    return after, (_said(What.CLEARED, after, event.time_us, "", event.why, tell=tell),)
+
+
+def _acknowledged(state: State, event: Acknowledge) -> tuple[State, tuple[Happened, ...]]:
+    if not state.unseen:
+        by = f": {state.acked_by} has acknowledged it" if state.acked_by else ""
+        raise NotNow(f"there is nothing to acknowledge{by}")
+    phase = Phase.ACKNOWLEDGED if state.phase is Phase.ACTIVE else Phase.NORMAL
+    after = replace(state, phase=phase, acked_us=event.time_us, acked_by=event.who)
+    return after, (_said(What.ACKNOWLEDGED, after, event.time_us, event.who, event.comment),)
+
+
+def _assigned(state: State, event: Assign) -> State:
+    return replace(state, assigned=event.to)
+
+
+def _shelved(state: State, event: Shelve) -> tuple[State, tuple[Happened, ...]]:
+    if event.until_us <= event.time_us:
+        raise NotNow("the end of the shelving is not in the future")
+    after = replace(
+        state,
+        shelved_until_us=event.until_us,
+        shelved_by=event.who,
+        shelved_why=event.why,
+    )
+    return after, (_said(What.SHELVED, after, event.time_us, event.who, event.why),)
+
+
+def _unshelved(state: State, event: Unshelve) -> tuple[State, tuple[Happened, ...]]:
+    if not state.shelved_until_us:
+        if event.who:
+            raise NotNow("it is not shelved")
+        return state, ()
+    after = replace(state, shelved_until_us=0, shelved_by="", shelved_why="")
+    # Nobody was told while it was put aside.
+    tell = state.phase is Phase.ACTIVE
+    message = state.why if tell else ""
+    return after, (_said(What.UNSHELVED, after, event.time_us, event.who, message, tell=tell),)
+
+
+def _retired(state: State, event: Retire) -> tuple[State, tuple[Happened, ...]]:
+    after = State(episode=state.episode)
+    if state == after:
+        return state, ()
+    return after, (_said(What.RETIRED, after, event.time_us, event.who, "it is described no more"),)
+
+
+def _is_shelved(state: State, time_us: int) -> bool:
+    return state.shelved_until_us > time_us
+
+
+def _said(
+    what: What, state: State, time_us: int, who: str, message: str, *, tell: bool = False
+) -> Happened:
+    return Happened(what, state.episode, time_us, who, message, tell)

@@ -1,0 +1,113 @@
+"""From what is true each moment to what counts: delays, and what cannot be judged."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import SECOND
+from talaia.hub.alarms.conditions import Truth
+
+if TYPE_CHECKING:
+    from talaia.hub.alarms.conditions import Verdict
+    from talaia.model.alarm import Alarm
+
+__all__ = ["Edge", "Turn", "Watch"]
+
+
+class Turn(StrEnum):
+    """Which way it went."""
+
+    RAISE = "raise"
+    CLEAR = "clear"
+
+
+class Edge(NamedTuple):
+    """A condition that has begun or ceased to count, and why."""
+
+    turn: Turn
+    why: str
+
+
+class Watch:
+    """Holds one condition against its delays.
+
+    What it knows is lost with the process, and no harm done: it begins with whether the alarm was
+    on, as the database has it, and a delay that was running begins anew.
+
+    Attributes:
+        on: the condition counts.
+        known: it could be judged when last looked at.
+        why: what was last said of it.
+
+    """
+
+    def __init__(self, alarm: Alarm, *, on: bool) -> None:
+        """Begin with ``on`` as it was last written down."""
+        self._delay_ns = round(alarm.delay * SECOND)
+        self._clear_ns = round(alarm.clear_delay * SECOND)
+        self._unknown_ns = (
+            None if alarm.unknown_after is None else round(alarm.unknown_after * SECOND)
+        )
+        self.on = on
+        self.known = True
+        self.why = ""
+        self._true_since: int | None = None
+        self._false_since: int | None = None
+        self._unknown_since: int | None = None
+
+    @property
+    def running(self) -> bool:
+        """Whether time alone may turn it: a delay runs."""
+        return any(
+            each is not None for each in (self._true_since, self._false_since, self._unknown_since)
+        )
+
+    def take(self, verdict: Verdict, now_ns: int) -> Edge | None:
+        """Take what is true at ``now_ns`` (monotonic); give the edge, if this makes one."""
+        self.why = verdict.why
+        self.known = verdict.truth is not Truth.UNKNOWN
+        match verdict.truth:
+            case Truth.HOLDS:
+                return self._holds(verdict.why, now_ns)
+            case Truth.FALSE:
+                return self._false(verdict.why, now_ns)
+            case Truth.UNKNOWN:
+                return self._unknown(verdict.why, now_ns)
+
+    def _holds(self, why: str, now_ns: int) -> Edge | None:
+        self._false_since = self._unknown_since = None
+        if self.on:
+            return None
+        if self._true_since is None:
+            self._true_since = now_ns
+        if now_ns - self._true_since < self._delay_ns:
+            return None
+        return self._turned(Turn.RAISE, why)
+
+    def _false(self, why: str, now_ns: int) -> Edge | None:
+        self._true_since = self._unknown_since = None
+        if not self.on:
+            return None
+        if self._false_since is None:
+            self._false_since = now_ns
+        if now_ns - self._false_since < self._clear_ns:
+            return None
+        return self._turned(Turn.CLEAR, why)
+
+    def _unknown(self, why: str, now_ns: int) -> Edge | None:
+        # Not seen to be false: what was true goes on counting towards its delay once it is seen
+        # again, and what was false has to be seen so anew.
+        self._false_since = None
+        if self._unknown_since is None:
+            self._unknown_since = now_ns
+        if self.on or self._unknown_ns is None:
+            return None
+        if now_ns - self._unknown_since < self._unknown_ns:
+            return None
+        return self._turned(Turn.RAISE, f"it cannot be judged: {why}")
+
+    def _turned(self, turn: Turn, why: str) -> Edge:
+        self.on = turn is Turn.RAISE
+        self._true_since = self._false_since = None
+        return Edge(turn, why)

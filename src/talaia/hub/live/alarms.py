@@ -1,0 +1,597 @@
+"""The alarms of all sites: samples and news in; states, messages and marks out.
+
+Two halves. The first never waits: it holds each sample against the conditions that look at it,
+and puts what begins or ceases to count into a queue. The second takes the queue, one thing after
+the other, what people ask for among it, and tells nobody of anything before it is in the
+database. What cannot be written waits there, and is tried again.
+
+Long, because an alarm's whole way through the hub is told here, in its order.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+import numpy as np
+
+from talaia.clock import SECOND
+from talaia.hub.alarms.conditions import Condition, Reading, Seen, Truth, Verdict
+from talaia.hub.alarms.machine import (
+    Clear,
+    Event,
+    Happened,
+    NotNow,
+    Phase,
+    Raise,
+    Retire,
+    State,
+    Unshelve,
+    What,
+    step,
+)
+from talaia.hub.alarms.watch import Turn, Watch
+from talaia.hub.errors import StoreDown
+from talaia.hub.live.conflate import conflate, pick
+from talaia.hub.store.alarms import Change, Made
+from talaia.hub.store.notices import About
+from talaia.model.alarm import Alarm, AlarmKind
+from talaia.model.check_alarms import Addresses, alarm_findings, signals_of
+from talaia.wire import browser as page
+from talaia.wire.frames import RecordAsk
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from numpy.typing import NDArray
+
+    from talaia.clock import Clock
+    from talaia.hub.live.browsers import Browser, Browsers
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import AnomalyNews, Sighting
+    from talaia.hub.store.alarms import AlarmStore
+    from talaia.hub.store.notices import Notices
+    from talaia.model.site import Site
+    from talaia.wire.columns import Columns
+
+__all__ = ["Alarms", "LiveAlarm", "device_of"]
+
+_LOG = logging.getLogger(__name__)
+# Conditions are looked at so often at least: values age, delays end (s).
+_TICK_S = 0.5
+_TICK_NS = round(_TICK_S * SECOND)
+_RETRY_S = 1.0
+# A batch with more samples of what is watched is made fewer, its extremes kept.
+_MOST_AT_ONCE = 256
+# A batch of what happened is one transaction of at most so many.
+_MOST_A_COMMIT = 200
+
+
+@dataclass(slots=True, eq=False)
+class LiveAlarm:
+    """One alarm, now.
+
+    Attributes:
+        alarm: what it is; None once it is described no more.
+        made: made in the page, not by the description.
+        state: as the database has it.
+        condition: None when the description does not fit it, and then ``problem`` says why.
+        undelivered: why a message of it did not reach somebody; empty: none failed.
+
+    """
+
+    about: About
+    alarm: Alarm | None
+    made: bool
+    state: State
+    watch: Watch
+    condition: Condition | None = None
+    problem: str = ""
+    undelivered: str = ""
+    shown_known: bool = True
+
+
+class _Ask(NamedTuple):
+    """Something to be done to an alarm; ``done`` gets the outcome, where a person waits for it."""
+
+    live: LiveAlarm
+    event: Event
+    done: asyncio.Future[State] | None = None
+
+
+class _Site:
+    """What is known of one site for its alarms."""
+
+    def __init__(self) -> None:
+        self.alarms: dict[str, LiveAlarm] = {}
+        # For each channel of the wire's list, whether anybody looks at it, and who does.
+        self.watched: NDArray[np.bool_] = np.zeros(0, bool)
+        self.lookers: dict[int, list[LiveAlarm]] = {}
+        self.addresses: tuple[str, ...] = ()
+        self.texts: frozenset[int] = frozenset()
+        # The newest value, its text and when it came (monotonic ns), by address.
+        self.values: dict[str, tuple[float, str, int]] = {}
+        # What goes on now, as detectors say, by whom and of what.
+        self.seen: dict[tuple[str, str], dict[int, Seen]] = {}
+
+
+class Alarms:
+    """Watches, decides, writes down, and tells."""
+
+    def __init__(
+        self,
+        sites: Sites,
+        browsers: Browsers,
+        store: AlarmStore,
+        notices: Notices,
+        clock: Clock,
+    ) -> None:
+        """Begin without any; `open` brings back what the database has."""
+        self._sites = sites
+        self._browsers = browsers
+        self._store = store
+        self._notices = notices
+        self._clock = clock
+        self._of: dict[str, _Site] = {}
+        self._states: dict[tuple[str, str], State] = {}
+        self._made: dict[str, dict[str, Made]] = {}
+        self._queue: deque[_Ask] = deque()
+        self._news = asyncio.Event()
+        self._stopping = False
+        self._looked_ns = clock.monotonic_ns()
+        self._wake_delivery: Callable[[], None] = lambda: None
+
+    def on_notice(self, wake: Callable[[], None]) -> None:
+        """Call ``wake`` when something may have been put into the outbox."""
+        self._wake_delivery = wake
+
+    async def open(self) -> None:
+        """Bring back what the database has, for the sites that are known."""
+        self._states = await self._store.states()
+        for made in await self._store.made():
+            self._made.setdefault(made.site, {})[made.alarm] = made
+        for live in self._sites:
+            self.described(live)
+        await self.refresh_troubles()
+
+    # ── what is watched ─────────────────────────────────────────────────────────────────────
+
+    def described(self, live: LiveSite) -> None:
+        """Take a site's description, new or the same; alarms that stay keep their state."""
+        known = self._of.setdefault(live.name, _Site())
+        before, known.alarms = known.alarms, {}
+        addresses = Addresses(live.description)
+        for name, alarm, made in self._definitions(live.description):
+            known.alarms[name] = self._live(
+                live, addresses, name, alarm, before.get(name), made=made
+            )
+        self._index(live, known)
+        for name, gone in before.items():
+            if name not in known.alarms:
+                self._retire(gone)
+        # Of former descriptions, whose alarms are described no more.
+        for site, name in [key for key in self._states if key[0] == live.name]:
+            state = self._states[site, name]
+            if name not in known.alarms and name not in before and _stands(state):
+                self._retire(_ghost(live, name, state))
+        for each in known.alarms.values():
+            self._tell(each)
+        self._news.set()
+
+    def of(self, site: str) -> Iterator[LiveAlarm]:
+        """Go through the alarms of a site."""
+        known = self._of.get(site)
+        return iter(list(known.alarms.values()) if known else [])
+
+    def find(self, site: str, alarm: str) -> LiveAlarm | None:
+        """Find one."""
+        known = self._of.get(site)
+        return known.alarms.get(alarm) if known else None
+
+    def _definitions(self, site: Site) -> Iterator[tuple[str, Alarm, bool]]:
+        for name, alarm in site.alarms.items():
+            yield name, alarm, False
+        for name, made in self._made.get(site.site, {}).items():
+            if name in site.alarms:
+                continue
+            try:
+                yield name, msgspec.json.decode(made.definition, type=Alarm), True
+            except msgspec.MsgspecError:
+                _LOG.exception("the alarm %s of %s cannot be read", name, site.site)
+
+    def _live(
+        self,
+        live: LiveSite,
+        addresses: Addresses,
+        name: str,
+        alarm: Alarm,
+        before: LiveAlarm | None,
+        *,
+        made: bool,
+    ) -> LiveAlarm:
+        site = live.description
+        state = before.state if before else self._states.get((live.name, name), State())
+        # One whose former self is in the queue yet: the database will have it so.
+        for ask in self._queue:
+            if ask.live is before and before is not None:
+                with contextlib.suppress(NotNow):
+                    state = step(state, ask.event)[0]
+        finding = next(iter(alarm_findings(addresses, "$", alarm)), None)
+        about = About(
+            live.name, name, device_of(addresses, alarm), alarm.severity, alarm.name, site.name,
+            alarm.advice,
+        )  # fmt: skip
+        same = before is not None and before.alarm == alarm and before.condition is not None
+        if before is not None and same and finding is None:
+            before.about, before.made = about, made
+            before.condition = Condition(addresses, alarm)
+            return before
+        return LiveAlarm(
+            about,
+            alarm,
+            made,
+            state,
+            Watch(alarm, on=state.on),
+            None if finding else Condition(addresses, alarm),
+            str(finding).removeprefix("$.") if finding else "",
+            before.undelivered if before else "",
+        )
+
+    def _index(self, live: LiveSite, known: _Site) -> None:
+        number = {channel.address: at for at, channel in enumerate(live.channels)}
+        known.watched = np.zeros(len(live.channels), bool)
+        known.addresses = tuple(channel.address for channel in live.channels)
+        known.lookers = {}
+        for each in known.alarms.values():
+            for address in each.condition.channels if each.condition else ():
+                at = number[address]
+                known.watched[at] = True
+                known.lookers.setdefault(at, []).append(each)
+        latest = live.latest
+        known.values = {
+            known.addresses[at]: (
+                float(latest.value[at]), latest.texts.get(at, ""), int(latest.arrived_ns[at])
+            )
+            for at in known.lookers
+            if latest.arrived_ns[at] != np.iinfo(np.int64).min
+        }  # fmt: skip
+
+    def _retire(self, gone: LiveAlarm) -> None:
+        gone.alarm = None
+        self._put(gone, Retire(self._now_us()))
+        self._tell(gone)
+
+    # ── what is true ────────────────────────────────────────────────────────────────────────
+
+    def take(self, live: LiveSite, columns: Columns) -> None:
+        """Hold live samples against the conditions that look at them; never waits."""
+        known = self._of.get(live.name)
+        if known is None or not known.lookers or not len(columns):
+            return
+        if len(known.watched) != len(live.channels):
+            return
+        keep = known.watched[columns.channel]
+        if not keep.any():
+            return
+        mine = pick(columns, keep)
+        if len(mine) > _MOST_AT_ONCE:
+            mine = conflate(mine)
+        now = self._clock.monotonic_ns()
+        values = mine.value.tolist()
+        for place, at in enumerate(mine.channel.tolist()):
+            text = mine.texts.get(place, "")
+            known.values[known.addresses[at]] = (values[place], text, now)
+            for each in known.lookers[at]:
+                self._judge(live, known, each, now)
+
+    def anomaly(self, news: AnomalyNews) -> None:
+        """Take what a detector of anomalies says; see `talaia.hub.ports.DetectorNews`."""
+        seen = Seen(score=news.score, why=news.why)
+        self._happens(news.site, (news.channel, ""), news.began_us, seen, over=bool(news.ended_us))
+
+    def sighting(self, news: Sighting) -> None:
+        """Take what a detector of objects says."""
+        seen = Seen(many=news.count, confidence=news.confidence)
+        what = (news.camera, news.label)
+        self._happens(news.site, what, news.began_us, seen, over=bool(news.ended_us))
+
+    def look(self) -> None:
+        """Hold what is known against every condition: values age, and delays end."""
+        now, now_us = self._clock.monotonic_ns(), self._now_us()
+        for site, known in self._of.items():
+            live = self._sites.get(site)
+            if live is None:
+                continue
+            for each in known.alarms.values():
+                self._judge(live, known, each, now)
+                until = each.state.shelved_until_us
+                if until and until <= now_us:
+                    self._put(each, Unshelve(now_us))
+
+    def _happens(
+        self, site: str, what: tuple[str, str], began_us: int, seen: Seen, *, over: bool
+    ) -> None:
+        known, live = self._of.get(site), self._sites.get(site)
+        if known is None or live is None:
+            return
+        going = known.seen.setdefault(what, {})
+        now = self._clock.monotonic_ns()
+        # Told only when it was over, it has been there all the same.
+        going[began_us] = seen
+        mine = [
+            each
+            for each in known.alarms.values()
+            if each.condition is not None and each.condition.happening == what
+        ]
+        for each in mine:
+            self._judge(live, known, each, now)
+        if over:
+            del going[began_us]
+            for each in mine:
+                self._judge(live, known, each, now)
+
+    def _judge(self, live: LiveSite, known: _Site, each: LiveAlarm, now: int) -> None:
+        edge = each.watch.take(self._verdict(live, known, each, now), now)
+        if edge is not None:
+            kind = Raise if edge.turn is Turn.RAISE else Clear
+            self._put(each, kind(self._now_us(), edge.why))
+        if each.watch.known is not each.shown_known:
+            each.shown_known = each.watch.known
+            self._tell(each)
+
+    @staticmethod
+    def _verdict(live: LiveSite, known: _Site, each: LiveAlarm, now: int) -> Verdict:
+        condition = each.condition
+        if condition is None:
+            return Verdict(Truth.UNKNOWN, each.problem)
+        readings = {
+            address: Reading(value, text, (now - arrived) / SECOND)
+            for address in condition.channels
+            if (found := known.values.get(address)) is not None
+            for value, text, arrived in (found,)
+            if not live.unreached or address.partition("/")[0] not in live.unreached
+        }
+        seen: tuple[Seen, ...] = ()
+        if condition.happening is not None:
+            seen = tuple(known.seen.get(condition.happening, {}).values())
+        return condition.judge(readings, seen, held=each.watch.on, online=live.online)
+
+    # ── what comes of it ────────────────────────────────────────────────────────────────────
+
+    async def act(self, live: LiveAlarm, event: Event) -> State:
+        """Do what a person asks; it is in the database when this comes back.
+
+        Raises:
+            NotNow: it makes no sense as the alarm stands.
+            StoreDown: it cannot be written; nothing was done.
+
+        """
+        done: asyncio.Future[State] = asyncio.get_running_loop().create_future()
+        self._put(live, event, done)
+        return await done
+
+    async def define(self, live: LiveSite, made: Made) -> None:
+        """Keep an alarm that was made in the page, in place of the one of its name."""
+        await self._store.define(made)
+        self._made.setdefault(made.site, {})[made.alarm] = made
+        self.described(live)
+
+    async def forget(self, live: LiveSite, alarm: str) -> bool:
+        """Remove an alarm that was made in the page; False when there is none."""
+        if not await self._store.forget(live.name, alarm):
+            return False
+        self._made.get(live.name, {}).pop(alarm, None)
+        self.described(live)
+        return True
+
+    async def run(self) -> None:
+        """Look, write down and tell, until `stop`; what is decided by then is written first."""
+        failing = False
+        while not self._stopping or self._queue:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_TICK_S):
+                    await self._news.wait()
+            self._news.clear()
+            try:
+                self._look_again()
+                await self.settle()
+            except StoreDown:
+                if not failing:
+                    _LOG.exception("what happens to alarms cannot be written down; it waits")
+                failing = True
+                if self._stopping:
+                    return
+                await asyncio.sleep(_RETRY_S)
+                self._news.set()
+            except Exception:  # noqa: BLE001 - logged, and tried again
+                # Alarms that end without a word would be the worst of all.
+                _LOG.exception("what happens to alarms cannot be dealt with; it is tried again")
+                if self._stopping:
+                    return
+                await asyncio.sleep(_RETRY_S)
+                self._news.set()
+            else:
+                failing = False
+
+    def _look_again(self) -> None:
+        now = self._clock.monotonic_ns()
+        if now - self._looked_ns >= _TICK_NS:
+            self._looked_ns = now
+            self.look()
+
+    def stop(self) -> None:
+        """Let `run` end."""
+        self._stopping = True
+        self._news.set()
+
+    async def settle(self) -> None:
+        """Write down and tell all that was decided.
+
+        Raises:
+            StoreDown: nothing of the rest was done; it waits, but for what people asked for,
+                who are told at once.
+
+        """
+        while self._queue:
+            batch = [self._queue[at] for at in range(min(len(self._queue), _MOST_A_COMMIT))]
+            changes, states, refused = _worked_out(batch)
+            try:
+                if changes:
+                    await self._store.commit([change for _, change in changes], self._now_us())
+            except StoreDown as error:
+                self._put_back(batch, error)
+                raise
+            for ask in batch:
+                self._queue.popleft()
+                if ask.done is not None and not ask.done.done():
+                    if id(ask) in refused:
+                        ask.done.set_exception(refused[id(ask)])
+                    else:
+                        ask.done.set_result(states[ask.live])
+            for live, state in states.items():
+                live.state = state
+                self._states[live.about.site, live.about.alarm] = state
+            self._show(changes)
+
+    def _put_back(self, batch: list[_Ask], error: StoreDown) -> None:
+        for ask in batch:
+            if ask.done is not None:
+                self._queue.remove(ask)
+                if not ask.done.done():
+                    ask.done.set_exception(error)
+
+    def _show(self, changes: list[tuple[LiveAlarm, Change]]) -> None:
+        """Tell of what is in the database now."""
+        for live in dict.fromkeys(live for live, _ in changes):
+            self._tell(live)
+        for live, change in changes:
+            for happened in change.happened:
+                self._tell_event(live, happened)
+                if happened.what is What.RAISED:
+                    live.undelivered = ""
+                    self._record(live, happened)
+        if changes:
+            self._wake_delivery()
+
+    def _record(self, each: LiveAlarm, happened: Happened) -> None:
+        live = self._sites.get(each.about.site)
+        if each.alarm is None or not each.alarm.record or live is None or live.link is None:
+            return
+        why = f"alarm {each.about.name}: {happened.message}"[:500]
+        live.link.send(RecordAsk(on=True, who="alarm", why=why, alarm=True))
+
+    async def refresh_troubles(self) -> None:
+        """Read anew which alarms could not be delivered, and tell."""
+        troubles = await self._notices.troubles()
+        for site, known in self._of.items():
+            for name, each in known.alarms.items():
+                problem = troubles.get((site, name), "")
+                if problem != each.undelivered:
+                    each.undelivered = problem
+                    self._tell(each)
+
+    def greet(self, browser: Browser) -> None:
+        """Tell a page that has just come how all alarms stand that it may see."""
+        for known in self._of.values():
+            for each in known.alarms.values():
+                browser.tell(alarm_news(each))
+
+    def _put(
+        self, live: LiveAlarm, event: Event, done: asyncio.Future[State] | None = None
+    ) -> None:
+        self._queue.append(_Ask(live, event, done))
+        self._news.set()
+
+    def _tell(self, each: LiveAlarm) -> None:
+        self._browsers.tell(alarm_news(each))
+
+    def _tell_event(self, each: LiveAlarm, happened: Happened) -> None:
+        about = each.about
+        self._browsers.tell(
+            page.EventNews(
+                site=about.site,
+                kind=f"alarm {happened.what}",
+                device=about.device,
+                message=f"{about.name}: {happened.message}".rstrip(": ")[:500],
+                who=happened.who,
+                time_us=happened.time_us,
+                good=happened.what not in {What.RAISED, What.UNSHELVED},
+            )
+        )
+
+    def _now_us(self) -> int:
+        return self._clock.wall_ns() // 1000
+
+
+def device_of(addresses: Addresses, alarm: Alarm) -> str:
+    """Name the one device that an alarm is about; empty when it is about more: the whole site."""
+    devices = {address.partition("/")[0] for address in signals_of(addresses, alarm)}
+    if alarm.stream:
+        devices = {alarm.stream.partition("/")[0]}
+    return next(iter(devices)) if len(devices) == 1 else ""
+
+
+def alarm_news(each: LiveAlarm) -> page.AlarmNews:
+    """Say how an alarm stands."""
+    about, state, alarm = each.about, each.state, each.alarm
+    return page.AlarmNews(
+        site=about.site,
+        alarm=about.alarm,
+        device=about.device,
+        name=about.name,
+        kind=alarm.kind.value if alarm else "",
+        severity=about.severity.value,
+        phase=state.phase.value,
+        why=state.why[:500] if state.phase is not Phase.NORMAL else "",
+        known=each.watch.known,
+        unknown_why="" if each.watch.known else each.watch.why[:500],
+        raised_us=state.raised_us,
+        cleared_us=state.cleared_us,
+        acked_us=state.acked_us,
+        acked_by=state.acked_by,
+        assigned=state.assigned,
+        shelved_until_us=state.shelved_until_us,
+        shelved_by=state.shelved_by,
+        shelved_why=state.shelved_why[:500],
+        undelivered=each.undelivered[:500],
+        advice=about.advice[:500],
+        signals=list(each.condition.channels) if each.condition else [],
+        made=each.made,
+        gone=alarm is None,
+    )
+
+
+def _worked_out(
+    batch: list[_Ask],
+) -> tuple[list[tuple[LiveAlarm, Change]], dict[LiveAlarm, State], dict[int, NotNow]]:
+    """Give the changes, the state after them of each alarm, and what is refused and why."""
+    states: dict[LiveAlarm, State] = {}
+    changes: list[tuple[LiveAlarm, Change]] = []
+    refused: dict[int, NotNow] = {}
+    for ask in batch:
+        before = states.get(ask.live, ask.live.state)
+        try:
+            after, happened = step(before, ask.event)
+        except NotNow as error:
+            refused[id(ask)] = error
+            after, happened = before, ()
+        states[ask.live] = after
+        if happened or after != before:
+            changes.append((ask.live, Change(ask.live.about, after, happened)))
+    return changes, states, refused
+
+
+def _stands(state: State) -> bool:
+    return state.phase is not Phase.NORMAL or bool(state.shelved_until_us)
+
+
+def _ghost(live: LiveSite, name: str, state: State) -> LiveAlarm:
+    """Give an alarm of which nothing is known any more but how it stood."""
+    alarm = Alarm(name=name, kind=AlarmKind.LIMIT)
+    about = About(live.name, name, "", alarm.severity, name, live.description.name, "")
+    return LiveAlarm(about, None, made=True, state=state, watch=Watch(alarm, on=state.on))

@@ -1,0 +1,53 @@
+"""Which addresses a message may go to. Pure.
+
+A hub stands inside a network that others cannot reach; whoever names a server for it to speak to
+must not get to what only the hub can reach. So an address must be a public one, unless whoever
+runs the hub has named its network (``--notify-network``).
+"""
+
+from __future__ import annotations
+
+import ipaddress
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["AddressRefused", "may_reach"]
+
+Address = ipaddress.IPv4Address | ipaddress.IPv6Address
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
+
+_NAT64 = ipaddress.ip_network("64:ff9b::/96")
+
+
+class AddressRefused(OSError):
+    """A name leads to an address that messages may not go to."""
+
+    def __init__(self, host: str, address: str) -> None:
+        """Say which, and what to do."""
+        super().__init__(
+            f"{host} is {address}, which is no public address; "
+            "start the hub with --notify-network for its network if that is meant"
+        )
+
+
+def may_reach(text: str, networks: Iterable[Network]) -> bool:
+    """Tell whether an IP address may be spoken to; one that cannot be read may not."""
+    try:
+        address = _plain(ipaddress.ip_address(text.partition("%")[0]))
+    except ValueError:
+        return False
+    if any(address.version == network.version and address in network for network in networks):
+        return True
+    return address.is_global and not address.is_multicast
+
+
+def _plain(address: Address) -> Address:
+    """Give the IPv4 address that is written as an IPv6 one."""
+    if isinstance(address, ipaddress.IPv4Address):
+        return address
+    inner = address.ipv4_mapped or address.sixtofour or (address.teredo or (None, None))[1]
+    if inner is None and address in _NAT64:
+        inner = ipaddress.IPv4Address(int(address) & 0xFFFFFFFF)
+    return inner or address

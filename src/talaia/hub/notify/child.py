@@ -1,0 +1,286 @@
+"""A process that sends one message and ends: ``python -m talaia.hub.notify.child``.
+
+It reads a job (JSON) from its input and writes how it went (JSON) to its output. A process of its
+own, because the libraries of the ways out resolve names by themselves: here `socket.getaddrinfo`
+itself gives no address that messages may not go to, so that nothing can be reached by another
+name, by a redirect, or by a name that means something else the second time it is asked. And one
+that hangs is ended without harm to the hub.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import http.client
+import ipaddress
+import json
+import logging
+import re
+import smtplib
+import socket
+import ssl
+import sys
+from email.message import EmailMessage
+from email.utils import formatdate
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+from talaia.hub.notify.addresses import AddressRefused, may_reach
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+__all__ = ["main"]
+
+# For each answer of a server (s).
+_PATIENCE_S = 15.0
+Job = dict[str, Any]
+Outcome = dict[str, str]
+# Services that apprise may speak to for us.
+_CHATS = ("ntfy", "ntfys", "matrix", "matrixs", "tgram")
+_ANSWERED = re.compile(r"error=\d{3}")
+
+
+class _Left:
+    """Whether a word of the message may have left this machine, and what was not let through."""
+
+    def __init__(self) -> None:
+        self.yes = False
+        self.refused: AddressRefused | None = None
+
+
+def main() -> None:
+    """Do the job that stands on the input."""
+    job: Job = json.load(sys.stdin)
+    left = _watch()
+    _guard([ipaddress.ip_network(each) for each in job["networks"]], left)
+    try:
+        outcome = _WAYS[job["kind"]](job, left)
+    except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
+        outcome = _went("unsure" if left.yes else "again", _told(error))
+    if left.refused is not None and outcome["outcome"] == "again":
+        outcome = _went("failed", str(left.refused))
+    json.dump(outcome, sys.stdout)
+
+
+def _went(outcome: str, problem: str = "") -> Outcome:
+    """Say how it went.
+
+    ``sent``; ``again``: it has certainly not arrived, another try may do; ``failed``: it has not,
+    and another try will not do; ``unsure``: it may have arrived.
+    """
+    return {"outcome": outcome, "problem": problem[:1500]}
+
+
+def _guard(networks: list[ipaddress.IPv4Network | ipaddress.IPv6Network], left: _Left) -> None:
+    resolve = socket.getaddrinfo
+
+    def guarded(host: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401 - as it is there
+        found = resolve(host, *args, **kwargs)
+        allowed = [each for each in found if may_reach(str(each[4][0]), networks)]
+        if found and not allowed:
+            left.refused = AddressRefused(str(host), str(found[0][4][0]))
+            raise left.refused
+        return allowed
+
+    socket.getaddrinfo = guarded
+
+
+def _watch() -> _Left:
+    """Notice the first word that goes out over any connection."""
+    left = _Left()
+    for kind in (socket.socket, ssl.SSLSocket):
+        send: Callable[..., None] = kind.sendall
+
+        def noticed(self: socket.socket, *args: Any, send: Any = send) -> None:  # noqa: ANN401
+            left.yes = True
+            send(self, *args)
+
+        kind.sendall = noticed  # type: ignore[method-assign, assignment]
+    return left
+
+
+def _told(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+
+
+def _mail(job: Job, left: _Left) -> Outcome:
+    message = EmailMessage()
+    message["From"] = job["sender"]
+    message["To"] = job["target"]
+    message["Subject"] = job["title"]
+    message["Date"] = formatdate()
+    # Sent twice it is the same message, for a server that looks.
+    message["Message-ID"] = f"<{job['key']}@talaia.invalid>"
+    message["Auto-Submitted"] = "auto-generated"
+    message.set_content(job["body"])
+    # Until the text itself goes out, nothing of the message has left.
+    accepted = False
+    try:
+        with _server(job) as server:
+            if job.get("user"):
+                server.login(job["user"], job["password"])
+            # One address, and nothing else may hide in it.
+            server.mail(job["sender"])
+            code, said = server.rcpt(job["target"])
+            if code not in {250, 251}:
+                return _went(_by_code(code), f"{job['target']} is refused: {code} {_line(said)}")
+            left.yes = False
+            accepted = True
+            code, said = server.data(message.as_bytes(policy=message.policy.clone(linesep="\r\n")))
+            if code != 250:
+                return _went(_by_code(code), f"the message is refused: {code} {_line(said)}")
+            return _went("sent")
+    except smtplib.SMTPDataError as error:
+        return _went(_by_code(error.smtp_code), f"{error.smtp_code} {_line(error.smtp_error)}")
+    except smtplib.SMTPResponseException as error:
+        return _went(_by_code(error.smtp_code), f"{error.smtp_code} {_line(error.smtp_error)}")
+    except (OSError, smtplib.SMTPException) as error:
+        return _went("unsure" if accepted else "again", _told(error))
+
+
+@contextlib.contextmanager
+def _server(job: Job) -> Iterator[smtplib.SMTP]:
+    """Connect; TLS unless the admin chose otherwise, and never a password without it."""
+    security, host, port = job["security"], job["host"], int(job["port"])
+    context = ssl.create_default_context()
+    if security == "tls":
+        server: smtplib.SMTP = smtplib.SMTP_SSL(host, port, timeout=_PATIENCE_S, context=context)
+    else:
+        server = smtplib.SMTP(host, port, timeout=_PATIENCE_S)
+    try:
+        if security == "starttls":
+            server.starttls(context=context)
+        elif security == "none" and job.get("user"):
+            raise smtplib.SMTPException("a password is not sent without TLS; choose TLS")
+        server.ehlo_or_helo_if_needed()
+        yield server
+    finally:
+        # It was accepted or refused before; how the farewell goes is no matter.
+        with contextlib.suppress(OSError, smtplib.SMTPException):
+            server.quit()
+
+
+def _by_code(code: int) -> str:
+    return "again" if 400 <= code < 500 or code < 0 else "failed"
+
+
+def _line(said: bytes | str) -> str:
+    return said.decode("utf-8", "replace") if isinstance(said, bytes) else said
+
+
+def _webhook(job: Job, left: _Left) -> Outcome:
+    parts = urlsplit(job["url"])
+    if parts.scheme not in {"http", "https"} or not parts.hostname:
+        return _went("failed", "the address does not begin with https:// or http://")
+    body = json.dumps(
+        {key: job[key] for key in ("key", "title", "body", "severity", "sites")}
+    ).encode()
+    headers = {
+        "Content-Type": "application/json",
+        "User-Agent": "Talaia",
+        # Of the same message sent again the other side can tell by this.
+        "Idempotency-Key": job["key"],
+    }
+    if job.get("token"):
+        headers["Authorization"] = f"Bearer {job['token']}"
+    kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
+    connection = kind(parts.hostname, parts.port, timeout=_PATIENCE_S)
+    try:
+        path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
+        connection.request("POST", path, body, headers)
+        answer = connection.getresponse()
+        said = answer.read(300).decode("utf-8", "replace")
+    except (OSError, http.client.HTTPException) as error:
+        return _went("unsure" if left.yes else "again", _told(error))
+    finally:
+        connection.close()
+    if 200 <= answer.status < 300:
+        return _went("sent")
+    # Not followed: it could lead anywhere.
+    return _went(
+        "again" if answer.status >= 500 or answer.status == 429 else "failed",
+        f"it answered {answer.status} {answer.reason}: {said}",
+    )
+
+
+def _chat(job: Job, left: _Left) -> Outcome:
+    import apprise
+
+    scheme = job["url"].partition("://")[0].lower()
+    if scheme not in _CHATS:
+        return _went("failed", f"{scheme!r} is none of {', '.join(_CHATS)}")
+    said: list[str] = []
+    handler = logging.Handler(logging.WARNING)
+    handler.emit = lambda record: said.append(record.getMessage())  # type: ignore[method-assign]
+    logger = logging.getLogger("apprise")
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    service = apprise.Apprise(asset=apprise.AppriseAsset(secure_logging=True, app_id="Talaia"))
+    if not service.add(job["url"]):
+        return _went("failed", "; ".join(said) or "the address is not understood")
+    kinds = {"critical": apprise.NotifyType.FAILURE, "warning": apprise.NotifyType.WARNING}
+    done = service.notify(
+        title=job["title"],
+        body=job["body"],
+        notify_type=kinds.get(job["severity"], apprise.NotifyType.INFO),
+        body_format=apprise.NotifyFormat.TEXT,
+    )
+    if done:
+        return _went("sent")
+    problem = "; ".join(said) or "the service did not take it"
+    if left.yes and not _ANSWERED.search(problem):
+        return _went("unsure", problem)
+    return _went("again", problem)
+
+
+def _push(job: Job, _: _Left) -> Outcome:
+    """Send to every browser of the person; one that has gone away is named for removal."""
+    # Only this way needs it.
+    from pywebpush import (  # type: ignore[import-untyped]
+        WebPushException,
+        webpush,
+    )
+
+    gone, problems, reached = [], [], 0
+    for number, subscription in job["browsers"]:
+        said = {key: job[key] for key in ("key", "title", "body", "severity")}
+        said["body"] = said["body"][:1500]
+        try:
+            webpush(
+                subscription_info={
+                    "endpoint": subscription["endpoint"],
+                    "keys": {"p256dh": subscription["p256dh"], "auth": subscription["auth"]},
+                },
+                data=json.dumps(said),
+                vapid_private_key=job["private_key"],
+                vapid_claims={"sub": job["subject"]},
+                ttl=86_400,
+                timeout=_PATIENCE_S,
+                headers={"Urgency": "high", "Topic": job["key"][:32]},
+            )
+            reached += 1
+        except WebPushException as error:
+            status = error.response.status_code if error.response is not None else 0
+            if status in {404, 410}:
+                gone.append(number)
+            problems.append(f"a browser's push service answered {status}: {error.message}")
+        except OSError as error:
+            problems.append(_told(error))
+    if reached:
+        outcome = _went("sent")
+    elif not job["browsers"]:
+        outcome = _went("failed", "no browser of yours takes messages yet")
+    else:
+        outcome = _went("failed" if len(gone) == len(problems) else "again", "; ".join(problems))
+    return {**outcome, "gone": ",".join(str(number) for number in gone)}
+
+
+_WAYS: dict[str, Callable[[Job, _Left], Outcome]] = {
+    "mail": _mail,
+    "webhook": _webhook,
+    "chat": _chat,
+    "push": _push,
+}
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+"""What a message says. Pure."""
+
+from __future__ import annotations
+
+import datetime as dt
+from typing import TYPE_CHECKING, NamedTuple
+from zoneinfo import ZoneInfo
+
+from talaia.hub.alarms.machine import What
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.hub.store.notices import Notice
+
+__all__ = ["Message", "compose", "trial"]
+
+_WORDS = {What.CLEARED: "over: "}
+
+
+class Message(NamedTuple):
+    """A message, the same by whatever way it goes.
+
+    Attributes:
+        key: names it; the same when it is sent again.
+        severity: of the worst in it.
+        sites: whom it is about.
+
+    """
+
+    key: str
+    title: str
+    body: str
+    severity: str
+    sites: tuple[str, ...]
+
+
+def compose(key: str, notices: Sequence[Notice], zone: str) -> Message:
+    """Write one message of one or more things that happened; times in the person's zone."""
+    local = ZoneInfo(zone)
+    worst = max(notices, key=lambda notice: notice.severity.rank)
+    sites = tuple(dict.fromkeys(notice.site for notice in notices))
+    raised = [notice for notice in notices if notice.what is not What.CLEARED]
+    first = notices[0]
+    if len(notices) == 1:
+        title = f"{_WORDS.get(first.what, '')}{first.title} ({first.severity})"
+    elif raised:
+        title = f"{len(notices)} alarm messages, the worst {worst.severity}: {worst.title}"
+    else:
+        title = f"{len(notices)} alarms are over"
+    body = "\n\n".join(_said(notice, local) for notice in notices)
+    return Message(key, title, body, worst.severity.value, sites)
+
+
+def trial(key: str, who: str) -> Message:
+    """Write a message that only shows that one arrives."""
+    return Message(
+        key,
+        "Talaia: a test message",
+        f"{who} asked for this test. Messages about alarms come the same way.",
+        "info",
+        (),
+    )
+
+
+def _said(notice: Notice, zone: ZoneInfo) -> str:
+    moment = dt.datetime.fromtimestamp(notice.time_us / 1e6, zone)
+    head = f"{moment:%Y-%m-%d %H:%M:%S %Z}  {_WORDS.get(notice.what, '')}{notice.title}"
+    return f"{head} ({notice.severity})\n{notice.text}"

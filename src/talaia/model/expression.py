@@ -1,0 +1,389 @@
+"""The text of an alarm's condition, read into a tree and judged by values. Never `eval`.
+
+::
+
+    {power/battery} < 11.5 and not {power/charger} == "on"
+    max({base/motor_left}, {base/motor_right}) - {weather/outside} > 40
+
+A signal stands in braces by its channel's address; a state and a text compare with a text in
+quotes, a number with a number. There are ``and``, ``or``, ``not``, ``< <= > >= == !=``,
+``+ - * /``, ``abs(a)``, ``min(a, b, …)`` and ``max(a, b, …)``, and parentheses.
+
+What cannot be known is `None`, and stays so: with it a sum is unknown, and a comparison; ``and`` is
+false if one side is, ``or`` is true if one side is, and else they are unknown (Kleene's logic).
+
+Long, because the grammar, its kinds and its judgement are one thing and are read together.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple
+
+from talaia.errors import TalaiaError
+
+__all__ = [
+    "MAX_LENGTH",
+    "Expression",
+    "ExpressionError",
+    "Kind",
+    "parse",
+]
+
+MAX_LENGTH = 1000
+_MAX_DEPTH = 24
+_MAX_LINKS = 100
+_MAX_ARGUMENTS = 20
+
+Value = float | str | bool | None
+
+
+class Kind(StrEnum):
+    """What a part of an expression gives."""
+
+    NUMBER = "number"
+    TEXT = "text"
+    TRUTH = "yes or no"
+
+
+class ExpressionError(TalaiaError):
+    """The text is no condition."""
+
+    def __init__(self, at: int, problem: str) -> None:
+        """Say where: the place of the letter it stumbled on, counted from 0."""
+        super().__init__(at, problem)
+        self.at = at
+        self.problem = problem
+
+    def __str__(self) -> str:
+        return f"at letter {self.at + 1}: {self.problem}"
+
+
+@dataclass(frozen=True, slots=True)
+class _Node:
+    """One part: what it does, to which parts, and what it gives."""
+
+    kind: Kind
+    judge: Callable[[Mapping[str, Value], tuple[Value, ...]], Value]
+    parts: tuple[_Node, ...] = ()
+
+    def value(self, values: Mapping[str, Value]) -> Value:
+        """Judge the parts, and then this."""
+        return self.judge(values, tuple(part.value(values) for part in self.parts))
+
+
+@dataclass(frozen=True, slots=True)
+class Expression:
+    """A condition that was read.
+
+    Attributes:
+        text: as it was written.
+        signals: addresses of the channels in it, each once.
+
+    """
+
+    text: str
+    signals: tuple[str, ...]
+    _tree: _Node
+
+    def judge(self, values: Mapping[str, Value]) -> bool | None:
+        """Tell whether it holds; None when that cannot be known.
+
+        Args:
+            values: by address; None, not a number, or missing: unknown.
+
+        """
+        found = self._tree.value(values)
+        return found if isinstance(found, bool) else None
+
+
+def parse(text: str, kinds: Mapping[str, Kind]) -> Expression:
+    """Read a condition over the channels in ``kinds``.
+
+    Raises:
+        ExpressionError: with the place of the mistake.
+
+    """
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(MAX_LENGTH, f"longer than {MAX_LENGTH} letters")
+    reader = _Reader(text, kinds)
+    tree = reader.read()
+    return Expression(text, tuple(dict.fromkeys(reader.signals)), tree)
+
+
+class _Token(NamedTuple):
+    """A word, where it stands, and of which sort: number, text, signal, word, sign, end."""
+
+    sort: str
+    text: str
+    at: int
+
+
+_TOKEN = re.compile(
+    r"""(?P<space>\s+)
+    |(?P<number>(?:\d{1,30}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][+-]?\d{1,3})?)
+    |"(?P<text>[^"\n]{0,200})"
+    |\{(?P<signal>[^{}\n]{1,200})\}
+    |(?P<word>[A-Za-z_]+)
+    |(?P<sign><=|>=|==|!=|[-+*/<>(),])""",
+    re.VERBOSE,
+)
+
+
+def _tokens(text: str) -> list[_Token]:
+    found, at = [], 0
+    while at < len(text):
+        match = _TOKEN.match(text, at)
+        if match is None or match.lastgroup is None:
+            raise ExpressionError(at, f"{text[at]!r} is not expected here")
+        if match.lastgroup != "space":
+            found.append(_Token(match.lastgroup, match[match.lastgroup], at))
+        at = match.end()
+    return [*found, _Token("end", "", len(text))]
+
+
+class _Reader:
+    """Recursive descent, one method for each level of binding."""
+
+    def __init__(self, text: str, kinds: Mapping[str, Kind]) -> None:
+        self._words = _tokens(text)
+        self._kinds = kinds
+        self._next = 0
+        self._depth = 0
+        self._links = 0
+        self.signals: list[str] = []
+
+    def read(self) -> _Node:
+        start = self._word
+        tree = self._any()
+        if self._word.sort != "end":
+            raise ExpressionError(self._word.at, f"{self._said(self._word)} is not expected here")
+        _want(tree, Kind.TRUTH, start)
+        return tree
+
+    @property
+    def _word(self) -> _Token:
+        return self._words[self._next]
+
+    def _take(self, *texts: str) -> _Token | None:
+        word = self._word
+        if word.sort in {"word", "sign"} and word.text in texts:
+            self._next += 1
+            return word
+        return None
+
+    def _expect(self, text: str) -> None:
+        if self._take(text) is None:
+            raise ExpressionError(
+                self._word.at, f"expected {text!r}, found {self._said(self._word)}"
+            )
+
+    @staticmethod
+    def _said(word: _Token) -> str:
+        return "the end" if word.sort == "end" else repr(word.text)
+
+    def _any(self) -> _Node:
+        self._depth += 1
+        if self._depth > _MAX_DEPTH:
+            raise ExpressionError(self._word.at, f"nested deeper than {_MAX_DEPTH} levels")
+        start, parts = self._word, [self._all()]
+        while self._take("or"):
+            parts.append(self._all())
+        self._depth -= 1
+        return self._joined(parts, _or, start)
+
+    def _all(self) -> _Node:
+        start, parts = self._word, [self._not()]
+        while self._take("and"):
+            parts.append(self._not())
+        return self._joined(parts, _and, start)
+
+    @staticmethod
+    def _joined(
+        parts: list[_Node], judge: Callable[[tuple[Value, ...]], Value], start: _Token
+    ) -> _Node:
+        if len(parts) == 1:
+            return parts[0]
+        for part in parts:
+            _want(part, Kind.TRUTH, start)
+        return _Node(Kind.TRUTH, lambda _, values: judge(values), tuple(parts))
+
+    def _not(self) -> _Node:
+        turns = 0
+        while self._take("not"):
+            turns += 1
+        start, part = self._word, self._compared()
+        if not turns:
+            return part
+        _want(part, Kind.TRUTH, start)
+        if turns % 2 == 0:
+            return part
+        return _Node(Kind.TRUTH, lambda _, v: None if v[0] is None else not v[0], (part,))
+
+    def _compared(self) -> _Node:
+        left = self._sum()
+        sign = self._take(*_COMPARE)
+        if sign is None:
+            return left
+        right = self._sum()
+        if left.kind is not right.kind or left.kind is Kind.TRUTH:
+            raise ExpressionError(sign.at, f"a {left.kind} cannot be compared with a {right.kind}")
+        if left.kind is Kind.TEXT and sign.text not in {"==", "!="}:
+            raise ExpressionError(sign.at, "texts can only be == or !=")
+        again = self._word
+        if self._take(*_COMPARE):
+            raise ExpressionError(again.at, "write two comparisons with `and` between them")
+        compare = _COMPARE[sign.text]
+        return _Node(Kind.TRUTH, lambda _, v: _known(compare, v), (left, right))
+
+    def _sum(self) -> _Node:
+        return self._chain(self._product, "+", "-")
+
+    def _product(self) -> _Node:
+        return self._chain(self._signed, "*", "/")
+
+    def _chain(self, inner: Callable[[], _Node], *signs: str) -> _Node:
+        start, left = self._word, inner()
+        while (sign := self._take(*signs)) is not None:
+            at, right = self._word, inner()
+            _want(left, Kind.NUMBER, start)
+            _want(right, Kind.NUMBER, at)
+            left = _working(_WORK[sign.text], left, right)
+            # A long chain leans to the left: its tree is as deep as the chain is long.
+            self._links += 1
+            if self._links > _MAX_LINKS:
+                raise ExpressionError(sign.at, "too many sums and products")
+        return left
+
+    def _signed(self) -> _Node:
+        minus = False
+        while self._take("-"):
+            minus = not minus
+        start, part = self._word, self._atom()
+        if not minus:
+            return part
+        _want(part, Kind.NUMBER, start)
+        return _Node(Kind.NUMBER, lambda _, v: _known(_negative, v), (part,))
+
+    def _atom(self) -> _Node:
+        word = self._word
+        self._next += word.sort != "end"
+        match word.sort:
+            case "number":
+                number = float(word.text)
+                return _Node(Kind.NUMBER, lambda _, __: _finite(number))
+            case "text":
+                return _Node(Kind.TEXT, lambda _, __: word.text)
+            case "signal":
+                return self._signal(word)
+            case "word" if word.text in _CALLS:
+                return self._call(word)
+        if word.text == "(":
+            inner = self._any()
+            self._expect(")")
+            return inner
+        what = {"word": "a signal stands in braces: {device/signal}", "end": "it ends too soon"}
+        raise ExpressionError(
+            word.at, what.get(word.sort, f"{self._said(word)} is not expected here")
+        )
+
+    def _signal(self, word: _Token) -> _Node:
+        address = word.text.strip()
+        kind = self._kinds.get(address)
+        if kind is None:
+            raise ExpressionError(word.at, f"there is no signal {address!r}")
+        self.signals.append(address)
+        return _Node(kind, lambda values, _: _finite(values.get(address)))
+
+    def _call(self, word: _Token) -> _Node:
+        self._expect("(")
+        parts = []
+        while True:
+            start, part = self._word, self._any()
+            _want(part, Kind.NUMBER, start)
+            parts.append(part)
+            if self._take(",") is None:
+                break
+        self._expect(")")
+        low, high = (1, 1) if word.text == "abs" else (2, _MAX_ARGUMENTS)
+        if not low <= len(parts) <= high:
+            wants = "one number" if high == 1 else f"{low} to {high} numbers"
+            raise ExpressionError(word.at, f"{word.text} takes {wants}")
+        work = _CALLS[word.text]
+        return _Node(Kind.NUMBER, lambda _, v: _known(work, v), tuple(parts))
+
+
+def _working(work: _Work, left: _Node, right: _Node) -> _Node:
+    return _Node(Kind.NUMBER, lambda _, values: _known(work, values), (left, right))
+
+
+def _want(node: _Node, kind: Kind, word: _Token) -> None:
+    if node.kind is not kind:
+        raise ExpressionError(word.at, f"expected a {kind}, found a {node.kind}")
+
+
+def _negative(values: tuple[Value, ...]) -> Value:
+    return -_numbers(values)[0]
+
+
+def _two(values: tuple[Value, ...]) -> tuple[float, float]:
+    left, right = _numbers(values)
+    return left, right
+
+
+def _numbers(values: tuple[Value, ...]) -> list[float]:
+    return [value for value in values if isinstance(value, float)]
+
+
+def _known(work: _Work, values: tuple[Value, ...]) -> Value:
+    """Do it if all is known, and the outcome is a number that is one."""
+    if any(value is None for value in values):
+        return None
+    try:
+        return _finite(work(values))
+    except (ZeroDivisionError, OverflowError):
+        return None
+
+
+def _finite(value: Value) -> Value:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _and(values: tuple[Value, ...]) -> Value:
+    if any(value is False for value in values):
+        return False
+    return None if None in values else True
+
+
+def _or(values: tuple[Value, ...]) -> Value:
+    if any(value is True for value in values):
+        return True
+    return None if None in values else False
+
+
+_Work = Callable[[tuple[Value, ...]], Value]
+
+_COMPARE: Mapping[str, _Work] = {
+    "<": lambda v: operator.lt(*_two(v)),
+    "<=": lambda v: operator.le(*_two(v)),
+    ">": lambda v: operator.gt(*_two(v)),
+    ">=": lambda v: operator.ge(*_two(v)),
+    "==": lambda v: v[0] == v[1],
+    "!=": lambda v: v[0] != v[1],
+}
+_WORK: Mapping[str, _Work] = {
+    "+": lambda v: float(operator.add(*_two(v))),
+    "-": lambda v: float(operator.sub(*_two(v))),
+    "*": lambda v: float(operator.mul(*_two(v))),
+    "/": lambda v: float(operator.truediv(*_two(v))),
+}
+_CALLS: Mapping[str, _Work] = {
+    "abs": lambda v: abs(_numbers(v)[0]),
+    "min": lambda v: min(_numbers(v)),
+    "max": lambda v: max(_numbers(v)),
+}

@@ -1,0 +1,176 @@
+"""Every way out against a real peer: what arrives there, and what is said when it does not."""
+
+# ruff: noqa: D107
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import ipaddress
+import json
+import os
+
+import http_ece
+import pytest
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+
+from talaia.hub.notify.message import Message
+from talaia.hub.notify.sending import Outcome, Sender
+from talaia.hub.store.notify import PushBrowser, Way, WayKind
+
+LOOPBACK = [ipaddress.ip_network("127.0.0.1/32")]
+SAID = Message("the-key", "AGV: Battery low", "Voltage is 10 V", "critical", ("agv",))
+
+
+class Peer:
+    """A web server that keeps what it is asked, and answers what it is told to."""
+
+    def __init__(self) -> None:
+        self.asked = []
+        self.answer = "200 OK"
+        self.headers = ""
+        self.hangs_up = False
+
+    async def serve(self, reader, writer) -> None:
+        head = (await reader.readuntil(b"\r\n\r\n")).decode()
+        lines = head.split("\r\n")
+        fields = dict(line.lower().split(": ", 1) for line in lines[1:] if line)
+        body = await reader.readexactly(int(fields.get("content-length", "0")))
+        self.asked.append((lines[0], fields, body))
+        if not self.hangs_up:
+            text = "{}"
+            writer.write(
+                f"HTTP/1.1 {self.answer}\r\n{self.headers}Content-Type: application/json\r\n"
+                f"Content-Length: {len(text)}\r\nConnection: close\r\n\r\n{text}".encode()
+            )
+        writer.close()
+
+
+async def served(host: str):
+    peer = Peer()
+    server = await asyncio.start_server(peer.serve, host, 0)
+    peer.port = server.sockets[0].getsockname()[1]
+    return peer, server
+
+
+@pytest.fixture
+async def peer():
+    peer, server = await served("127.0.0.1")
+    yield peer
+    server.close()
+
+
+async def send(kind: WayKind, secrets: dict[str, str], **more):
+    way = Way(1, "way", kind, more.pop("settings", {}), ())
+    return await Sender(more.pop("networks", LOOPBACK)).send(way, secrets, "", SAID, **more)
+
+
+async def test_webhook_gets_the_message_with_its_key(peer) -> None:
+    secrets = {"url": f"http://127.0.0.1:{peer.port}/hook?a=1", "token": "secret"}
+    assert (await send(WayKind.WEBHOOK, secrets)).outcome is Outcome.SENT
+    line, fields, body = peer.asked[0]
+    assert line == "POST /hook?a=1 HTTP/1.1"
+    assert (fields["idempotency-key"], fields["authorization"]) == ("the-key", "bearer secret")
+    assert json.loads(body) == {**SAID._asdict(), "sites": ["agv"]}
+
+
+@pytest.mark.parametrize(
+    ("answer", "outcome"),
+    [
+        ("503 Busy", Outcome.AGAIN),
+        ("429 Slower", Outcome.AGAIN),
+        ("404 Nothing here", Outcome.FAILED),
+        # It could lead anywhere.
+        ("302 Found", Outcome.FAILED),
+    ],
+)
+async def test_what_a_webhook_answers_is_told(peer, answer, outcome) -> None:
+    peer.answer, peer.headers = answer, "Location: http://127.0.0.2/\r\n"
+    went = await send(WayKind.WEBHOOK, {"url": f"http://127.0.0.1:{peer.port}/"})
+    assert went.outcome is outcome
+    assert answer in went.problem
+
+
+async def test_message_that_may_have_arrived_is_told_from_one_that_has_not(peer) -> None:
+    peer.hangs_up = True
+    url = f"http://127.0.0.1:{peer.port}/"
+    assert (await send(WayKind.WEBHOOK, {"url": url})).outcome is Outcome.UNSURE
+    # Nobody listens there.
+    assert (await send(WayKind.WEBHOOK, {"url": "http://127.0.0.1:9/"})).outcome is Outcome.AGAIN
+
+
+@pytest.mark.parametrize(
+    "host", ["127.0.0.1", "0x7f000001", "2130706433", "localhost", "[::ffff:127.0.0.1]"]
+)
+async def test_whatever_its_spelling_an_inner_address_is_not_reached(peer, host) -> None:
+    url = f"http://{host}:{peer.port}/"
+    went = await send(WayKind.WEBHOOK, {"url": url}, networks=[])
+    assert went.outcome is Outcome.FAILED
+    assert "no public address" in went.problem
+    assert peer.asked == []
+
+
+@pytest.mark.parametrize("url", ["file:///etc/passwd", "gopher://127.0.0.1/", "exec://ls"])
+async def test_other_schemes_are_refused(url) -> None:
+    assert (await send(WayKind.WEBHOOK, {"url": url})).outcome is Outcome.FAILED
+    assert (await send(WayKind.CHAT, {"url": url})).outcome is Outcome.FAILED
+
+
+async def test_ntfy_gets_the_message_by_apprise(peer) -> None:
+    went = await send(WayKind.CHAT, {"url": f"ntfy://127.0.0.1:{peer.port}/topic"})
+    assert went.outcome is Outcome.SENT, went
+    assert "Battery low" in json.dumps([str(each) for each in peer.asked])
+    peer.answer = "403 Forbidden"
+    refused = await send(WayKind.CHAT, {"url": f"ntfy://127.0.0.1:{peer.port}/topic"})
+    assert refused.outcome is Outcome.AGAIN
+    assert "403" in refused.problem
+
+
+async def test_redirect_of_a_chat_leads_nowhere_inside(peer) -> None:
+    inside, server = await served("127.0.0.2")
+    peer.answer = "307 Elsewhere"
+    peer.headers = f"Location: http://127.0.0.2:{inside.port}/\r\n"
+    went = await send(WayKind.CHAT, {"url": f"ntfy://127.0.0.1:{peer.port}/topic"})
+    server.close()
+    assert went.outcome is not Outcome.SENT
+    assert inside.asked == []
+
+
+def b64(raw: bytes) -> str:
+    return base64.urlsafe_b64encode(raw).decode().rstrip("=")
+
+
+def point(key: ec.EllipticCurvePrivateKey) -> str:
+    return b64(key.public_key().public_bytes(Encoding.X962, PublicFormat.UncompressedPoint))
+
+
+async def test_push_service_gets_what_only_the_browser_can_read(peer, monkeypatch) -> None:
+    theirs, ours = ec.generate_private_key(ec.SECP256R1()), ec.generate_private_key(ec.SECP256R1())
+    secret = os.urandom(16)
+    subscription = {
+        "endpoint": f"http://127.0.0.1:{peer.port}/push",
+        "p256dh": point(theirs),
+        "auth": b64(secret),
+    }
+    keys = {"private_key": b64(ours.private_numbers().private_value.to_bytes(32, "big"))}
+    browser = PushBrowser(7, "Firefox", 0, subscription)
+
+    async def push():
+        settings = {"subject": "mailto:a@example.org"}
+        return await send(WayKind.PUSH, keys, settings=settings, browsers=[browser])
+
+    # A browser says where to, so an inner address is not reached in any case.
+    assert "no public address" in (await push()).problem
+    assert peer.asked == []
+    monkeypatch.setattr("talaia.hub.notify.sending._NETWORKS_OF_PUSH", ("127.0.0.1/32",))
+    peer.answer = "201 Created"
+    assert (await push()).outcome is Outcome.SENT
+    _, fields, body = peer.asked[0]
+    assert fields["authorization"].startswith("vapid t=")
+    assert b"Battery" not in body
+    read = http_ece.decrypt(body, private_key=theirs, auth_secret=secret, version="aes128gcm")
+    assert json.loads(read)["title"] == "AGV: Battery low"
+    peer.answer = "410 Gone"
+    went = await push()
+    assert (went.outcome, went.gone) == (Outcome.FAILED, (7,))

@@ -1,0 +1,287 @@
+/** An alarm is made or changed: what it watches, and how it would have done on the last day. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { styled } from "../../elements/styled.js";
+import { formatDuration } from "../../format/duration.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import { AlarmsApi, type AlarmDefinition, type PreviewShape } from "../../wire/alarms.js";
+import type { SiteDetail } from "../../wire/api.js";
+import type { HubApi } from "../../wire/http.js";
+import { definitionOf, FIELDS, fieldsOf, idOf, KINDS, type Fields, type Kind } from "./definition.js";
+import "../../elements/button.js";
+import "../../elements/confirm.js";
+import "../../elements/field.js";
+import "../../elements/problem.js";
+import "../../elements/time.js";
+
+const MOST_SPANS = 8;
+
+/** @fires t-done when it was kept, removed or left as it was */
+@customElement("t-alarm-editor")
+export class AlarmEditor extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      form {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr));
+        align-items: start;
+        gap: var(--t-space-4);
+      }
+      .wide {
+        grid-column: 1 / -1;
+      }
+      label.tick {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        min-block-size: var(--t-touch);
+      }
+      .strip {
+        position: relative;
+        block-size: 1.75rem;
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius-s);
+        background: var(--t-raised);
+        overflow: hidden;
+      }
+      .strip span {
+        position: absolute;
+        inset-block: 0;
+        min-inline-size: 2px;
+        background: var(--t-bad);
+      }
+      ul {
+        margin: 0;
+        padding-inline-start: var(--t-space-4);
+        font-size: var(--t-size-s);
+      }
+    `,
+  ];
+
+  @property() site = "";
+  /** Empty for a new one. */
+  @property() alarm = "";
+  @property({ attribute: false }) definition: AlarmDefinition | null = null;
+
+  @state() private kind: Kind | null = null;
+  @state() private wrong = "";
+  @state() private preview: PreviewShape | null = null;
+  @state() private removing = false;
+  @query("form") private readonly form!: HTMLFormElement;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly action = new ActionController(this);
+
+  override willUpdate(): void {
+    const sites = this.sites.store;
+    if (sites === undefined) return;
+    this.detail.ask([this.site, sites.catalogueOf(this.site)].join("\n"), () => sites.detail(this.site));
+  }
+
+  override render(): TemplateResult {
+    const fields = this.definition === null ? {} : fieldsOf(this.definition);
+    const kind = this.kind ?? this.definition?.kind ?? "limit";
+    return html`<h2>${this.alarm === "" ? "New alarm" : "Change the alarm"}</h2>
+      <form novalidate @submit=${this.tried} @input=${this.touched}>
+        <t-field label="Name"><input name="name" maxlength="100" autocomplete="off" .value=${fields["name"] ?? ""} /></t-field>
+        <t-field label="Kind">
+          <select name="kind" @change=${this.choose}>
+            ${map(KINDS, (one) => html`<option value=${one.kind} ?selected=${one.kind === kind}>${one.name}</option>`)}
+          </select>
+        </t-field>
+        <t-field label="Severity">
+          <select name="severity">
+            ${map(
+              ["info", "warning", "critical"],
+              (word) => html`<option ?selected=${word === (fields["severity"] ?? "warning")}>${word}</option>`,
+            )}
+          </select>
+        </t-field>
+        ${map(
+          FIELDS.filter(({ kinds }) => kinds.includes(kind)),
+          (field) => html`<t-field
+            class=${field.name === "expression" || field.name === "advice" ? "wide" : ""}
+            label=${field.label}
+            .hint=${field.hint ?? ""}
+            .error=${this.errorOf(field.name)}
+            >${this.control(field.name, field.sort, fields)}</t-field
+          >`,
+        )}
+        <label class="tick wide"
+          ><input type="checkbox" name="record" ?checked=${fields["record"] === "on"} /> Record the raw topics around it</label
+        >
+      </form>
+      ${this.said()}
+      ${this.action.problem === null
+        ? nothing
+        : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
+      <div class="actions">
+        <t-button kind="primary" ?busy=${this.action.under === "keep"} @click=${this.keep}>Keep</t-button>
+        <t-button ?busy=${this.action.under === "try"} @click=${this.tried}>Try it on the last day</t-button>
+        <t-button @click=${this.leave}>Cancel</t-button>
+        ${this.alarm === "" ? nothing : html`<t-button @click=${this.ask}>Remove</t-button>`}
+      </div>
+      <t-confirm
+        ?open=${this.removing}
+        heading="Remove this alarm?"
+        action="Remove"
+        ?busy=${this.action.busy}
+        .problem=${this.action.problem}
+        @t-confirm=${this.erase}
+        @t-close=${this.unask}
+      >
+        <p>Nobody is told of it any more. What has happened stays in the logbook.</p>
+      </t-confirm>`;
+  }
+
+  private errorOf(name: string): string {
+    if (this.wrong === name) return "Expected a number.";
+    if (this.preview?.where === name || (name === "is_one_of" && this.preview?.where === "is")) return this.preview.problem ?? "";
+    return "";
+  }
+
+  private control(name: string, sort: string, fields: Fields): TemplateResult {
+    const value = fields[name] ?? "";
+    const devices = this.detail.value?.devices ?? [];
+    if (sort === "signal") {
+      return html`<select name=${name}>
+        ${map(devices, (device) =>
+          map(device.signals, (signal) =>
+            map(
+              signal.channels,
+              (channel) => html`<option value=${channel} ?selected=${channel === value}>${device.name}: ${signal.name}${signal.channels.length > 1 ? ` ${channel.split(".").at(-1) ?? ""}` : ""}${signal.unit === "" ? "" : ` (${signal.unit})`}</option>`,
+            ),
+          ),
+        )}
+      </select>`;
+    }
+    if (sort === "stream") {
+      return html`<select name=${name}>
+        ${map(devices, (device) =>
+          map(device.streams, (stream) => html`<option value=${stream.address} ?selected=${stream.address === value}>${stream.name}</option>`),
+        )}
+      </select>`;
+    }
+    if (name === "expression") return html`<textarea name=${name} rows="3" maxlength="1000" spellcheck="false" .value=${value}></textarea>`;
+    const shown = sort === "number" && value === "0" ? "" : value;
+    return html`<input name=${name} autocomplete="off" inputmode=${sort === "number" ? "decimal" : "text"} .value=${shown} />`;
+  }
+
+  /** How it would have done. */
+  private said(): unknown {
+    const { preview } = this;
+    if (preview === null) return nothing;
+    if ((preview.problem ?? "") !== "") {
+      return html`<t-problem what="It cannot be tried." how=${preview.problem ?? ""}></t-problem>`;
+    }
+    const from = preview.from_us ?? 0;
+    const length = Math.max(1, (preview.to_us ?? 0) - from);
+    const spans = preview.spans ?? [];
+    const count = preview.count ?? 0;
+    const zone = this.sites.store?.zoneOf(this.site) ?? "UTC";
+    const unknown = (preview.unknown_us ?? 0) / 1e6;
+    return html`<section aria-label="The last day" role="status">
+      <p>
+        On the last day it would have been raised ${count === 1 ? "once" : `${String(count)} times`}.
+        ${unknown < 1 ? nothing : `It could not have been judged for ${formatDuration(Math.round(unknown))}.`}
+      </p>
+      <div class="strip" aria-hidden="true">
+        ${map(
+          spans,
+          (span) =>
+            html`<span ${styled({ "inset-inline-start": percent((span.from_us - from) / length), "inline-size": percent((span.to_us - span.from_us) / length) })}></span>`,
+        )}
+      </div>
+      <ul>
+        ${map(
+          spans.slice(-MOST_SPANS),
+          (span) => html`<li>
+            <t-time .us=${span.from_us} .zone=${zone}></t-time> for ${formatDuration(Math.round((span.to_us - span.from_us) / 1e6))}: ${span.why}
+          </li>`,
+        )}
+      </ul>
+    </section>`;
+  }
+
+  private read(): AlarmDefinition | null {
+    const said: Record<string, string> = {};
+    for (const [name, value] of new FormData(this.form)) if (typeof value === "string") said[name] = value;
+    const found = definitionOf(said);
+    this.wrong = "wrong" in found ? found.wrong : "";
+    return "wrong" in found ? null : found.definition;
+  }
+
+  private readonly choose = (event: Event): void => {
+    if (event.target instanceof HTMLSelectElement) this.kind = event.target.value as Kind;
+  };
+
+  private readonly touched = (): void => {
+    if (this.preview !== null) this.preview = null;
+  };
+
+  private readonly tried = (event: Event): void => {
+    event.preventDefault();
+    const definition = this.read();
+    if (definition === null) return;
+    const named = definition.name === "" ? { ...definition, name: "Alarm" } : definition;
+    void this.action.run(
+      "try the alarm",
+      async () => {
+        this.preview = await new AlarmsApi(this.api).preview(this.site, named);
+      },
+      "",
+      "try",
+    );
+  };
+
+  private readonly keep = (): void => {
+    const definition = this.read();
+    if (definition === null) return;
+    const name = this.alarm === "" ? idOf(definition.name) : this.alarm;
+    void this.action
+      .run("keep the alarm", () => new AlarmsApi(this.api).define(this.site, name, definition), "", "keep")
+      .then((done) => {
+        if (done) this.leave();
+      });
+  };
+
+  private readonly ask = (): void => {
+    this.removing = true;
+  };
+
+  private readonly unask = (): void => {
+    this.removing = false;
+  };
+
+  private readonly erase = (): void => {
+    void this.action.run("remove the alarm", () => new AlarmsApi(this.api).remove(this.site, this.alarm)).then((done) => {
+      if (done) this.leave();
+    });
+  };
+
+  private readonly leave = (): void => {
+    this.dispatchEvent(new CustomEvent("t-done"));
+  };
+}
+
+function percent(part: number): string {
+  return `${(100 * part).toFixed(3)}%`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-alarm-editor": AlarmEditor;
+  }
+}

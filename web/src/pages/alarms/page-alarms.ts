@@ -1,0 +1,358 @@
+/** Every alarm that is open to the person: how it stands, what to do about it, and what has been. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { TickController } from "../../controllers/tick.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import type { AlarmNews } from "../../generated/wire.js";
+import { adviceFor } from "../../format/problem.js";
+import { alarmsContext, apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
+import { sitePath } from "../../state/router.js";
+import { AlarmsApi, type AlarmList, type AlarmShape } from "../../wire/alarms.js";
+import type { HubApi } from "../../wire/http.js";
+import { historyAt, standing } from "./words.js";
+import "../../elements/button.js";
+import "../../elements/dialog.js";
+import "../../elements/empty.js";
+import "../../elements/field.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../elements/status.js";
+import "../../elements/time.js";
+import "./alarm-editor.js";
+import "./alarm-past.js";
+
+type Doing = "assign" | "comment" | "shelve";
+
+const QUESTIONS: Readonly<Record<Doing, readonly [heading: string, label: string, action: string]>> = {
+  assign: ["Who sees to it?", "Name of the person (empty: nobody)", "Assign"],
+  comment: ["Say something about it", "Comment", "Keep"],
+  shelve: ["Put it aside for a while", "Why", "Shelve"],
+};
+
+@customElement("t-page-alarms")
+export class PageAlarms extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      li.alarm {
+        border-inline-start: 5px solid var(--t-line);
+        padding-inline-start: var(--t-space-3);
+      }
+      li.on.warning {
+        border-inline-start-color: var(--t-warn);
+      }
+      li.on.critical {
+        border-inline-start-color: var(--t-bad);
+      }
+      li.on.info {
+        border-inline-start-color: var(--t-info);
+      }
+      .why,
+      .advice {
+        overflow-wrap: anywhere;
+      }
+      .undelivered {
+        color: var(--t-bad);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight-strong);
+        overflow-wrap: anywhere;
+      }
+      .facts a {
+        font-weight: var(--t-weight-strong);
+      }
+      form {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      t-alarm-past,
+      t-alarm-editor {
+        grid-column: 1 / -1;
+      }
+      @media (min-width: 45.01rem) {
+        li .actions {
+          justify-content: end;
+          max-inline-size: 26rem;
+        }
+      }
+    `,
+  ];
+
+  @state() private doing: { readonly what: Doing; readonly about: AlarmNews } | null = null;
+  @state() private open = "";
+  /** Site and alarm that is being changed, or a site and nothing for a new one. */
+  @state() private editing: { readonly site: string; readonly alarm: string } | null = null;
+  @query("#text") private readonly text!: HTMLInputElement | null;
+  @query("#hours") private readonly hours!: HTMLSelectElement | null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly alarms = new StoreController(this, alarmsContext);
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly session = new StoreController(this, sessionContext);
+  private readonly defined = new LoadController<ReadonlyMap<string, AlarmList>>(this);
+  private readonly action = new ActionController(this);
+
+  constructor() {
+    super();
+    new TickController(this, 1000);
+  }
+
+  override willUpdate(): void {
+    const sites = (this.sites.store?.list ?? []).map(({ site }) => site);
+    // What is defined changes when an alarm comes or goes.
+    const names = (this.alarms.store?.list ?? []).map((one) => `${one.site}/${one.alarm}/${one.name}`).sort();
+    this.defined.ask([...sites, ...names].join("\n"), async () => {
+      const api = new AlarmsApi(this.api);
+      return new Map(await Promise.all(sites.map(async (site) => [site, await api.list(site)] as const)));
+    });
+  }
+
+  override render(): TemplateResult {
+    const { result } = this.defined;
+    const list = this.alarms.store?.list ?? [];
+    const manageable = [...(this.defined.value ?? [])].filter(([, one]) => one.may_manage).map(([site]) => site);
+    return html`<div class="head">
+        <div>
+          <h1>Alarms</h1>
+          <p class="muted" role="status">${this.counted(list)}</p>
+        </div>
+        <div class="actions">
+          ${map(
+            this.sites.store?.list ?? [],
+            ({ site, name }) => html`<a href=${sitePath(site, "logbook")}>Logbook of ${name}</a>`,
+          )}
+          ${map(
+            manageable,
+            (site) => html`<t-button @click=${this.maker(site)}
+              >New alarm${manageable.length > 1 ? ` of ${this.sites.store?.row(site)?.name ?? site}` : ""}</t-button
+            >`,
+          )}
+        </div>
+      </div>
+      ${result.state === "failed" ? this.failed(result.error) : nothing}
+      ${this.action.problem === null
+        ? nothing
+        : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
+      ${this.editing !== null && this.editing.alarm === ""
+        ? html`<section class="sheet"><t-alarm-editor .site=${this.editing.site} @t-done=${this.edited}></t-alarm-editor></section>`
+        : nothing}
+      ${list.length === 0 ? this.none() : this.sheet(list)} ${this.dialog()}`;
+  }
+
+  private counted(list: readonly AlarmNews[]): string {
+    const on = list.filter(({ phase }) => phase === "active" || phase === "acknowledged").length;
+    const unknown = list.filter(({ known, phase }) => !known && phase === "normal").length;
+    const parts = [on === 1 ? "1 is active" : `${String(on)} are active`, `of ${String(list.length)}`];
+    return parts.join(" ") + (unknown === 0 ? "." : `; ${String(unknown)} cannot be judged now.`);
+  }
+
+  private failed(error: unknown): TemplateResult {
+    const advice = adviceFor(error, "the alarms");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+  }
+
+  private none(): unknown {
+    if (this.defined.value === undefined) {
+      return this.defined.result.state === "failed" ? nothing : html`<t-loading what="Loading the alarms"></t-loading>`;
+    }
+    return html`<t-empty heading="There are no alarms yet" icon="bell">
+      <p>The site description can have some under <code>alarms:</code>, and whoever manages a site can make more here.</p>
+    </t-empty>`;
+  }
+
+  private sheet(list: readonly AlarmNews[]): TemplateResult {
+    return html`<section class="sheet" aria-label="Alarms">
+      <ul class="rows">
+        ${repeat(
+          list,
+          (one) => `${one.site}/${one.alarm}`,
+          (one) => this.row(one),
+        )}
+      </ul>
+    </section>`;
+  }
+
+  private shapeOf(one: AlarmNews): AlarmShape | undefined {
+    return this.defined.value?.get(one.site)?.alarms.find(({ alarm }) => alarm === one.alarm);
+  }
+
+  private row(one: AlarmNews): TemplateResult {
+    const row = this.sites.store?.row(one.site);
+    const zone = row?.zone ?? "UTC";
+    const [kind, word] = standing(one, this.alarms.store?.shelved(one) ?? false);
+    const on = one.phase === "active" || one.phase === "acknowledged" ? "on" : "";
+    const many = (this.sites.store?.list.length ?? 0) > 1;
+    const id = `${one.site}/${one.alarm}`;
+    return html`<li class="alarm ${one.severity} ${on}" data-alarm=${one.alarm}>
+      <div>
+        <div class="facts"><t-status kind=${kind} word=${word}></t-status><span class="chip">${one.severity}</span></div>
+        <div class="name">${many ? `${row?.name ?? one.site}: ` : ""}${one.name}</div>
+        ${one.why === "" ? nothing : html`<div class="why">${one.why}</div>`}
+        ${one.known ? nothing : html`<div class="why">It cannot be judged now: ${one.unknown_why}.</div>`}
+        ${one.advice === "" || on === "" ? nothing : html`<div class="advice"><strong>What to do:</strong> ${one.advice}</div>`}
+        ${one.undelivered === "" ? nothing : html`<div class="undelivered">Could not be delivered: ${one.undelivered}</div>`}
+        <div class="facts">
+          ${one.raised_us === 0 ? nothing : html`<span>raised <t-time .us=${one.raised_us} .zone=${zone}></t-time></span>`}
+          ${one.cleared_us === 0 ? nothing : html`<span>over <t-time .us=${one.cleared_us} .zone=${zone}></t-time></span>`}
+          ${one.acked_by === "" ? nothing : html`<span>acknowledged by ${one.acked_by}</span>`}
+          ${one.assigned === "" ? nothing : html`<span>${one.assigned} sees to it</span>`}
+          ${this.alarms.store?.shelved(one) === true
+            ? html`<span>shelved by ${one.shelved_by} until <t-time .us=${one.shelved_until_us} .zone=${zone}></t-time>${one.shelved_why === "" ? "" : `: ${one.shelved_why}`}</span>`
+            : nothing}
+          ${one.raised_us === 0 || one.signals.length === 0 ? nothing : html`<a href=${historyAt(one)}>Chart</a>`}
+        </div>
+      </div>
+      ${this.buttons(one)}
+      ${this.open === id ? html`<t-alarm-past .site=${one.site} .alarm=${one.alarm} .zone=${zone} .turn=${one.phase}></t-alarm-past>` : nothing}
+      ${this.editing?.site === one.site && this.editing.alarm === one.alarm
+        ? html`<t-alarm-editor
+            .site=${one.site}
+            .alarm=${one.alarm}
+            .definition=${this.shapeOf(one)?.definition ?? null}
+            @t-done=${this.edited}
+          ></t-alarm-editor>`
+        : nothing}
+    </li>`;
+  }
+
+  private buttons(one: AlarmNews): TemplateResult {
+    const may = this.shapeOf(one)?.may_use === true;
+    const manage = one.made && this.defined.value?.get(one.site)?.may_manage === true;
+    const unseen = one.phase === "active" || one.phase === "cleared";
+    const shelved = this.alarms.store?.shelved(one) === true;
+    const id = `${one.site}/${one.alarm}`;
+    return html`<div class="actions">
+      ${may && unseen
+        ? html`<t-button kind="primary" label=${`Acknowledge ${one.name}`} ?busy=${this.action.under === id} @click=${this.acknowledger(one)}
+            >Acknowledge</t-button
+          >`
+        : nothing}
+      ${may
+        ? html`<t-button label=${`Assign ${one.name}`} @click=${this.asker("assign", one)}>Assign</t-button>
+            <t-button label=${`Comment on ${one.name}`} @click=${this.asker("comment", one)}>Comment</t-button>
+            ${shelved
+              ? html`<t-button label=${`Unshelve ${one.name}`} @click=${this.unshelver(one)}>Unshelve</t-button>`
+              : html`<t-button label=${`Shelve ${one.name}`} @click=${this.asker("shelve", one)}>Shelve</t-button>`}`
+        : nothing}
+      <t-button label=${`What has been with ${one.name}`} @click=${this.opener(id)}>${this.open === id ? "Close" : "What has been"}</t-button>
+      ${manage ? html`<t-button label=${`Change ${one.name}`} @click=${this.editor(one)}>Change</t-button>` : nothing}
+    </div>`;
+  }
+
+  private dialog(): TemplateResult {
+    const [heading, label, action] = QUESTIONS[this.doing?.what ?? "comment"];
+    const what = this.doing?.what;
+    return html`<t-dialog heading=${heading} ?open=${this.doing !== null} @t-close=${this.close}>
+      <form novalidate @submit=${this.submitted}>
+        <p>${this.doing?.about.name ?? ""}</p>
+        <t-field label=${label}>
+          <input id="text" type="text" maxlength=${what === "assign" ? "200" : "1000"} autocomplete="off" />
+        </t-field>
+        ${what === "assign" ? html`<t-button @click=${this.myself}>Myself</t-button>` : nothing}
+        ${what === "shelve"
+          ? html`<t-field label="For" hint="It is shown apart, and nobody is told of it meanwhile.">
+              <select id="hours">
+                <option value="0.5">half an hour</option>
+                <option value="1" selected>1 hour</option>
+                <option value="8">8 hours</option>
+                <option value="24">1 day</option>
+                <option value="168">7 days</option>
+              </select>
+            </t-field>`
+          : nothing}
+        ${this.action.problem === null
+          ? nothing
+          : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
+      </form>
+      <t-button slot="actions" @click=${this.close}>Cancel</t-button>
+      <t-button slot="actions" kind="primary" ?busy=${this.action.busy} @click=${this.submitted}>${action}</t-button>
+    </t-dialog>`;
+  }
+
+  private acknowledger(one: AlarmNews): () => void {
+    return () => {
+      void this.action.run(
+        "acknowledge the alarm",
+        () => new AlarmsApi(this.api).act(one.site, one.alarm, { act: "acknowledge" }),
+        "",
+        `${one.site}/${one.alarm}`,
+      );
+    };
+  }
+
+  private unshelver(one: AlarmNews): () => void {
+    return () => {
+      void this.action.run("unshelve the alarm", () => new AlarmsApi(this.api).act(one.site, one.alarm, { act: "unshelve" }));
+    };
+  }
+
+  private asker(what: Doing, about: AlarmNews): () => void {
+    return () => {
+      this.action.clear();
+      if (this.text) this.text.value = what === "assign" ? about.assigned : "";
+      this.doing = { what, about };
+    };
+  }
+
+  private opener(id: string): () => void {
+    return () => {
+      this.open = this.open === id ? "" : id;
+    };
+  }
+
+  private editor(one: AlarmNews): () => void {
+    return () => {
+      this.editing = this.editing?.alarm === one.alarm && this.editing.site === one.site ? null : { site: one.site, alarm: one.alarm };
+    };
+  }
+
+  private maker(site: string): () => void {
+    return () => {
+      this.editing = { site, alarm: "" };
+    };
+  }
+
+  private readonly edited = (): void => {
+    this.editing = null;
+    this.defined.again();
+  };
+
+  private readonly myself = (): void => {
+    if (this.text) this.text.value = this.session.store?.person?.name ?? "";
+  };
+
+  private readonly close = (): void => {
+    this.doing = null;
+  };
+
+  private readonly submitted = (event: Event): void => {
+    event.preventDefault();
+    const { doing } = this;
+    if (doing === null) return;
+    const text = this.text?.value.trim() ?? "";
+    const { site, alarm } = doing.about;
+    const until = Math.round((Date.now() + Number(this.hours?.value ?? 1) * 3_600_000) * 1000);
+    const asked = { act: doing.what, ...(doing.what === "assign" ? { to: text } : { text }), ...(doing.what === "shelve" ? { until_us: until } : {}) };
+    void this.action.run(`${doing.what} it`, () => new AlarmsApi(this.api).act(site, alarm, asked)).then((done) => {
+      if (done) this.doing = null;
+    });
+  };
+
+  private readonly again = (): void => {
+    this.defined.again();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-alarms": PageAlarms;
+  }
+}

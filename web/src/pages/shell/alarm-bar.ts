@@ -1,0 +1,174 @@
+/** The bar on every page: alarms that nobody has acknowledged, the worst by name, and the sound. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { StoreController } from "../../controllers/store.js";
+import { TickController } from "../../controllers/tick.js";
+import { base } from "../../elements/base.js";
+import { alarmsContext, apiContext, sitesContext } from "../../state/contexts.js";
+import { AlarmSound } from "../../state/alarm-sound.js";
+import type { AlarmNews } from "../../generated/wire.js";
+import { consume } from "@lit/context";
+import type { HubApi } from "../../wire/http.js";
+import { AlarmsApi } from "../../wire/alarms.js";
+import { ActionController } from "../../controllers/action.js";
+import "../../elements/button.js";
+import "../../elements/icon.js";
+import "../../elements/time.js";
+
+@customElement("t-alarm-bar")
+export class AlarmBar extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+      }
+      .bar {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-1) var(--t-space-3);
+        padding: var(--t-space-1) var(--t-space-4);
+        border-block-end: 1px solid var(--t-line);
+        border-inline-start: 6px solid var(--t-warn);
+        background: var(--t-raised);
+      }
+      .bar.critical {
+        border-inline-start-color: var(--t-bad);
+      }
+      .bar.info {
+        border-inline-start-color: var(--t-info);
+      }
+      t-icon {
+        color: var(--t-warn);
+      }
+      .critical t-icon {
+        color: var(--t-bad);
+      }
+      .info t-icon {
+        color: var(--t-info);
+      }
+      .what {
+        flex: 1 1 14rem;
+        min-inline-size: 0;
+        overflow-wrap: anywhere;
+      }
+      .more,
+      .undelivered {
+        font-size: var(--t-size-s);
+      }
+      .more {
+        color: var(--t-muted);
+      }
+      .undelivered {
+        color: var(--t-bad);
+        font-weight: var(--t-weight-strong);
+      }
+      a.all {
+        display: inline-flex;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        font-weight: var(--t-weight-strong);
+      }
+      .actions {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-1) var(--t-space-2);
+      }
+    `,
+  ];
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly alarms = new StoreController(this, alarmsContext, () => {
+    this.sound.hear(this.alarms.store?.raised ?? 0);
+  });
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly action = new ActionController(this);
+  private readonly sound = new AlarmSound(storage());
+
+  constructor() {
+    super();
+    // A shelf's end comes by itself.
+    new TickController(this, 1000);
+  }
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    window.addEventListener("pointerdown", this.touched, { capture: true });
+    window.addEventListener("keydown", this.touched, { capture: true });
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    window.removeEventListener("pointerdown", this.touched, { capture: true });
+    window.removeEventListener("keydown", this.touched, { capture: true });
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const summary = this.alarms.store?.summary;
+    const worst = summary?.unseen[0] ?? summary?.undelivered[0];
+    if (summary === undefined || worst === undefined) return nothing;
+    const { unseen, undelivered } = summary;
+    return html`<div class="bar ${worst.severity}" role="region" aria-label="Alarms">
+      <t-icon name="bell"></t-icon>
+      <span class="what" role=${worst.severity === "critical" ? "alert" : "status"}>${this.said(worst)}</span>
+      ${unseen.length > 1 ? html`<span class="more">and ${unseen.length - 1} more</span>` : nothing}
+      ${undelivered.length === 0
+        ? nothing
+        : html`<span class="undelivered">${undelivered.length === 1 ? "A message" : "Messages"} could not be delivered</span>`}
+      ${this.action.problem === null ? nothing : html`<span class="undelivered" role="alert">${this.action.problem.what}</span>`}
+      <span class="actions">
+        ${unseen.length > 0
+          ? html`<t-button label=${`Acknowledge ${worst.name}`} ?busy=${this.action.busy} @click=${this.acknowledge}
+              >Acknowledge</t-button
+            >`
+          : nothing}
+        <t-button kind="quiet" @click=${this.toggle}>${this.sound.on ? "Mute" : "Sound on"}</t-button>
+        <a class="all" href="/alarms" aria-label="All alarms">All</a>
+      </span>
+    </div>`;
+  }
+
+  private said(one: AlarmNews): TemplateResult {
+    const row = this.sites.store?.row(one.site);
+    const many = (this.sites.store?.list.length ?? 0) > 1;
+    return html`<strong>${many ? `${row?.name ?? one.site}: ` : ""}${one.name}</strong> – ${one.why}
+      <span class="more"
+        >${one.phase === "cleared" ? "over, not acknowledged; " : ""}since
+        <t-time .us=${one.raised_us} .zone=${row?.zone ?? "UTC"} short></t-time
+      ></span>`;
+  }
+
+  private readonly acknowledge = (): void => {
+    const worst = this.alarms.store?.summary.unseen[0];
+    if (worst === undefined) return;
+    void this.action.run("acknowledge the alarm", () =>
+      new AlarmsApi(this.api).act(worst.site, worst.alarm, { act: "acknowledge" }),
+    );
+  };
+
+  private readonly toggle = (): void => {
+    this.sound.choose(!this.sound.on);
+    this.requestUpdate();
+  };
+
+  private readonly touched = (): void => {
+    this.sound.touch();
+  };
+}
+
+function storage(): Storage | null {
+  try {
+    return window.localStorage;
+  } catch {
+    return null;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-alarm-bar": AlarmBar;
+  }
+}

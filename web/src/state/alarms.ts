@@ -1,0 +1,88 @@
+/** How every alarm stands that this person may see, as the hub last said. */
+
+import type { AlarmNews } from "../generated/wire.js";
+import type { Connection } from "../wire/connection.js";
+import { Store } from "./store.js";
+
+type Line = Pick<Connection, "on" | "onState">;
+
+/** What the bar on every page says. */
+export interface AlarmSummary {
+  /** Active or over, and nobody has acknowledged them; the worst first. */
+  readonly unseen: readonly AlarmNews[];
+  /** Those of which a message did not reach somebody. */
+  readonly undelivered: readonly AlarmNews[];
+}
+
+const RANKS: Readonly<Record<string, number>> = { critical: 0, warning: 1, info: 2 };
+const PHASES: Readonly<Record<string, number>> = { active: 0, cleared: 1, acknowledged: 2, normal: 4 };
+
+export class Alarms extends Store {
+  private readonly known = new Map<string, AlarmNews>();
+  /** Those that were told to be active while this page looked on; a sound is made for each, once. */
+  private fresh = 0;
+
+  /** Listens for as long as the connection lives. */
+  constructor(
+    line: Line,
+    private readonly nowUs: () => number = () => Date.now() * 1000,
+  ) {
+    super();
+    line.on("alarm", (news) => {
+      const id = `${news.site}\n${news.alarm}`;
+      const before = this.known.get(id);
+      if (news.gone) this.known.delete(id);
+      else this.known.set(id, news);
+      if (before !== undefined && news.phase === "active" && news.raised_us !== before.raised_us && !this.shelved(news)) {
+        this.fresh += 1;
+      }
+      this.changed();
+    });
+    line.onState((state) => {
+      // Nobody knows how they stand now; that there is no connection is shown instead.
+      if (state !== "open" && this.known.size > 0) {
+        this.known.clear();
+        this.changed();
+      }
+    });
+  }
+
+  /** All of them: the worst and newest first, those that are well last. */
+  get list(): readonly AlarmNews[] {
+    return [...this.known.values()].sort(
+      (a, b) =>
+        this.place(a) - this.place(b) ||
+        (RANKS[a.severity] ?? 9) - (RANKS[b.severity] ?? 9) ||
+        b.raised_us - a.raised_us ||
+        a.name.localeCompare(b.name),
+    );
+  }
+
+  get summary(): AlarmSummary {
+    const shown = this.list.filter((one) => !this.shelved(one));
+    return {
+      unseen: shown.filter(({ phase }) => phase === "active" || phase === "cleared"),
+      undelivered: shown.filter(({ undelivered, phase }) => undelivered !== "" && phase !== "normal"),
+    };
+  }
+
+  /** How many have been raised since the page was opened. */
+  get raised(): number {
+    return this.fresh;
+  }
+
+  find(site: string, alarm: string): AlarmNews | undefined {
+    return this.known.get(`${site}\n${alarm}`);
+  }
+
+  shelved(one: AlarmNews): boolean {
+    return one.shelved_until_us > this.nowUs();
+  }
+
+  /** What cannot be judged stands before what is well. */
+  private place(one: AlarmNews): number {
+    if (this.shelved(one)) return 5;
+    if (one.phase === "normal" && !one.known) return 3;
+    return PHASES[one.phase] ?? 4;
+  }
+}

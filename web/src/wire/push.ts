@@ -1,0 +1,35 @@
+/** This browser's side of Web Push: asks the person, and subscribes at the browser's push service. */
+
+import type { PushAsk } from "../generated/api.js";
+
+/** Why a browser cannot, in words; empty when it can. */
+export function whyNoPush(): string {
+  if (!window.isSecureContext) return "Browsers take push messages only over https.";
+  if (!("serviceWorker" in navigator) || !("PushManager" in window)) {
+    return "This browser takes no push messages (on an iPhone, add the page to the home screen first).";
+  }
+  return "";
+}
+
+/**
+ * Subscribes this browser.
+ *
+ * @param key the hub's public key (VAPID), base64url
+ * @throws Error when the person or the browser says no
+ */
+export async function subscribe(key: string): Promise<PushAsk> {
+  if ((await Notification.requestPermission()) !== "granted") throw new Error("Messages are not allowed in this browser.");
+  const worker = await navigator.serviceWorker.register("/push.js");
+  await navigator.serviceWorker.ready;
+  const made = await worker.pushManager.subscribe({ userVisibleOnly: true, applicationServerKey: bytesOf(key) });
+  const { endpoint, keys } = made.toJSON();
+  if (endpoint === undefined || keys?.["p256dh"] === undefined || keys["auth"] === undefined) {
+    throw new Error("The browser gave no address for messages.");
+  }
+  return { endpoint, p256dh: keys["p256dh"], auth: keys["auth"] };
+}
+
+function bytesOf(text: string): Uint8Array<ArrayBuffer> {
+  const raw = atob(text.replaceAll("-", "+").replaceAll("_", "/"));
+  return Uint8Array.from(raw, (letter) => letter.charCodeAt(0));
+}
