@@ -40,6 +40,7 @@ from talaia.gateway.frames.taking import FrameTaker
 from talaia.gateway.frames.upload import Upload
 from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.keep import Epochs, KeptStops, locked
+from talaia.gateway.pictures.looks import Looks
 from talaia.gateway.ports import Outlets
 from talaia.gateway.reach import Reach
 from talaia.gateway.recording.shelf import Shelf
@@ -117,7 +118,9 @@ class Gateway:
         self._wake = asyncio.Event()
         self._lanes = Lanes(self._wake.set)
         self._voice = Voice(loop, clock, self._lanes)
-        self._pictures = Pictures(loop)
+        # Whoever looks at cameras here (a detector) takes pictures from `looks`.
+        self.looks = Looks()
+        self._pictures = Pictures(loop, clock, self.looks)
         head = Head(self._boot, self._catalogue, [each.address for each in site.channels()])
         spool = Spool(
             data / "spool",
@@ -198,7 +201,9 @@ class Gateway:
             self._reach,
             self._upload,
             self._recorder,
+            pictures=self._pictures,
         )
+        self.looks.on_held = lambda: loop.call_soon_threadsafe(self._desk.look)
         self._trust = Trust(settings.hub)
         self.door = self._make_door()
 
