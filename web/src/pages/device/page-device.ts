@@ -213,6 +213,7 @@ export class PageDevice extends LitElement {
           device.streams,
           (stream) => stream.address,
           (stream) => html`<t-camera
+            data-stream=${stream.address}
             .site=${this.site}
             .stream=${stream.address}
             .name=${stream.name}
