@@ -44,7 +44,8 @@ def main() -> None:
         message.data = array.array("B", data)
         said.append((f"/cam/{name}", message))
     publishers = [(node.create_publisher(type(each), topic, quality), each) for topic, each in said]
-    print("ready", flush=True)
+    sys.stdout.write("ready\n")
+    sys.stdout.flush()
     while True:
         for publisher, message in publishers:
             publisher.publish(message)

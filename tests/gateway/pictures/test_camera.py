@@ -190,7 +190,7 @@ def test_a_png_is_read() -> None:
 @pytest.mark.parametrize(
     ("change", "word"),
     [
-        ({"encoding": "yuv9"}, "'yuv9' is not one of"),
+        ({"encoding": "yuv9"}, "'yuv9' is not known here"),
         ({"height": 900}, "cut off"),
         ({"step": 5}, "too short"),
         ({"width": 0, "step": 0}, "empty"),

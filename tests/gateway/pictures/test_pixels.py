@@ -88,7 +88,7 @@ def test_any_image_is_read_or_refused_in_words(
 @pytest.mark.parametrize(
     ("change", "word"),
     [
-        ({"encoding": "yuv9"}, "not one of"),
+        ({"encoding": "yuv9"}, "not known here"),
         ({"step": 3}, "too short"),
         ({"height": 900}, "cut off"),
         ({"width": 0, "step": 0}, "empty"),

@@ -1,5 +1,7 @@
 """What a ``sensor_msgs/Image`` holds, checked, and the same as RGB. Pure.
 
+Long, because one table has every encoding, with how each is read.
+
 Encodings are those of ROS 2's ``sensor_msgs/image_encodings.hpp``. Colours of the YUV kinds are
 ITU-R BT.601 in limited range, as OpenCV reads them.
 """
@@ -75,7 +77,9 @@ def pixels_of(message: object) -> Pixels:
     kind = ENCODINGS.get(image.encoding)
     if kind is None:
         raise FieldError(
-            "encoding", f"{image.encoding[:40]!r} is not one of: {', '.join(ENCODINGS)}"
+            "encoding",
+            f"{image.encoding[:40]!r} is not known here; publish one of {len(ENCODINGS)} others, "
+            "as rgb8, mono16, bayer_rggb8, yuyv, nv12 or 16UC1",
         )
     width, height = image.width, image.height
     if width <= 0 or height <= 0:

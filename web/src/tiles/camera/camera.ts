@@ -198,7 +198,8 @@ export class Camera extends LitElement {
   };
 
   private readonly fullChanged = (): void => {
-    if (!this.paged) this.full = document.fullscreenElement === this;
+    // `document.fullscreenElement` is the outermost host, and not this.
+    if (!this.paged) this.full = this.matches(":fullscreen");
   };
 
   private decode(shot: Shot): Promise<ImageBitmap> {
