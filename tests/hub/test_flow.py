@@ -137,6 +137,16 @@ def test_on_one_megabit_pictures_stay_fresher_than_300_ms() -> None:
         assert line.spoilt == 0
 
 
+def test_one_hiccup_of_a_machine_costs_a_moment_and_not_the_large_film() -> None:
+    line = Line(Flow(["h264"]), 10_000_000, 2_000)
+    line.run(5)
+    line._free_us = line.now_us + 250_000
+    line.run(5)
+    assert {each.form for each in line.drawn} == {Form.H264}
+    assert line.spoilt == 0
+    assert len(settled(line, 5.5)) > 130
+
+
 def test_a_line_that_carries_next_to_nothing_still_brings_single_fresh_pictures() -> None:
     line = Line(Flow(["h264"]), 12_000, 50_000)
     line.run(60)
@@ -191,8 +201,8 @@ def test_whatever_the_line_no_film_is_spoilt_little_waits_and_it_never_stops(
     line.speed = later
     line.run(6)
     assert line.spoilt == 0
-    assert len(line.flow._waiting) <= 3
-    assert len(line.flow._under) <= 16
+    assert len(line.flow._waiting) <= 6
+    assert len(line.flow._under) <= 32
     line.speed = 20_000_000
     before = line.now_us + 500_000
     line.run(2 + 100_000 / min(speed, later))

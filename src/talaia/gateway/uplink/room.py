@@ -6,6 +6,8 @@ __all__ = ["Room"]
 
 # Longer than usual under way by this (µs): the link is full, and nothing is encoded for it.
 FULL_US = 150_000
+# Until the first receipt nobody knows how far away the hub is.
+_UNKNOWN_US = 350_000
 _SLOW_US, _FAST_US = 80_000, 30_000
 _FEWER, _MORE = 0.7, 1.2
 _LEAST = 0.1
@@ -57,6 +59,6 @@ class Room:
         """Give the share of the bits to use now (0.1 to 1), or 0 while the link is full."""
         if self._under:
             oldest = next(iter(self._under.values()))
-            if now_us - oldest > self._least_us + FULL_US:
+            if now_us - oldest > (self._least_us or _UNKNOWN_US) + FULL_US:
                 return 0.0
         return self._share

@@ -27,8 +27,9 @@ CREDIT = 2
 _MOST_UNDER_WAY = 32
 _LATE_US = 100_000
 _UNKNOWN_US = 300_000
-# So many wait at the most: at 30 Hz a tenth of a second.
-_MOST_WAITING = 3
+# What waits is given up when it has waited for so long (µs); a second time within so long (µs), and
+# the line carries less than that form: a machine's one hiccup is no slow line.
+_MOST_WAIT_US, _TWICE_US = 120_000, 4_000_000
 # A single picture that takes longer than this (µs) is too large for the connection.
 _SLOW_US = 250_000
 # To climb again: the connection carries this (bytes/s; film, single pictures) by three pictures
@@ -78,6 +79,8 @@ class Flow:
         # What comes is a film: a gateway that knows none sends JPEG for all forms.
         self._film = self._best is Form.H264
         self._asked_us = -_ASK_AGAIN_US
+        self._since_us = 0
+        self._gave_up_us = -_TWICE_US
         self._least_us = 0.0
         self._way_us = 0.0
         self._speeds: deque[float] = deque(maxlen=_PROBES)
@@ -98,13 +101,17 @@ class Flow:
         elif self.broken:
             self.skipped += 1
             return
+        if not self._waiting:
+            self._since_us = now_us
         self._waiting.append(ready)
-        if len(self._waiting) > _MOST_WAITING:
+        if now_us - self._since_us > _MOST_WAIT_US:
             self.skipped += len(self._waiting)
             self._waiting.clear()
             self.broken = True
             # Until the first answer nobody knows how far away the page is.
-            if self._least_us:
+            again = now_us - self._gave_up_us < _TWICE_US
+            self._gave_up_us = now_us
+            if self._least_us and again:
                 self._descend(now_us)
 
     def take(self, now_us: int) -> Frame | None:
@@ -112,6 +119,7 @@ class Flow:
         if not self._waiting or not self._has_room(now_us, film=self._waiting[0].film):
             return None
         ready = self._waiting.popleft()
+        self._since_us = now_us
         self._under.append((ready.seq, now_us, ready.size))
         return ready.frame
 

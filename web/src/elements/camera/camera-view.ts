@@ -56,8 +56,8 @@ export class CameraView extends LitElement {
         container-type: inline-size;
       }
       .lens {
-        inline-size: 100%;
-        block-size: 100%;
+        position: absolute;
+        inset: 0;
         overflow: hidden;
         /* One finger scrolls the page; two, and one once it is zoomed, are for the picture. */
         touch-action: pan-x pan-y;
