@@ -96,7 +96,7 @@ def film_of() -> list[Image]:
     film = []
     for each in range(60):
         left, top = (round(80 * (1 + np.sin(turn * np.pi * each / 30))) for turn in (1, 2))
-        view = wide[top : top + 480, left : left + 640] + chance.integers(-3, 4, (480, 640, 3))
+        view = wide[top : top + 480, left : left + 640] + chance.integers(-8, 9, (480, 640, 3))
         message = Image(width=640, height=480, encoding="rgb8", step=1920)
         message.data = array.array("B", np.clip(view, 0, 255).astype(np.uint8).tobytes())
         film.append(message)

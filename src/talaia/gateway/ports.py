@@ -1,4 +1,7 @@
-"""The promises between the parts: what an adapter gives and what is asked of a robot."""
+"""The promises between the parts: what an adapter gives and what is asked of a robot.
+
+Long, because each promise is told whole, and in one place.
+"""
 
 from __future__ import annotations
 

@@ -16,6 +16,7 @@ export type PageName =
   | "drive"
   | "device"
   | "archive"
+  | "cameras"
   | "people"
   | "roles"
   | "gateways"
@@ -32,7 +33,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive"];
+const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "cameras"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -67,7 +68,7 @@ export function routeOf(path: string): Route {
 }
 
 /** The path of a site's page. */
-export function sitePath(site: string, page: "live" | "history" | "recordings" | "drive" | "archive"): string {
+export function sitePath(site: string, page: "live" | "history" | "recordings" | "drive" | "archive" | "cameras"): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import av
 import numpy as np
 from av.video.frame import PictureType
+from av.video.reformatter import VideoReformatter
 
 from talaia.gateway.errors import FieldError
 from talaia.gateway.pictures.pixels import Pixels, rgb_of
@@ -91,6 +92,7 @@ class Encoder:
             ),
         }
         self._context = context
+        self._reformatter = VideoReformatter()
 
     def encode(self, pixels: Pixels, time_us: int, *, key: bool) -> Encoded | None:
         """Encode a picture, made to the size of this stream; with ``key`` one to begin with.
@@ -102,12 +104,14 @@ class Encoder:
 
         """
         try:
-            frame = _frame_of(pixels).reformat(
+            frame = self._reformatter.reformat(
+                _frame_of(pixels),
                 self.width,
                 self.height,
                 "yuv420p",
                 dst_colorspace=_SMPTE170M,
                 interpolation="AREA" if pixels.width > self.width else "FAST_BILINEAR",
+                threads=1,
             )
             frame.pts, frame.time_base = time_us, _MICROS
             frame.pict_type = PictureType.I if key else PictureType.NONE
