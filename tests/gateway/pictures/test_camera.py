@@ -9,7 +9,9 @@ import av
 import numpy as np
 import pytest
 import simplejpeg
+from hypothesis import given, settings, strategies as st
 
+from talaia.gateway.adapters.ros2_decode import decoder_for
 from talaia.gateway.pictures import camera as module
 from talaia.gateway.pictures.camera import PictureStream
 from talaia.gateway.pictures.h264 import Encoder, bits_for
@@ -208,6 +210,38 @@ def test_a_bad_picture_is_told_and_the_next_good_one_comes(
     assert hall.troubles == told * 2
     taker.take(packed(scene(), "rgb8"), 90, 90 * STEP_US, hall)
     assert len(hall.got) == 1
+
+
+def unread(_data: bytes) -> object:
+    raise RuntimeError("the class of the type cannot read it either")
+
+
+def cdr(form: str) -> bytes:
+    """A message as ROS 2 sends it: version, header (time, frame), fields."""
+    head = b"\0\1\0\0" + bytes(8) + (1).to_bytes(4, "little") + bytes(4)
+    if form == "Image":
+        return (
+            head + (2).to_bytes(4, "little") + (2).to_bytes(4, "little")
+            + (6).to_bytes(4, "little") + b"mono8\0\0\0" + (2).to_bytes(4, "little")
+            + (4).to_bytes(4, "little") + bytes(4)
+        )  # fmt: skip
+    return head + (5).to_bytes(4, "little") + b"jpeg\0" + bytes(3) + bytes(4)
+
+
+@pytest.mark.parametrize("form", ["Image", "CompressedImage"])
+@given(cut=st.integers(0, 60), at=st.integers(4, 50), noise=st.binary(max_size=8))
+@settings(max_examples=150, deadline=None)
+def test_no_bytes_of_a_camera_end_the_thread_that_reads_it(
+    form: str, cut: int, at: int, noise: bytes
+) -> None:
+    hall = Hall(Form.H264, Form.JPEG)
+    decode = decoder_for(f"sensor_msgs/msg/{form}", unread)
+    described = Stream(name="F", source=Source(topic="/i", type=f"sensor_msgs/msg/{form}"))
+    taker = PictureStream("cam/front", described, decode, lambda *_: None)
+    whole = cdr(form)
+    taker.take((whole[:at] + noise + whole[at + len(noise) :])[: len(whole) - cut], 0, 0, hall)
+    assert hall.got or hall.troubles
+    assert hall.looks[0][2]() is None or hall.got
 
 
 def test_a_camera_that_changes_its_size_goes_on() -> None:

@@ -6,6 +6,7 @@ a form that nobody wants.
 
 from __future__ import annotations
 
+import struct
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from talaia.gateway.errors import FieldError
@@ -44,6 +45,11 @@ _AGAIN_US = 2_000_000
 # One who asks for key pictures all the time makes them no dearer than this for the others.
 _KEY_EVERY_US = 300_000
 _LEAST_QUALITY = 20
+# What decoders of foreign bytes raise; a camera's nonsense must not end the thread of them all.
+_UNREADABLE = (
+    FieldError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, LookupError,
+    BufferError, MemoryError, struct.error,
+)  # fmt: skip
 _PNG = b"\x89PNG"
 
 
@@ -88,7 +94,7 @@ class Taken:
         """Give it as RGB, or none where it cannot be read."""
         try:
             return rgb_of(self.pixels())
-        except (FieldError, ValueError):
+        except _UNREADABLE:
             return None
 
     def _look(self) -> None:
@@ -188,8 +194,8 @@ class PictureStream:
                 if picture is not None:
                     self._told = ""
                     sink.offer(picture)
-        except (FieldError, ValueError, TypeError, AttributeError, RuntimeError) as error:
-            self._complain(str(error), mono_us, sink)
+        except _UNREADABLE as error:
+            self._complain(str(error) or type(error).__name__, mono_us, sink)
 
     def _complain(self, why: str, mono_us: int, sink: PictureSink) -> None:
         where = self._stream.source.topic or self._stream.source.url or self._stream.source.file
