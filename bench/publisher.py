@@ -36,7 +36,7 @@ def main() -> int:
     parser.add_argument("seconds", type=float)
     parser.add_argument("--camera", action="store_true")
     parser.add_argument("--cameras", type=int, default=0, help="numbered ones, 10 pictures/s each")
-    parser.add_argument("--film", action="store_true", help="a scene that moves, at 30 Hz")
+    parser.add_argument("--film", type=int, default=0, help="a moving scene at 30 Hz; its noise")
     parser.add_argument("--listen", type=Path)
     options = parser.parse_args()
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -56,7 +56,7 @@ def main() -> int:
     message = Float64()
     picture = Image(width=640, height=480, encoding="rgb8", step=1920)
     picture.data = array.array("B", bytes(640 * 480 * 3))
-    film = film_of() if options.film else []
+    film = film_of(options.film) if options.film else []
     until = time.monotonic() + options.seconds
     step = 1 / (options.rate * options.topics) if options.topics else 1.0
     if film:
@@ -85,8 +85,8 @@ def main() -> int:
     return 0
 
 
-def film_of() -> list[Image]:
-    """Pan to and fro over a photograph, with a camera's noise: two seconds of 640x480."""
+def film_of(noise: int = 4) -> list[Image]:
+    """Pan to and fro over a photograph, with a camera's noise (of 255): two seconds of 640x480."""
     from PIL import Image as Pictures
 
     source = Path(talaia.sim.__file__).parent / "vehicle" / "pictures" / "coffee.jpg"
@@ -96,7 +96,9 @@ def film_of() -> list[Image]:
     film = []
     for each in range(60):
         left, top = (round(80 * (1 + np.sin(turn * np.pi * each / 30))) for turn in (1, 2))
-        view = wide[top : top + 480, left : left + 640] + chance.integers(-8, 9, (480, 640, 3))
+        view = wide[top : top + 480, left : left + 640] + chance.integers(
+            -noise, noise + 1, (480, 640, 3)
+        )
         message = Image(width=640, height=480, encoding="rgb8", step=1920)
         message.data = array.array("B", np.clip(view, 0, 255).astype(np.uint8).tobytes())
         film.append(message)

@@ -253,7 +253,7 @@ async def people() -> list[Figure]:
 async def camera() -> list[Figure]:
     """A camera of 640×480 at 30 Hz, from the gateway's hands to the canvas in Chromium."""
     figures = []
-    async with stack.running(1, camera=True) as here, stack.publisher(here, 1, 20.0, "--film"):
+    async with stack.running(1, camera=True) as here, stack.publisher(here, 1, 20.0, "--film", "4"):
         session = await clients.cookie(here)
         for film in (True, False):
             ages = await pages.filmed(here, 15, film=film)
@@ -280,8 +280,11 @@ async def camera() -> list[Figure]:
 
 
 async def camera_slow() -> list[Figure]:
-    """One viewer at 1 Mbit/s beside one on a good line; then the same at a foxglove-sdk server."""
-    async with stack.running(1, camera=True) as here, stack.publisher(here, 1, 20.0, "--film"):
+    """Noise at night: a viewer at 1 Mbit/s beside a good line; the same at a foxglove server."""
+    async with (
+        stack.running(1, camera=True) as here,
+        stack.publisher(here, 1, 20.0, "--film", "30"),
+    ):
         session = await clients.cookie(here)
         async with cameras.looking(here, session) as good:
             await asyncio.sleep(5)
@@ -303,6 +306,8 @@ async def camera_slow() -> list[Figure]:
         Figure("at 1 Mbit/s: p99", float(np.percentile(ages, 99)), 300, "ms"),
         Figure("at 1 Mbit/s: oldest", float(ages.max()), 300, "ms"),
         Figure("at 1 Mbit/s: pictures a second missing to 10", max(0, 10 - ages.size / 25), 0, ""),
+        Figure("the large film takes",
+               sum(each.size for each in good) * 8 / 25e6, 2.0, "Mbit/s"),
         Figure("the hub grew by", grown, 16, "MiB"),
         Figure("the other viewer's p95 rose by",
                float(np.percentile(beside, 95) - np.percentile(alone, 95)), 10, "ms"),
@@ -314,7 +319,7 @@ async def camera_slow() -> list[Figure]:
 async def camera_crowd() -> list[Figure]:
     """Twenty viewers of one camera beside one."""
     used = []
-    async with stack.running(1, camera=True) as here, stack.publisher(here, 1, 20.0, "--film"):
+    async with stack.running(1, camera=True) as here, stack.publisher(here, 1, 20.0, "--film", "4"):
         session = await clients.cookie(here)
         for viewers in (1, 20):
             async with contextlib.AsyncExitStack() as crowd:
