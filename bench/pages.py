@@ -37,6 +37,13 @@ window.__talaiaPainted = (address, timeUs, value) => {
   });
 };
 """
+NOTE_PICTURES = """
+window.__pictured = [];
+window.__talaiaPictured = (timeUs, format) => {
+  const age = performance.timeOrigin + performance.now() - timeUs / 1000;
+  window.__pictured.push([age, format]);
+};
+"""
 NOTE_KEYS = """
 window.__keys = [];
 window.addEventListener('keydown', (event) => {
@@ -100,6 +107,20 @@ async def painted(stack: Stack, seconds: float) -> np.ndarray:
         await page.evaluate("window.__ages = []")
         await asyncio.sleep(seconds)
         return np.array(await page.evaluate("window.__ages"))
+
+
+async def filmed(stack: Stack, seconds: float, *, film: bool) -> np.ndarray:
+    """Look at a camera; give the ages (ms) of pictures when they are on the canvas."""
+    script = NOTE_PICTURES + ("" if film else "delete window.VideoDecoder;")
+    async with browser_page(script) as page:
+        await sign_in(page, stack, "/sites/bench/devices/base")
+        await _until(page, "window.__pictured.length > 30")
+        await asyncio.sleep(4)
+        await page.evaluate("window.__pictured = []")
+        await asyncio.sleep(seconds)
+        seen = await page.evaluate("window.__pictured")
+    assert {form for _, form in seen} == {"h264" if film else "jpeg"}
+    return np.array([age for age, _ in seen])
 
 
 async def day_drawn(stack: Stack, charts: int, day_us: int, times: int) -> np.ndarray:

@@ -15,6 +15,7 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import rclpy
 import ros_wheels_bootstrapper  # noqa: F401 - sets the library path before rclpy is loaded
 from geometry_msgs.msg import Twist
@@ -23,6 +24,8 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import Image
 from std_msgs.msg import Float64
+
+import talaia.sim
 
 
 def main() -> int:
@@ -33,6 +36,7 @@ def main() -> int:
     parser.add_argument("seconds", type=float)
     parser.add_argument("--camera", action="store_true")
     parser.add_argument("--cameras", type=int, default=0, help="numbered ones, 10 pictures/s each")
+    parser.add_argument("--film", type=int, default=0, help="a moving scene at 30 Hz; its noise")
     parser.add_argument("--listen", type=Path)
     options = parser.parse_args()
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -52,8 +56,11 @@ def main() -> int:
     message = Float64()
     picture = Image(width=640, height=480, encoding="rgb8", step=1920)
     picture.data = array.array("B", bytes(640 * 480 * 3))
+    film = film_of(options.film) if options.film else []
     until = time.monotonic() + options.seconds
     step = 1 / (options.rate * options.topics) if options.topics else 1.0
+    if film:
+        step = 1 / 120
     turn, due = 0, time.monotonic()
     frame_due = due
     while due < until:
@@ -65,6 +72,9 @@ def main() -> int:
             message.data = time.time() * 1e6
             publishers[turn % options.topics].publish(message)
             turn += 1
+        if film and time.monotonic() >= frame_due:
+            frame_due += 1 / 30
+            camera.publish(film[round(frame_due * 30) % len(film)])
         if options.camera and time.monotonic() >= frame_due:
             frame_due += 1 / 30
             camera.publish(picture)
@@ -73,6 +83,26 @@ def main() -> int:
             for each in numbered:
                 each.publish(picture)
     return 0
+
+
+def film_of(noise: int = 4) -> list[Image]:
+    """Pan to and fro over a photograph, with a camera's noise (of 255): two seconds of 640x480."""
+    from PIL import Image as Pictures
+
+    source = Path(talaia.sim.__file__).parent / "vehicle" / "pictures" / "coffee.jpg"
+    with Pictures.open(source) as opened:
+        wide = np.asarray(opened.convert("RGB").resize((960, 640)), np.int16)
+    chance = np.random.default_rng(1)
+    film = []
+    for each in range(60):
+        left, top = (round(80 * (1 + np.sin(turn * np.pi * each / 30))) for turn in (1, 2))
+        view = wide[top : top + 480, left : left + 640] + chance.integers(
+            -noise, noise + 1, (480, 640, 3)
+        )
+        message = Image(width=640, height=480, encoding="rgb8", step=1920)
+        message.data = array.array("B", np.clip(view, 0, 255).astype(np.uint8).tobytes())
+        film.append(message)
+    return film
 
 
 def listen(node: rclpy.node.Node, target: Path) -> None:

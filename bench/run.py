@@ -3,7 +3,7 @@
     make bench                   all of it, about four minutes
     make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
                                  demo, history, history-page, signin, press, many, spool, storm,
-                                 load-description
+                                 load-description, camera, camera-slow, camera-crowd
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import contextlib
 import json
 import subprocess
 import sys
@@ -20,6 +21,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+import cameras
 import clients
 import day
 import link
@@ -264,6 +266,94 @@ async def load_description() -> list[Figure]:
     ]
 
 
+async def camera() -> list[Figure]:
+    """A camera of 640×480 at 30 Hz, from the gateway's hands to the canvas in Chromium."""
+    figures = []
+    async with stack.running(1, camera=True) as here, stack.publisher(here, 1, 20.0, "--film", "4"):
+        session = await clients.cookie(here)
+        for film in (True, False):
+            ages = await pages.filmed(here, 15, film=film)
+            name = "H.264" if film else "JPEG"
+            figures += [
+                Figure(f"{name}: gateway → canvas, p50 of {ages.size}",
+                       float(np.percentile(ages, 50)), 20, "ms"),
+                Figure(f"{name}: gateway → canvas, p95", float(np.percentile(ages, 95)), 35, "ms"),
+            ]  # fmt: skip
+        async with cameras.looking(here, session) as got:
+            await asyncio.sleep(4)
+            got.clear()
+            used = await stack.cpu_percent(here.gateway, 12)
+        mbits = sum(each.size for each in got) * 8 / 12 / 1e6
+        small = 100 * sum(each.small for each in got) / len(got)
+        figures += [
+            Figure("of the pictures are small ones", small, 1, "%"),
+            Figure("the film takes", mbits, 2.0, "Mbit/s"),
+            Figure(f"of 30 pictures a second do not come ({len(got)} came)",
+                   max(0.0, 30 - len(got) / 12), 1.5, "Hz"),
+            Figure("CPU of the gateway for it", used, 20.0, "% of a core"),
+        ]  # fmt: skip
+    return figures
+
+
+async def camera_slow() -> list[Figure]:
+    """Noise at night: a viewer at 1 Mbit/s beside a good line; the same at a foxglove server."""
+    async with (
+        stack.running(1, camera=True) as here,
+        stack.publisher(here, 1, 20.0, "--film", "30"),
+    ):
+        session = await clients.cookie(here)
+        async with cameras.looking(here, session) as good:
+            await asyncio.sleep(5)
+            alone = np.array([each.age_ms for each in good][-60:])
+            async with cameras.throttled(here.port, 1e6) as port:
+                before = cameras.memory_mib(here.hub.process.pid)
+                async with cameras.looking(here, session, port) as slow:
+                    await asyncio.sleep(5)
+                    slow.clear()
+                    good.clear()
+                    await asyncio.sleep(25)
+                    grown = cameras.memory_mib(here.hub.process.pid) - before
+            ages = np.array([each.age_ms for each in slow])
+            beside = np.array([each.age_ms for each in good])
+    theirs, their_growth = await cameras.foxglove(1e6, 30)
+    return [
+        Figure(f"at 1 Mbit/s: age when it has arrived, p50 of {ages.size}",
+               float(np.percentile(ages, 50)), 300, "ms"),
+        Figure("at 1 Mbit/s: p99", float(np.percentile(ages, 99)), 300, "ms"),
+        Figure("at 1 Mbit/s: oldest", float(ages.max()), 300, "ms"),
+        Figure("at 1 Mbit/s: pictures a second missing to 10", max(0, 10 - ages.size / 25), 0, ""),
+        Figure("the large film takes",
+               sum(each.size for each in good) * 8 / 25e6, 2.0, "Mbit/s"),
+        Figure("the hub grew by", grown, 16, "MiB"),
+        Figure("the other viewer's p95 rose by",
+               float(np.percentile(beside, 95) - np.percentile(alone, 95)), 10, "ms"),
+        Figure("foxglove-sdk server (JPEG), the same line: p50 of age", theirs, np.inf, "ms"),
+        Figure("foxglove-sdk server grew by", their_growth, np.inf, "MiB"),
+    ]  # fmt: skip
+
+
+async def camera_crowd() -> list[Figure]:
+    """Twenty viewers of one camera beside one."""
+    used = []
+    async with stack.running(1, camera=True) as here, stack.publisher(here, 1, 20.0, "--film", "4"):
+        session = await clients.cookie(here)
+        for viewers in (1, 20):
+            async with contextlib.AsyncExitStack() as crowd:
+                seen = [
+                    await crowd.enter_async_context(cameras.looking(here, session))
+                    for _ in range(viewers)
+                ]
+                await asyncio.sleep(4)
+                for each in seen:
+                    each.clear()
+                used.append(await stack.cpu_percent(here.gateway, 10))
+                least = min(len(each) for each in seen)
+    return [
+        Figure("CPU of the gateway, twenty viewers beside one", used[1] / used[0], 1.15, "times"),
+        Figure("pictures that the worst of twenty missed", max(0, 300 - least) / 3, 10, "%"),
+    ]
+
+
 async def signin_() -> list[Figure]:
     """Whether a refused sign-in tells by its time that there is a person of that name."""
     known, other = await signin.refusals(60)
@@ -281,8 +371,8 @@ PARTS = {
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
     "history-large": history_large, "history-page": history_page, "signin": signin_,
-    "press": press, "many": many, "spool": spool, "storm": storm,
-    "load-description": load_description,
+    "load-description": load_description, "camera": camera, "camera-slow": camera_slow,
+    "camera-crowd": camera_crowd, "press": press, "many": many, "spool": spool, "storm": storm,
 }  # fmt: skip
 
 

@@ -21,6 +21,8 @@ LOCKS = {
         "--extra",
         "recording",
         "--extra",
+        "camera",
+        "--extra",
         "configurator",
     ],
 }

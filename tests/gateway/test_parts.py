@@ -1,4 +1,4 @@
-"""The smaller parts: batches, qualities of service, requests, pictures, what is kept on disk."""
+"""The smaller parts: batches, qualities of service, requests, what is kept on disk."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-import simplejpeg
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.pictures import PictureStream, jpeg_of
 from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
 from talaia.gateway.adapters.ros2_requests import fill, key_of, outcome_of
 from talaia.gateway.batching import Batcher, records_of
@@ -23,7 +21,7 @@ from talaia.gateway.run import main
 from talaia.gateway.spool.segment import Record
 from talaia.gateway.stalls import Stalls
 from talaia.gateway.stop import Latched
-from talaia.model.site import Drive, DriveMessage, Source, Stream
+from talaia.model.site import Drive, DriveMessage
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.frames import LINK_FROM_GATEWAY, CommandPhase, Samples
 
@@ -153,51 +151,6 @@ def test_velocity_becomes_the_key_of_its_stronger_direction(
     linear: float, angular: float, key: str
 ) -> None:
     assert key_of(KEYS, linear, angular) == key
-
-
-def image(encoding: str, depth: int, pad: int = 0) -> Message:
-    rows = np.zeros((8, 16 * depth + pad), np.uint8)
-    rows[:, 0 : 16 * depth : depth] = 255
-    return Message(height=8, width=16, encoding=encoding, step=16 * depth + pad, data=rows.ravel())
-
-
-@pytest.mark.parametrize(
-    ("encoding", "depth", "strong"),
-    [("rgb8", 3, 0), ("bgr8", 3, 2), ("rgba8", 4, 0), ("bgra8", 4, 2), ("mono8", 1, 0)],
-)
-def test_colours_keep_their_places_in_every_encoding(
-    encoding: str, depth: int, strong: int
-) -> None:
-    jpeg, width, height = jpeg_of(image(encoding, depth, pad=4), 90, 0)
-    assert (width, height) == (16, 8)
-    assert simplejpeg.decode_jpeg(jpeg)[4, 8, strong] > 200
-
-
-def test_wide_picture_is_made_smaller_by_a_whole_number() -> None:
-    assert jpeg_of(image("rgb8", 3), 70, 10)[1:] == (8, 4)
-
-
-@pytest.mark.parametrize(
-    "change", [{"encoding": "yuv9"}, {"step": 3}, {"height": 900}, {"width": 0, "step": 0}]
-)
-def test_picture_that_is_not_what_it_says_is_refused(change: dict) -> None:
-    broken = Message(**(vars(image("rgb8", 3)) | change))
-    with pytest.raises(FieldError):
-        jpeg_of(broken, 70, 0)
-
-
-def test_picture_problem_is_told_once_and_rate_is_kept() -> None:
-    told: list[str] = []
-    stream = PictureStream(
-        "cam/front",
-        Stream(name="F", source=Source(topic="/i", type="sensor_msgs/msg/Image"), max_rate=10),
-        lambda _: image("yuv9", 3),
-        lambda address, problem: told.append(f"{address} {problem}"),
-    )
-    assert [stream.picture(b"", 0, 0) for _ in range(3)] == [None] * 3
-    assert len(told) == 1
-    taken = sum(stream.is_due(at * 1_000_000) for at in range(0, 2000, 33))
-    assert 19 <= taken <= 21
 
 
 def test_epochs_rise_over_restarts(tmp_path: Path) -> None:

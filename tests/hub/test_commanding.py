@@ -2,6 +2,7 @@
 
 import asyncio
 
+import msgspec
 import pytest
 
 from talaia.hub.store.audit import Audit, Filter
@@ -324,6 +325,72 @@ async def test_twenty_viewers_that_never_answer_do_not_hold_up_one_that_does(hub
         assert shot.seq == seq
         await viewer.say(page_wire.Shown(seq=seq))
     await asyncio.gather(*(each.close() for each in idle))
+
+
+def forms_of(watch: frames.Watch) -> list[str]:
+    return watch.forms.get("camera/front", [])
+
+
+def film(seq: int, form: str, *, key: bool = False) -> frames.Picture:
+    return frames.Picture(
+        stream="camera/front", seq=seq, time_us=1, mono_us=seq, width=2, height=2, format="h264",
+        forms=[form], key=key, codec="avc1.42C01E" if key else "", data=bytes(100),
+    )  # fmt: skip
+
+
+async def test_each_page_gets_the_form_it_can_show_and_each_form_is_asked_for_once(
+    hub, gateway
+) -> None:
+    old = await hub.viewer("operator", "camera/front")
+    new = [await hub.viewer("operator", "camera/front&forms=h264,jpeg") for _ in range(3)]
+    asked = await gateway.hear(
+        frames.Watch, lambda watch: len(watch.forms.get("camera/front", ())) > 1
+    )
+    assert asked.forms == {"camera/front": ["h264", "jpeg"]}
+    assert (await gateway.hear(frames.KeyAsk)).form == "h264"
+    camera = await hub.camera()
+    await camera.say(film(1, "h264", key=True))
+    await camera.say(msgspec.structs.replace(picture(1), forms=["jpeg"]))
+    for each in new:
+        shot = await each.hear(page_wire.Shot)
+        assert (shot.format, shot.key, shot.codec) == ("h264", True, "avc1.42C01E")
+    assert (await old.hear(page_wire.Shot)).format == "jpeg"
+    assert not any(isinstance(each, page_wire.Shot) for each in old.heard[:-1])
+
+
+async def test_pictures_of_an_older_gateway_reach_pages_that_play_films(hub, gateway) -> None:
+    viewer = await hub.viewer("operator", "camera/front&forms=h264,jpeg")
+    await gateway.hear(frames.Watch, lambda watch: watch.streams)
+    camera = await hub.camera()
+    for seq in (1, 2, 3):
+        await camera.say(picture(seq))
+        assert (await viewer.hear(page_wire.Shot)).format == "jpeg"
+        await viewer.say(page_wire.Shown(seq=seq))
+
+
+async def test_why_a_camera_cannot_be_shown_is_told_to_pages_that_understand_it(
+    hub, gateway
+) -> None:
+    new = await hub.viewer("operator", "camera/front&forms=h264,jpeg")
+    old = await hub.viewer("operator", "camera/front")
+    camera = await hub.camera()
+    await camera.say(frames.Trouble(stream="camera/front", why="it is cut off"))
+    said = await new.hear(page_wire.Problem)
+    assert (said.code, said.message) == ("picture", "it is cut off")
+    later = await hub.viewer("operator", "camera/front&forms=jpeg")
+    assert (await later.hear(page_wire.Problem)).message == "it is cut off"
+    await camera.say(picture(1))
+    await old.hear(page_wire.Shot)
+    assert not any(isinstance(each, page_wire.Problem) for each in old.heard)
+
+
+async def test_a_hidden_page_has_stills(hub, gateway) -> None:
+    viewer = await hub.viewer("operator", "camera/front&forms=h264,jpeg")
+    await viewer.say(page_wire.Glance(still=True))
+    asked = await gateway.hear(
+        frames.Watch, lambda watch: watch.forms.get("camera/front") == ["still"]
+    )
+    assert asked.streams == ["camera/front"]
 
 
 ASK = page_wire.Lease(site="agv", device="base", op=LeaseOp.ASK)

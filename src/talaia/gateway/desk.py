@@ -16,6 +16,7 @@ from talaia.wire.frames import (
     CommandPhase,
     Drive,
     Event,
+    KeyAsk,
     LeaseAsk,
     LeaseForce,
     OverrideAsk,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from talaia.gateway.recording.recorder import Recorder
     from talaia.gateway.spool.keeper import Keeper
     from talaia.gateway.uplink.lanes import Lanes
+    from talaia.gateway.uplink.pictures import Pictures
     from talaia.wire.frames import FromGateway, FromHub, Welcome
 
 __all__ = ["FrontDesk", "Pacer", "Voice"]
@@ -166,8 +168,11 @@ class FrontDesk:
         upload: Upload,
         recorder: Recorder | None = None,
         changing: Changing | None = None,
+        *,
+        pictures: Pictures,
     ) -> None:
         """Take all who act, the voice that tells how it went, and the lanes to the hub."""
+        self._pictures = pictures
         self._reach = reach
         self._recorder = recorder
         self._changing = changing
@@ -207,7 +212,12 @@ class FrontDesk:
         self.linked.clear()
         self._control.link_lost()
         self._pacer.touch()
-        self._adapter.watch(())
+        self._pictures.watch((), {})
+        self.look()
+
+    def look(self) -> None:
+        """Have the cameras read that somebody looks at, here or at the hub."""
+        self._adapter.watch(self._pictures.watched())
 
     def handle(self, message: FromHub) -> None:
         """Act on one message. STOP and driving are done when this returns."""
@@ -242,7 +252,10 @@ class FrontDesk:
                 self._upload.hear(message)
                 return
             case Watch():
-                self._adapter.watch(message.streams)
+                self._pictures.watch(message.streams, message.forms)
+                self.look()
+            case KeyAsk():
+                self._pictures.ask_key(message.stream, message.form)
             case Reconnect():
                 self._reconnect(message)
             case RecordAsk():

@@ -1,4 +1,7 @@
-"""The promises between the parts: what an adapter gives and what is asked of a robot."""
+"""The promises between the parts: what an adapter gives and what is asked of a robot.
+
+Long, because each promise is told whole, and in one place.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
     from pathlib import Path
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from talaia.clock import Clock
     from talaia.gateway.share import Share
@@ -20,10 +26,12 @@ __all__ = [
     "EventSink",
     "Flexible",
     "FrameSink",
+    "Look",
     "Mouth",
     "Outcome",
     "Outlets",
     "PictureSink",
+    "Pictures",
     "RawSink",
     "Reading",
     "Readings",
@@ -70,10 +78,87 @@ class SampleSink(Protocol):
 
 
 class PictureSink(Protocol):
-    """Takes pictures from an adapter; any thread; newest wins, so a picture may be dropped."""
+    """Takes pictures from an adapter and says what is wanted of them; any thread; never blocks.
+
+    Newest wins, so a picture may be dropped.
+    """
+
+    def asked(self, stream: str) -> Collection[str]:
+        """Name the forms (`talaia.wire.frames.Form`) that a stream is wanted in now."""
+        ...
+
+    def key_due(self, stream: str, form: str) -> bool:
+        """Tell whether somebody needs a picture to begin with; told once."""
+        ...
+
+    def room(self) -> float:
+        """Give the share of its usual bits that a picture may have (to 1); 0 for none now."""
+        ...
+
+    def look(
+        self,
+        stream: str,
+        stamp: tuple[int, int, int],
+        decode: Callable[[], NDArray[np.uint8] | None],
+    ) -> None:
+        """Take a picture for those at the gateway: number, wall and monotonic time (µs), RGB."""
+        ...
 
     def offer(self, picture: Picture) -> None:
-        """Take one picture in place of one of the same stream that still waits."""
+        """Take one encoded picture for the hub."""
+        ...
+
+    def trouble(self, stream: str, why: str) -> None:
+        """Take why a stream cannot be shown now; said again while it lasts."""
+        ...
+
+
+class Look(NamedTuple):
+    """One picture of a camera for a program that looks at it.
+
+    Attributes:
+        stream: the camera's address, ``device/stream``.
+        seq: its number, which the picture that viewers get of it carries, too.
+        time_us: when it came, by the gateway's wall clock (µs since the epoch, UTC).
+        mono_us: the same by the gateway's monotonic clock (µs).
+        rgb: rows, columns, 3 (uint8); shared with others who look: not to be written to.
+
+    """
+
+    stream: str
+    seq: int
+    time_us: int
+    mono_us: int
+    rgb: NDArray[np.uint8]
+
+
+class Pictures(Protocol):
+    """Gives the newest picture of any camera as pixels. Any thread.
+
+    A camera that is held is read whether or not a person looks at it, and costs no encoding.
+    """
+
+    def hold(self, stream: str) -> Callable[[], None]:
+        """Have pictures of a stream (``device/stream``) from now on.
+
+        Returns:
+            What lets it rest again.
+
+        """
+        ...
+
+    def newest(self, stream: str, after: int = 0, wait_s: float = 0.0) -> Look | None:
+        """Give the newest picture of a stream that is held, made RGB on the caller's thread.
+
+        Args:
+            stream: see `hold`.
+            after: only one with a higher number than this.
+            wait_s: wait for one so long, if there is none (blocks: not on the event loop).
+
+        Returns:
+            None when there is none, or it cannot be read.
+
+        """
         ...
 
 

@@ -44,6 +44,7 @@ from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.keep import Epochs, KeptStops, locked
 from talaia.gateway.own_copy import OwnCopy
 from talaia.gateway.permitting import Accepts
+from talaia.gateway.pictures.looks import Looks
 from talaia.gateway.ports import Outlets
 from talaia.gateway.reach import Reach
 from talaia.gateway.recording.shelf import Shelf
@@ -130,7 +131,9 @@ class Gateway:
         self._wake = asyncio.Event()
         self._lanes = Lanes(self._wake.set)
         self._voice = Voice(loop, clock, self._lanes)
-        self._pictures = Pictures(loop)
+        # Whoever looks at cameras here (a detector) takes pictures from `looks`.
+        self.looks = Looks()
+        self._pictures = Pictures(loop, clock, self.looks)
         head = Head(self._boot, begun.catalogue, begun.addresses)
         spool = Spool(
             data / "spool",
@@ -226,7 +229,9 @@ class Gateway:
             self._upload,
             self._recorder,
             self._changing,
+            pictures=self._pictures,
         )
+        self.looks.on_held = lambda: loop.call_soon_threadsafe(self._desk.look)
         self._trust = Trust(settings.hub)
 
     @property

@@ -179,6 +179,7 @@ FROM_BROWSER: Mapping[type[Message], Need] = {
     browser.Override: Need.ADMIN,
     browser.Ping: Need.SESSION,
     browser.Shown: Need.SESSION,
+    browser.Glance: Need.SESSION,
 }
 
 TO_BROWSER: Mapping[type[Message], Need] = {
@@ -232,6 +233,7 @@ FROM_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.BeatReply,
         frames.Bye,
         frames.Picture,
+        frames.Trouble,
         frames.FileOffer,
         frames.FilePiece,
     ),
@@ -253,6 +255,7 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.CommandCancel,
         frames.OverrideAsk,
         frames.Watch,
+        frames.KeyAsk,
         frames.UploadState,
         frames.Reconnect,
         frames.RecordAsk,

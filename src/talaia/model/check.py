@@ -184,6 +184,8 @@ def _stream(where: str, stream: Stream) -> Iterator[Finding]:
     yield from above(f"{where}.max_rate", stream.max_rate, 0)
     if not 1 <= stream.quality <= 95:
         yield Finding(f"{where}.quality", f"expected 1 to 95, found {stream.quality}")
+    if not 0 <= stream.kbits <= 100_000:
+        yield Finding(f"{where}.kbits", f"expected 0 to 100000, found {stream.kbits}")
     if stream.width < 0:
         yield Finding(f"{where}.width", f"expected 0 or more pixels, found {stream.width}")
 

@@ -18,6 +18,7 @@ from talaia.model.connection import (
     Ros1Connection,
     Ros2Connection,
     RosbridgeConnection,
+    VideoConnection,
     kind_of,
 )
 from talaia.model.errors import UnknownWord
@@ -55,7 +56,11 @@ _COMMANDS = {
 _ROS_KEYS = ("topic", "type", "field", "name", "parameter")
 _INDI_KEYS = ("property", "element", "device")
 _PROCESS_KEYS = ("run", "pattern", "messages")
+_VIDEO_KEYS = ("url", "file")
+# As the kernel names them: /dev/video0, or /dev/v4l/by-id/….
+_CAMERA_FILE = re.compile(r"/dev/(video[0-9]{1,3}|v4l/by-(id|path)/[A-Za-z0-9_.:+-]{1,200})\Z")
 _EXAMPLES = {
+    ConnectionKind.VIDEO: "url: rtsp://camera.local/stream, or file: /dev/video0",
     ConnectionKind.ROS2: "topic: /odom, type: nav_msgs/msg/Odometry, field: …",
     ConnectionKind.ROS1: "topic: /odom, type: nav_msgs/msg/Odometry, field: …",
     ConnectionKind.ROSBRIDGE: "topic: /odom, type: nav_msgs/msg/Odometry, field: …",
@@ -112,6 +117,9 @@ def _connection(where: str, connection: Connection) -> Iterator[Finding]:
             yield from above(f"{where}.poll", connection.poll, 0)
             yield from above(f"{where}.timeout", connection.timeout, 0)
             yield from _line_fits(f"{where}.prefix", connection.prefix, empty=True)
+        case VideoConnection():
+            if connection.password_file and not connection.user:
+                yield Finding(f"{where}.user", "whose password is it?", "write: user: viewer")
 
 
 def _node_fits(where: str, node: str) -> Iterator[Finding]:
@@ -130,7 +138,7 @@ def _url_fits(where: str, url: str, schemes: tuple[str, ...], example: str) -> I
     if not fits:
         yield Finding(where, f"expected {' or '.join(schemes)}://host:port", remedy)
     elif parts.username or parts.password:
-        yield Finding(where, "there is a password in it", "use token_file or token_env")
+        yield Finding(where, "there is a password in it", "use a file that is named")
 
 
 def _line_fits(where: str, line: str, *, empty: bool = False) -> Iterator[Finding]:
@@ -210,6 +218,8 @@ def signal_source_fits(where: str, signal: Signal, link: Connection) -> Iterator
         if signal.type is not SignalType.POSITION and not source.field and not source.name:
             problem = "which field of the message is meant?"
             yield Finding(f"{where}.field", problem, "write: field: data")
+    elif kind is ConnectionKind.VIDEO:
+        yield Finding(where, "a camera gives no signals", "take another connection for them")
     elif signal.type is SignalType.POSITION:
         problem = f"a connection of kind {kind} gives no positions"
         yield Finding(where, problem, "make a signal of each number")
@@ -230,17 +240,33 @@ def stream_source_fits(where: str, stream: Stream, link: Connection) -> Iterator
         yield from _ros_source(where, source)
     elif kind is ConnectionKind.INDI:
         yield from _indi_word_fits(f"{where}.property", source.property, "INDI property")
+    elif kind is ConnectionKind.VIDEO:
+        yield from _camera_fits(where, source)
     else:
         yield Finding(where, "commands give no pictures", "reach the camera otherwise")
 
 
 def _keys_fit(where: str, source: Source, kind: ConnectionKind) -> Iterator[Finding]:
-    keys = {ConnectionKind.INDI: _INDI_KEYS, ConnectionKind.PROCESS: _PROCESS_KEYS}
+    keys = {
+        ConnectionKind.INDI: _INDI_KEYS,
+        ConnectionKind.PROCESS: _PROCESS_KEYS,
+        ConnectionKind.VIDEO: _VIDEO_KEYS,
+    }
     fitting = keys.get(kind, _ROS_KEYS)
-    for key in (*_ROS_KEYS, *_INDI_KEYS, *_PROCESS_KEYS):
+    for key in (*_ROS_KEYS, *_INDI_KEYS, *_PROCESS_KEYS, *_VIDEO_KEYS):
         if key not in fitting and getattr(source, key):
             problem = f"a connection of kind {kind} knows no {key}"
             yield Finding(f"{where}.{key}", problem, f"write as: {_EXAMPLES[kind]}")
+
+
+def _camera_fits(where: str, source: Source) -> Iterator[Finding]:
+    if bool(source.url) == bool(source.file):
+        yield Finding(where, "where is the camera?", f"write {_EXAMPLES[ConnectionKind.VIDEO]}")
+    elif source.url:
+        yield from _url_fits(f"{where}.url", source.url, ("rtsp", "rtsps"), "camera.local/stream")
+    elif not _CAMERA_FILE.match(source.file):
+        problem = f"{source.file[:80]!r} is not a camera's device file"
+        yield Finding(f"{where}.file", problem, "write it as /dev/video0")
 
 
 def _ros_source(where: str, source: Source) -> Iterator[Finding]:

@@ -20,6 +20,7 @@ __all__ = [
     "Ros2Connection",
     "Ros2Settings",
     "RosbridgeConnection",
+    "VideoConnection",
     "kind_of",
 ]
 
@@ -32,6 +33,7 @@ class ConnectionKind(StrEnum):
     ROSBRIDGE = "rosbridge"
     INDI = "indi"
     PROCESS = "process"
+    VIDEO = "video"
 
 
 # These name things as ROS does: topics, services, types.
@@ -137,8 +139,28 @@ class ProcessConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag=
     timeout: float = 10.0
 
 
+class VideoConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="video"):
+    """Cameras without ROS: on the network by RTSP, or at this computer's USB.
+
+    Attributes:
+        user: whom a camera's server asks for; empty for nobody.
+        password_file: a file that holds that user's password; empty for none.
+        udp: let the network drop what is late, where a camera can do no TCP.
+
+    """
+
+    user: str = ""
+    password_file: str = ""
+    udp: bool = False
+
+
 Connection = (
-    Ros2Connection | Ros1Connection | RosbridgeConnection | IndiConnection | ProcessConnection
+    Ros2Connection
+    | Ros1Connection
+    | RosbridgeConnection
+    | IndiConnection
+    | ProcessConnection
+    | VideoConnection
 )
 
 
@@ -155,3 +177,5 @@ def kind_of(connection: Connection) -> ConnectionKind:
             return ConnectionKind.INDI
         case ProcessConnection():
             return ConnectionKind.PROCESS
+        case VideoConnection():
+            return ConnectionKind.VIDEO

@@ -146,6 +146,8 @@ class Source(Shape, frozen=True, kw_only=True):
             is no shell.
         pattern: process: a regular expression with one group, which is the value; without it the
             whole answer is.
+        url: video: of the camera's own server, ``rtsp://camera.local/stream``; without a password.
+        file: video: the camera's device file, ``/dev/video0``.
         messages: process: what an answer means, in words: ``{opened: the dome is opened}``.
 
     """
@@ -160,6 +162,8 @@ class Source(Shape, frozen=True, kw_only=True):
     device: str = ""
     run: str = ""
     pattern: str = ""
+    url: str = ""
+    file: str = ""
     messages: dict[str, str] = {}
 
 
@@ -212,6 +216,7 @@ class Stream(Shape, frozen=True, kw_only=True):
     Attributes:
         max_rate: pictures a second at the most (Hz).
         quality: JPEG quality, 1 to 95.
+        kbits: H.264 takes at most this (kbit/s); 0 goes by the size: 1 500 for 640×480 at 30 Hz.
         width: pictures wider than this are made smaller (px); 0 leaves them.
 
     """
@@ -220,6 +225,7 @@ class Stream(Shape, frozen=True, kw_only=True):
     source: Source
     max_rate: float = 30.0
     quality: int = 70
+    kbits: int = 0
     width: int = 0
     visibility: Visibility = Visibility.VIEW
 

@@ -49,6 +49,7 @@ __all__ = [
     "Ended",
     "EventNews",
     "FromBrowser",
+    "Glance",
     "Greeting",
     "InterlockNews",
     "Lease",
@@ -473,7 +474,15 @@ class Ended(Message, frozen=True, kw_only=True, tag="ended"):
 
 
 class Shot(Message, frozen=True, kw_only=True, tag="shot"):
-    """One picture. ``hub_us`` is the moment of capture on the hub's monotonic clock."""
+    """One picture. ``hub_us`` is the moment of capture on the hub's monotonic clock.
+
+    Attributes:
+        format: ``jpeg`` or ``h264``; see `talaia.wire.frames.Picture`.
+        key: it needs no picture before it.
+        codec: of ``h264``: as WebCodecs names it.
+        small: it is smaller than the camera's own, since the connection is slow.
+
+    """
 
     seq: Count
     time_us: Micros
@@ -481,6 +490,9 @@ class Shot(Message, frozen=True, kw_only=True, tag="shot"):
     width: Pixels
     height: Pixels
     format: Word
+    key: bool = True
+    codec: Word = ""
+    small: bool = False
     data: Annotated[bytes, Meta(max_length=MAX_PICTURE)]
 
 
@@ -488,6 +500,12 @@ class Shown(Message, frozen=True, kw_only=True, tag="shown"):
     """The page has drawn picture ``seq``; the hub may send another. At most two are under way."""
 
     seq: Count
+
+
+class Glance(Message, frozen=True, kw_only=True, tag="glance"):
+    """The page is not looked at closely now (hidden): a picture a second will do, or no more."""
+
+    still: bool
 
 
 FromBrowser = (
@@ -524,7 +542,7 @@ ToBrowser = (
     | Ended
 )
 MediaToBrowser = Shot | Problem | Ended
-MediaFromBrowser = Shown
+MediaFromBrowser = Shown | Glance
 
 FROM_BROWSER: Codec[FromBrowser] = Codec(FromBrowser, 1024 * 1024)
 TO_BROWSER: Codec[ToBrowser] = Codec(ToBrowser)

@@ -49,11 +49,13 @@ __all__ = [
     "FileHave",
     "FileOffer",
     "FilePiece",
+    "Form",
     "FromGateway",
     "FromHub",
     "Gap",
     "Hello",
     "InterlockState",
+    "KeyAsk",
     "LeaseAsk",
     "LeaseForce",
     "LeaseOp",
@@ -71,6 +73,7 @@ __all__ = [
     "StopAsk",
     "StopState",
     "Tick",
+    "Trouble",
     "UploadOffer",
     "UploadPart",
     "UploadState",
@@ -94,6 +97,8 @@ ChannelColumn = Annotated[bytes, Meta(max_length=2 * MAX_SAMPLES)]
 OffsetColumn = Annotated[bytes, Meta(max_length=4 * MAX_SAMPLES)]
 ValueColumn = Annotated[bytes, Meta(max_length=8 * MAX_SAMPLES)]
 Texts = Annotated[dict[int, Sentence], Meta(max_length=MAX_SAMPLES)]
+FormList = Annotated[list[Word], Meta(max_length=16)]
+Forms = Annotated[dict[Name, FormList], Meta(max_length=1000)]
 Digest = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
 FileId = Annotated[str, Meta(pattern="^[0-9A-Za-z]{1,32}(-[0-9a-z]{1,16})?$")]
 # A description's text, deflated (zlib), so that it stands before a driving frame for little.
@@ -138,6 +143,19 @@ class ChangePhase(StrEnum):
     WAITING = "waiting"
     APPLIED = "applied"
     REFUSED = "refused"
+
+
+class Form(StrEnum):
+    """How a picture travels: two sizes of each of two encodings, and now and then one picture.
+
+    On the wire it is a plain word, so that a peer may know more of them than we do.
+    """
+
+    H264 = "h264"
+    H264_SMALL = "h264_small"
+    JPEG = "jpeg"
+    JPEG_SMALL = "jpeg_small"
+    STILL = "still"
 
 
 # ── gateway to hub ──────────────────────────────────────────────────────────────────────────
@@ -638,9 +656,23 @@ class UploadState(Message, frozen=True, kw_only=True, tag="upload_state"):
 
 
 class Watch(Message, frozen=True, kw_only=True, tag="watch"):
-    """The streams (``device/stream``) that anyone looks at now; all others rest."""
+    """The streams (``device/stream``) that anyone looks at now; all others rest.
+
+    Attributes:
+        forms: by stream: what they are wanted as (`Form`); a stream that is not in it is wanted
+            as JPEG, by a hub that knows nothing else.
+
+    """
 
     streams: Annotated[list[Name], Meta(max_length=1000)]
+    forms: Forms = {}
+
+
+class KeyAsk(Message, frozen=True, kw_only=True, tag="key"):
+    """Make the next picture of a stream, in this form, one that needs none before it."""
+
+    stream: Name
+    form: Word
 
 
 class Reconnect(Message, frozen=True, kw_only=True, tag="reconnect"):
@@ -685,7 +717,17 @@ class FileHave(Message, frozen=True, kw_only=True, tag="file_have"):
 
 
 class Picture(Message, frozen=True, kw_only=True, tag="picture"):
-    """One picture of a stream, stamped at the gateway."""
+    """One picture of a stream, stamped at the gateway.
+
+    Attributes:
+        seq: the picture's number, the same in all forms; pictures may be left out.
+        format: ``jpeg`` or ``h264`` (Annex B, no reordering).
+        forms: which of the forms asked for this serves; none from a gateway that knows none.
+        key: it needs no picture before it.
+        codec: of ``h264``: as WebCodecs names it (``avc1.42C01E``).
+        data: the encoded picture.
+
+    """
 
     stream: Name
     seq: Count
@@ -694,7 +736,17 @@ class Picture(Message, frozen=True, kw_only=True, tag="picture"):
     width: Pixels
     height: Pixels
     format: Name = "jpeg"
+    forms: FormList = []
+    key: bool = True
+    codec: Word = ""
     data: Annotated[bytes, Meta(max_length=MAX_PICTURE)]
+
+
+class Trouble(Message, frozen=True, kw_only=True, tag="trouble"):
+    """A camera's pictures cannot be shown, and why; sent once, only to a hub that names forms."""
+
+    stream: Name
+    why: Sentence
 
 
 FromGateway = (
@@ -734,13 +786,14 @@ FromHub = (
     | OverrideAsk
     | UploadState
     | Watch
+    | KeyAsk
     | Reconnect
     | RecordAsk
     | Beat
     | BeatReply
     | Bye
 )
-MediaFromGateway = Picture | Beat | BeatReply
+MediaFromGateway = Picture | Trouble | Beat | BeatReply
 MediaFromHub = Beat | BeatReply | Bye
 FilesFromGateway = FileOffer | FilePiece
 FilesFromHub = FileHave | Bye

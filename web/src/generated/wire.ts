@@ -326,6 +326,9 @@ export interface Shot {
   readonly width: number;
   readonly height: number;
   readonly format: string;
+  readonly key: boolean;
+  readonly codec: string;
+  readonly small: boolean;
   readonly data: Uint8Array;
 }
 
@@ -333,6 +336,12 @@ export interface Shot {
 export interface Shown {
   readonly t: "shown";
   readonly seq: number;
+}
+
+/** The page is not looked at closely now (hidden): a picture a second will do, or no more. */
+export interface Glance {
+  readonly t: "glance";
+  readonly still: boolean;
 }
 
 export type FromBrowser =
@@ -374,7 +383,8 @@ export type MediaToBrowser =
   | Ended;
 
 export type MediaFromBrowser =
-  | Shown;
+  | Shown
+  | Glance;
 
 /** The tags a page may be sent. */
 export const TO_BROWSER: ReadonlySet<string> = new Set([
@@ -435,6 +445,7 @@ export const DEFAULTS = {
   problem: { about: "" },
   session: { idle: false },
   ended: {},
-  shot: {},
+  shot: { key: true, codec: "", small: false },
   shown: {},
+  glance: {},
 } as const;

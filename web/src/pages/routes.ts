@@ -41,6 +41,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   ways: { tag: "t-page-ways", title: "Notification", load: () => import("./ways/page-ways.js") },
   drive: { tag: "t-page-drive", title: "Actuate", load: () => import("./drive/page-drive.js") },
   archive: { tag: "t-page-archive", title: "Archive", load: () => import("./archive/page-archive.js") },
+  cameras: { tag: "t-page-cameras", title: "Cameras", load: () => import("./cameras/page-cameras.js") },
   gallery: { tag: "t-page-gallery", title: "Gallery", load: () => import("./gallery/page-gallery.js") },
   missing: { tag: "t-page-missing", title: "Not found", load: () => import("./missing/page-missing.js") },
 };

@@ -18,6 +18,7 @@ export type PageName =
   | "logbook"
   | "device"
   | "archive"
+  | "cameras"
   | "people"
   | "roles"
   | "gateways"
@@ -36,7 +37,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "logbook"];
+const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "cameras", "logbook"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -74,7 +75,10 @@ export function routeOf(path: string): Route {
 }
 
 /** The path of a site's page. */
-export function sitePath(site: string, page: "live" | "history" | "recordings" | "drive" | "archive" | "logbook"): string {
+export function sitePath(
+  site: string,
+  page: "live" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook",
+): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }
 

@@ -9,6 +9,8 @@ export type MediaState = "connecting" | "open" | "lost" | "refused";
 export interface MediaListener {
   /** Draw it, then call `shown` (also when it could not be drawn): the next one waits for that. */
   readonly onShot: (shot: Shot, shown: () => void) => void;
+  /** The camera gives pictures that cannot be shown; the next `onShot` ends that. */
+  readonly onTrouble: (why: string) => void;
   /** `why` is the hub's sentence when it said one. */
   readonly onState: (state: MediaState, why: string) => void;
 }
@@ -24,6 +26,7 @@ export class MediaSocket {
   private socket: WebSocket | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private attempt = 0;
+  private still = false;
 
   constructor(
     private readonly options: MediaOptions,
@@ -37,6 +40,18 @@ export class MediaSocket {
     this.drop();
   }
 
+  /** Tells the hub whether a picture a second will do, since nobody looks closely. */
+  glance(still: boolean): void {
+    if (this.still === still) return;
+    this.still = still;
+    if (this.socket?.readyState === 1) this.socket.send(encode({ t: "glance", still }));
+  }
+
+  /** Begins anew, as after a loss: what came cannot be gone on with. */
+  again(): void {
+    this.retry("");
+  }
+
   private open(): void {
     this.listener.onState("connecting", "");
     const socket = (this.options.openSocket ?? ((url) => new WebSocket(url)))(this.options.url);
@@ -44,6 +59,7 @@ export class MediaSocket {
     this.socket = socket;
     socket.onopen = () => {
       this.attempt = 0;
+      if (this.still) socket.send(encode({ t: "glance", still: true }));
       this.listener.onState("open", "");
     };
     socket.onmessage = (event: MessageEvent<unknown>) => {
@@ -74,7 +90,8 @@ export class MediaSocket {
       }
       case "problem":
         // A camera that is away may come back; one that is not ours, or not there, will not.
-        if (message.code === "offline" || message.code === "busy") this.retry(message.message);
+        if (message.code === "picture") this.listener.onTrouble(message.message);
+        else if (message.code === "offline" || message.code === "busy") this.retry(message.message);
         else this.refuse(message.message);
         return;
       case "ended":
@@ -114,7 +131,7 @@ export function socketUrl(path: string, page: { protocol: string; host: string }
   return `${page.protocol === "https:" ? "wss:" : "ws:"}//${page.host}${path}`;
 }
 
-/** Path of a camera's socket; `stream` is its address, ``device/stream``. */
-export function mediaPath(site: string, stream: string): string {
-  return `/ws/media?${new URLSearchParams({ site, stream }).toString()}`;
+/** Path of a camera's socket; `stream` is its address, ``device/stream``, `forms` what we can show. */
+export function mediaPath(site: string, stream: string, forms: readonly string[]): string {
+  return `/ws/media?${new URLSearchParams({ site, stream, forms: forms.join(",") }).toString()}`;
 }

@@ -6,6 +6,7 @@ import { FakeSocket } from "./fake-socket.js";
 const sockets: FakeSocket[] = [];
 const states: [MediaState, string][] = [];
 const shots: [Shot, () => void][] = [];
+const troubles: string[] = [];
 
 function open(): MediaSocket {
   return new MediaSocket(
@@ -20,6 +21,7 @@ function open(): MediaSocket {
     },
     {
       onShot: (shot, shown) => shots.push([shot, shown]),
+      onTrouble: (why) => troubles.push(why),
       onState: (state, why) => states.push([state, why]),
     },
   );
@@ -29,7 +31,7 @@ const shot = { t: "shot", seq: 7, time_us: 1, hub_us: 2, width: 2, height: 1, fo
 
 beforeEach(() => {
   vi.useFakeTimers();
-  for (const list of [sockets, states, shots]) list.length = 0;
+  for (const list of [sockets, states, shots, troubles]) list.length = 0;
 });
 afterEach(() => {
   vi.useRealTimers();
@@ -78,6 +80,27 @@ test("a camera that is away is tried again, and nonsense is answered with a fres
   expect(sockets).toHaveLength(3);
 });
 
+test("a camera whose pictures cannot be shown says why and is not closed", () => {
+  open();
+  sockets[0]?.say({ t: "problem", code: "picture", message: "/i: 'yuv9' is not one of: rgb8" });
+  expect(troubles).toEqual(["/i: 'yuv9' is not one of: rgb8"]);
+  expect([sockets.length, sockets[0]?.closed]).toEqual([1, false]);
+});
+
+test("a hidden page says so once, and again to a fresh socket", () => {
+  const media = open();
+  sockets[0]?.onopen?.();
+  media.glance(true);
+  media.glance(true);
+  expect(sockets[0]?.sent).toEqual([{ t: "glance", still: true }]);
+  sockets[0]?.die();
+  vi.advanceTimersByTime(125);
+  sockets[1]?.onopen?.();
+  expect(sockets[1]?.sent).toEqual([{ t: "glance", still: true }]);
+  media.glance(false);
+  expect(sockets[1]?.sent.at(-1)).toEqual({ t: "glance", still: false });
+});
+
 test("nothing is opened after it was closed", () => {
   const media = open();
   media.close();
@@ -91,5 +114,7 @@ test("the socket is as safe as the page", () => {
 });
 
 test("names in the address can not change its meaning", () => {
-  expect(mediaPath("a&b", "camera/front")).toBe("/ws/media?site=a%26b&stream=camera%2Ffront");
+  expect(mediaPath("a&b", "camera/front", ["h264", "jpeg"])).toBe(
+    "/ws/media?site=a%26b&stream=camera%2Ffront&forms=h264%2Cjpeg",
+  );
 });

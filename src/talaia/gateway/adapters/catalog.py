@@ -14,6 +14,7 @@ from talaia.model.connection import (
     Ros1Connection,
     Ros2Connection,
     RosbridgeConnection,
+    VideoConnection,
 )
 
 if TYPE_CHECKING:
@@ -45,6 +46,8 @@ def adapter_of(share: Share, outlets: Outlets, status: Status) -> Adapter:
             make, remedy = _indi, "install talaia[indi]"
         case ProcessConnection():
             make = _process
+        case VideoConnection():
+            make, remedy = _video, "install talaia[camera]"
     try:
         return make(share, outlets, status)
     except ImportError as error:
@@ -82,3 +85,9 @@ def _process(share: Share, outlets: Outlets, status: Status) -> Adapter:
     from talaia.gateway.adapters.process import Processes
 
     return Processes(share, outlets, status)
+
+
+def _video(share: Share, outlets: Outlets, status: Status) -> Adapter:
+    from talaia.gateway.adapters.video import Video
+
+    return Video(share, outlets, status)

@@ -18,7 +18,6 @@ from itertools import count
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from talaia.gateway.adapters.pictures import PictureStream, PictureWorker
 from talaia.gateway.adapters.rejoin import WAIT_S, rejoined
 from talaia.gateway.adapters.ros1_decode import decoder_of, full_name
 from talaia.gateway.adapters.ros1_frames import Heard
@@ -27,6 +26,8 @@ from talaia.gateway.adapters.ros1_node import NodeProcess
 from talaia.gateway.adapters.topics import Gathered, parameter_plans_of, plans_of
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
+from talaia.gateway.pictures.camera import PictureStream
+from talaia.gateway.pictures.worker import PictureWorker
 from talaia.gateway.ports import Outcome
 from talaia.model.connection import Ros1Connection
 from talaia.model.site import CommandKind

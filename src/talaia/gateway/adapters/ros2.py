@@ -24,7 +24,6 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
-from talaia.gateway.adapters.pictures import PictureStream, PictureWorker
 from talaia.gateway.adapters.rejoin import Rejoining
 from talaia.gateway.adapters.ros2_decode import decoder_for
 from talaia.gateway.adapters.ros2_motion import Ros2Motion
@@ -35,6 +34,8 @@ from talaia.gateway.adapters.ros2_services import Ros2Commands
 from talaia.gateway.adapters.ros2_waitset import WaitThread
 from talaia.gateway.adapters.topics import Gathered, TopicPlan, plans_of
 from talaia.gateway.errors import AdapterLost, TypeMissing
+from talaia.gateway.pictures.camera import PictureStream
+from talaia.gateway.pictures.worker import PictureWorker
 from talaia.gateway.ports import Outcome
 from talaia.model.connection import Ros2Connection
 from talaia.wire.frames import CommandPhase

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 
-from talaia.gateway.adapters.pictures import PictureStream, PictureWorker
 from talaia.gateway.adapters.rejoin import rejoined
 from talaia.gateway.adapters.rosbridge_protocol import (
     bytes_of,
@@ -32,6 +31,8 @@ from talaia.gateway.adapters.rosbridge_protocol import (
 from talaia.gateway.adapters.topics import Gathered, plans_of
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import AdapterLost, FieldError, SettingsError
+from talaia.gateway.pictures.camera import PictureStream
+from talaia.gateway.pictures.worker import PictureWorker
 from talaia.gateway.ports import Outcome
 from talaia.model.connection import RosbridgeConnection
 from talaia.model.site import CommandKind

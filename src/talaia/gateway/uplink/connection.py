@@ -274,6 +274,7 @@ async def run_media(
                     pictures.say(MEDIA_FROM_GATEWAY.encode(reply_to(message, now)))
                 elif isinstance(message, BeatReply):
                     beats.answered(message, now)
+                    pictures.answered(message)
                 else:
                     raise LinkLost("the hub closes the media connection")
 

@@ -1,41 +1,135 @@
-"""Pictures that wait to be sent: the newest of each stream and no other."""
+"""Pictures on their way to the hub: what is wanted, what waits, and how full the link is.
+
+Of pictures that need none before them only the newest waits. Those of a film may not be left out,
+so that none is made while the link is full; should some wait all the same, they all go and the
+next is one that needs none before it.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections import deque
 from typing import TYPE_CHECKING
 
-from talaia.wire.frames import MEDIA_FROM_GATEWAY
+from talaia.gateway.uplink.room import Room
+from talaia.wire.frames import MEDIA_FROM_GATEWAY, Beat, Form, Trouble
 
 if TYPE_CHECKING:
-    from talaia.wire.frames import Picture
+    from collections.abc import Callable, Collection, Mapping, Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from talaia.clock import Clock
+    from talaia.gateway.pictures.looks import Looks
+    from talaia.wire.frames import BeatReply, Picture
 
 __all__ = ["Pictures"]
+
+# The beat behind each picture is its receipt; the connection's own beats count from 1.
+_RECEIPTS = 2**40
+_MOST_WAITING = 6
+_FOR_OLD_HUB = frozenset({Form.JPEG.value})
 
 
 class Pictures:
     """A `PictureSink`. Beside pictures it carries the connection's few small messages."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Take the loop that sends."""
+    def __init__(self, loop: asyncio.AbstractEventLoop, clock: Clock, looks: Looks) -> None:
+        """Take the loop that sends, and where those at the gateway look."""
         self._loop = loop
-        self._newest: dict[str, Picture] = {}
+        self._clock = clock
+        self._looks = looks
+        self._waiting: dict[tuple[str, str], deque[Picture]] = {}
         self._small: deque[bytes] = deque(maxlen=100)
         self._wake = asyncio.Event()
         self._linked = False
+        self._sent = 0
+        self._room = Room()
+        # From here on used by the encoding threads, too.
+        self._lock = threading.Lock()
+        self._asked: Mapping[str, frozenset[str]] = {}
+        self._keys: set[tuple[str, str]] = set()
+        self._tells_trouble = False
         self.dropped = 0
+
+    # ── what is wanted ──
+
+    def watch(self, streams: Collection[str], forms: Mapping[str, Sequence[str]]) -> None:
+        """Take from the hub what is looked at, and as what."""
+        with self._lock:
+            self._asked = {
+                each: frozenset(forms[each]) if each in forms else _FOR_OLD_HUB for each in streams
+            }
+            self._tells_trouble = bool(forms)
+
+    def ask_key(self, stream: str, form: str) -> None:
+        """Take from the hub that somebody needs a picture to begin with."""
+        with self._lock:
+            if stream in self._asked:
+                self._keys.add((stream, form))
+
+    def watched(self) -> frozenset[str]:
+        """Name the streams to be read: by those at the hub or those at the gateway."""
+        return self._looks.held() | self._asked.keys()
+
+    # ── PictureSink, for the encoding threads ──
+
+    def asked(self, stream: str) -> frozenset[str]:
+        """See `PictureSink.asked`."""
+        with self._lock:
+            return self._asked.get(stream, frozenset()) if self._linked else frozenset()
+
+    def key_due(self, stream: str, form: str) -> bool:
+        """See `PictureSink.key_due`."""
+        with self._lock:
+            due = (stream, form) in self._keys
+            self._keys.discard((stream, form))
+            return due
+
+    def room(self) -> float:
+        """See `PictureSink.room`."""
+        with self._lock:
+            return self._room.share(self._clock.monotonic_ns() // 1000)
+
+    def look(
+        self,
+        stream: str,
+        stamp: tuple[int, int, int],
+        decode: Callable[[], NDArray[np.uint8] | None],
+    ) -> None:
+        """See `PictureSink.look`."""
+        self._looks.put(stream, stamp, decode)
 
     def offer(self, picture: Picture) -> None:
         """Take one picture; any thread."""
         if self._linked:
             self._loop.call_soon_threadsafe(self._put, picture)
 
+    def trouble(self, stream: str, why: str) -> None:
+        """See `PictureSink.trouble`."""
+        if self._linked and self._tells_trouble:
+            told = MEDIA_FROM_GATEWAY.encode(Trouble(stream=stream, why=why[:2000]))
+            self._loop.call_soon_threadsafe(self.say, told)
+
+    # ── on the loop ──
+
     def _put(self, picture: Picture) -> None:
+        if not self._linked:
+            return
+        key = (picture.stream, picture.forms[0] if picture.forms else "")
         # Taken out first, so that streams take turns instead of one starving the others.
-        if self._newest.pop(picture.stream, None) is not None:
-            self.dropped += 1
-        self._newest[picture.stream] = picture
+        waiting = self._waiting.pop(key, None) or deque()
+        if picture.key:
+            self.dropped += len(waiting)
+            waiting.clear()
+        elif len(waiting) >= _MOST_WAITING:
+            self.dropped += len(waiting) + 1
+            self.ask_key(*key)
+            return
+        waiting.append(picture)
+        self._waiting[key] = waiting
         self._wake.set()
 
     def say(self, data: bytes) -> None:
@@ -48,18 +142,43 @@ class Pictures:
         while True:
             if self._small:
                 return self._small.popleft()
-            if self._newest:
-                return MEDIA_FROM_GATEWAY.encode(self._newest.pop(next(iter(self._newest))))
+            if self._waiting:
+                return self._take()
             self._wake.clear()
             await self._wake.wait()
 
+    def _take(self) -> bytes:
+        key = next(iter(self._waiting))
+        waiting = self._waiting.pop(key)
+        picture = waiting.popleft()
+        if waiting:
+            self._waiting[key] = waiting
+        now_us = self._clock.monotonic_ns() // 1000
+        self._sent += 1
+        with self._lock:
+            self._room.sent(self._sent, now_us)
+        beat = Beat(n=_RECEIPTS + self._sent, mono_us=now_us)
+        self._small.append(MEDIA_FROM_GATEWAY.encode(beat))
+        return MEDIA_FROM_GATEWAY.encode(picture)
+
+    def answered(self, reply: BeatReply) -> None:
+        """Take the answer to a beat; those behind pictures are their receipts."""
+        if reply.n > _RECEIPTS:
+            with self._lock:
+                self._room.arrived(reply.n - _RECEIPTS, self._clock.monotonic_ns() // 1000)
+
     def link_up(self) -> None:
         """Begin with nothing old."""
-        self._newest.clear()
+        self._waiting.clear()
         self._small.clear()
+        with self._lock:
+            self._room.clear()
+            self._keys |= {
+                (stream, form) for stream, forms in self._asked.items() for form in forms
+            }
         self._linked = True
 
     def link_lost(self) -> None:
         """Take no more until the next connection."""
         self._linked = False
-        self._newest.clear()
+        self._waiting.clear()

@@ -11,7 +11,7 @@ from talaia.hub.api.access import deny
 from talaia.hub.api.limits import MOST_SOCKETS
 from talaia.hub.auth.permissions import sees_stream
 from talaia.hub.live.browsers import Browser
-from talaia.hub.live.media import Viewer
+from talaia.hub.live.viewer import Viewer
 from talaia.wire import browser as page
 
 if TYPE_CHECKING:
@@ -35,6 +35,8 @@ __all__ = ["Sockets"]
 # With these bounds the newest sample of every channel fits in a browser's outbox.
 MOST_SUBSCRIPTIONS = 256
 MOST_CHANNELS = 60_000
+# What a page can show, as words with commas between (characters).
+MOST_FORMS = 200
 
 
 class Sockets:
@@ -124,7 +126,11 @@ class Sockets:
             await deny(socket, 404, "unknown", "there is no such stream")
             return
         await socket.accept()
-        viewer = Viewer(socket, who, site, stream, text=_speaks_json(socket))
+        viewer = Viewer(
+            socket, who, site, stream, self._now_us,
+            frozenset(socket.query_params.get("forms", "")[:MOST_FORMS].split(",")) - {""},
+            text=_speaks_json(socket),
+        )  # fmt: skip
         self._seats.add(viewer)
         self._media.join(viewer)
         try:
@@ -153,6 +159,9 @@ class Sockets:
         if key is not None:
             await socket.accept()
             await self._gateways.serve_files(socket, key)
+
+    def _now_us(self) -> int:
+        return self._clock.monotonic_ns() // 1000
 
     def _handle(self, browser: Browser, message: FromBrowser) -> None:
         """Lead a message, which the gate has let pass, to its part."""

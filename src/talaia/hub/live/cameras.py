@@ -9,7 +9,15 @@ from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.live.race import until_first
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import MEDIA_FROM_GATEWAY, MEDIA_FROM_HUB, Beat, BeatReply, Bye, Picture
+from talaia.wire.frames import (
+    MEDIA_FROM_GATEWAY,
+    MEDIA_FROM_HUB,
+    Beat,
+    BeatReply,
+    Bye,
+    Picture,
+    Trouble,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,9 +44,17 @@ class GatewayCamera:
         self._reason = self._reason or reason
         self._over.set()
 
-    async def serve(self, take: Callable[[Picture], None], now_us: Callable[[], int]) -> None:
-        """Hand each picture to ``take`` until either side ends it; answer beats."""
-        results = await until_first(self._read(take, now_us), self._over.wait())
+    async def serve(
+        self,
+        take: Callable[[Picture], None],
+        trouble: Callable[[Trouble], None],
+        now_us: Callable[[], int],
+    ) -> None:
+        """Hand each picture to ``take`` until either side ends it; answer beats.
+
+        ``trouble`` is told what cannot be shown.
+        """
+        results = await until_first(self._read(take, trouble, now_us), self._over.wait())
         reason, code = self._reason, 1000
         for result in results:
             if isinstance(result, PeerError):
@@ -52,7 +68,12 @@ class GatewayCamera:
         except _GONE:
             return
 
-    async def _read(self, take: Callable[[Picture], None], now_us: Callable[[], int]) -> None:
+    async def _read(
+        self,
+        take: Callable[[Picture], None],
+        trouble: Callable[[Trouble], None],
+        now_us: Callable[[], int],
+    ) -> None:
         while True:
             event = await self._socket.receive()
             if event["type"] == "websocket.disconnect":
@@ -65,5 +86,7 @@ class GatewayCamera:
                 case Beat():
                     reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now_us())
                     await self._socket.send_bytes(MEDIA_FROM_HUB.encode(reply))
+                case Trouble():
+                    trouble(message)
                 case BeatReply():
                     pass

@@ -177,7 +177,11 @@ class Gateways:
         self._cameras[site] = camera
         try:
             with self._links.opened(key.id, camera):
-                await camera.serve(self._picture(site), self._now_us)
+                await camera.serve(
+                    self._picture(site),
+                    lambda said: self._media.trouble(site, said),
+                    self._now_us,
+                )
         finally:
             if self._cameras.get(site) is camera:
                 del self._cameras[site]

@@ -1,122 +1,28 @@
-"""Pictures from a gateway to everyone who looks: the newest wins, nobody waits for anybody."""
+"""Pictures from a gateway to everyone who looks: the newest wins, nobody waits for anybody.
+
+A gateway encodes a camera once in each form that any page wants just now (`flow` says which each
+page wants), and rests it when nobody looks.
+"""
 
 from __future__ import annotations
 
 import asyncio
 from typing import TYPE_CHECKING
 
-from starlette.websockets import WebSocketDisconnect
-
-from talaia.hub.live.browsers import SESSION_OVER
-from talaia.hub.live.race import until_first
-from talaia.wire.browser import MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, Ended, Shot
-from talaia.wire.errors import PeerError
-from talaia.wire.frames import Watch
+from talaia.hub.live.flow import Ready
+from talaia.wire.browser import MEDIA_TO_BROWSER, Shot
+from talaia.wire.frames import Form, KeyAsk, Watch
 
 if TYPE_CHECKING:
-    from starlette.websockets import WebSocket
-
     from talaia.clock import Clock
-    from talaia.hub.auth.permissions import Who
     from talaia.hub.live.clocks import ClockOffset
-    from talaia.hub.live.outbox import Frame
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.wire.frames import Picture
+    from talaia.hub.live.viewer import Viewer
+    from talaia.wire.frames import Picture, Trouble
 
-__all__ = ["Media", "Viewer"]
+__all__ = ["Media"]
 
-# Pictures that may be under way to a page: one being sent, one being drawn.
-CREDIT = 2
-_FAREWELL_S = 0.3
-_GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
-
-
-class Viewer:
-    """One page that looks at one stream. Holds at most one picture that waits."""
-
-    def __init__(self, socket: WebSocket, who: Who, site: str, stream: str, *, text: bool) -> None:
-        """Look at ``stream`` (``device/stream``) of ``site``; JSON with ``text``."""
-        self.who = who
-        self.site = site
-        self.stream = stream
-        self.text = text
-        self.skipped = 0
-        self._socket = socket
-        self._newest: Frame | None = None
-        self._credit = CREDIT
-        self._wake = asyncio.Event()
-        self._over = asyncio.Event()
-        self._reason = ""
-
-    def offer(self, frame: Frame) -> None:
-        """Hand over a picture; one that still waits gives way."""
-        if self._newest is not None:
-            self.skipped += 1
-        self._newest = frame
-        self._wake.set()
-
-    def end(self, reason: str) -> None:
-        """Close, since the session is over."""
-        self._reason = reason
-        self._over.set()
-
-    def tell_end(self, ends_us: int, *, idle: bool) -> None:
-        """Say nothing: the page's other socket tells the person."""
-
-    def take_use(self) -> bool:
-        """Looking at pictures is not doing anything."""
-        return False
-
-    async def serve(self) -> None:
-        """Send pictures until either side ends it."""
-        results = await until_first(self._read(), self._write(), self._over.wait())
-        code = SESSION_OVER if self._over.is_set() else 1000
-        for result in results:
-            if isinstance(result, PeerError):
-                code = result.code
-            elif isinstance(result, Exception) and not isinstance(result, _GONE):
-                raise result
-        await self._farewell(code)
-
-    async def _read(self) -> None:
-        while True:
-            event = await self._socket.receive()
-            if event["type"] == "websocket.disconnect":
-                return
-            data = event.get("bytes")
-            MEDIA_FROM_BROWSER.decode(event.get("text", "") if data is None else data)
-            self._credit = min(CREDIT, self._credit + 1)
-            self._wake.set()
-
-    async def _write(self) -> None:
-        while True:
-            await self._wake.wait()
-            self._wake.clear()
-            while self._credit and self._newest is not None:
-                frame, self._newest = self._newest, None
-                self._credit -= 1
-                await self._send(frame)
-
-    async def _send(self, frame: Frame) -> None:
-        if isinstance(frame, str):
-            await self._socket.send_text(frame)
-        else:
-            await self._socket.send_bytes(frame)
-
-    async def _farewell(self, code: int) -> None:
-        try:
-            async with asyncio.timeout(_FAREWELL_S):
-                if code == SESSION_OVER:
-                    ended = Ended(reason=self._reason)
-                    text = self.text
-                    await self._send(
-                        MEDIA_TO_BROWSER.encode_text(ended)
-                        if text
-                        else MEDIA_TO_BROWSER.encode(ended)
-                    )
-                await self._socket.close(code)
-        except _GONE:
-            return
+_SMALL = {Form.H264_SMALL.value, Form.JPEG_SMALL.value}
 
 
 class Media:
@@ -129,6 +35,8 @@ class Media:
         self._linger_s = linger_s
         self._viewers: dict[tuple[str, str], set[Viewer]] = {}
         self._timers: dict[tuple[str, str], asyncio.TimerHandle] = {}
+        self._forms: dict[tuple[str, str], frozenset[Form]] = {}
+        self._troubles: dict[tuple[str, str], str] = {}
 
     def join(self, viewer: Viewer) -> None:
         """Take a viewer in; the first one wakes the stream."""
@@ -136,26 +44,34 @@ class Media:
         timer = self._timers.pop(key, None)
         if timer is not None:
             timer.cancel()
-        first = key not in self._viewers
         self._viewers.setdefault(key, set()).add(viewer)
-        if first:
-            self.watch(viewer.site)
+        viewer.on_flow = self._flow
+        self._flow(viewer)
+        why = self._troubles.get(key)
+        if why is not None:
+            viewer.trouble(why)
 
     def leave(self, viewer: Viewer) -> None:
         """Let a viewer go; a little after the last one the stream rests."""
         key = (viewer.site, viewer.stream)
         viewers = self._viewers.get(key, set())
         viewers.discard(viewer)
-        if not viewers and key in self._viewers and key not in self._timers:
+        if viewers:
+            self._look(key)
+        elif key in self._viewers and key not in self._timers:
             loop = asyncio.get_running_loop()
             self._timers[key] = loop.call_later(self._linger_s, self._rest, key)
 
     def watch(self, site: str) -> None:
-        """Tell a site's gateway which streams are looked at now."""
+        """Tell a site's gateway which streams are looked at now, and as what."""
         live = self._sites.get(site)
         if live is not None and live.link is not None:
-            streams = sorted(stream for where, stream in self._viewers if where == site)
-            live.link.send(Watch(streams=streams))
+            forms = {
+                stream: [each.value for each in sorted(wanted)]
+                for (where, stream), wanted in sorted(self._forms.items())
+                if where == site
+            }
+            live.link.send(Watch(streams=list(forms), forms=forms))
 
     def close(self) -> None:
         """Stop the timers."""
@@ -165,12 +81,39 @@ class Media:
 
     def shot(self, live: LiveSite, picture: Picture, offset: ClockOffset) -> None:
         """Hand a picture to its viewers; written once for all who read the same form."""
-        viewers = self._viewers.get((live.name, picture.stream))
-        if not viewers:
+        key = (live.name, picture.stream)
+        self._troubles.pop(key, None)
+        wanting = [each for each in self._viewers.get(key, ()) if each.flow.wants(picture.forms)]
+        if not wanting:
             return
+        shot = self._shot(picture, offset)
+        written: dict[bool, Ready] = {}
+        for viewer in wanting:
+            ready = written.get(viewer.text)
+            if ready is None:
+                frame = (
+                    MEDIA_TO_BROWSER.encode_text(shot)
+                    if viewer.text
+                    else MEDIA_TO_BROWSER.encode(shot)
+                )
+                film = picture.format == Form.H264
+                ready = Ready(picture.seq, picture.key, film, len(frame), frame)
+                written[viewer.text] = ready
+            viewer.offer(ready)
+
+    def trouble(self, site: str, said: Trouble) -> None:
+        """Hand on why a camera cannot be shown, to those who look and those who come."""
+        key = (site, said.stream)
+        if key not in self._viewers or self._troubles.get(key) == said.why:
+            return
+        self._troubles[key] = said.why
+        for viewer in self._viewers[key]:
+            viewer.trouble(said.why)
+
+    def _shot(self, picture: Picture, offset: ClockOffset) -> Shot:
         captured = offset.ours(picture.mono_us)
         now_us = self._clock.monotonic_ns() // 1000
-        shot = Shot(
+        return Shot(
             seq=picture.seq,
             time_us=picture.time_us,
             # Without an estimate yet: as if it had been taken now. Never from the future.
@@ -178,20 +121,30 @@ class Media:
             width=picture.width,
             height=picture.height,
             format=picture.format,
+            key=picture.key,
+            codec=picture.codec,
+            small=bool(picture.forms) and _SMALL.issuperset(picture.forms),
             data=picture.data,
         )
-        written: dict[bool, Frame] = {}
-        for viewer in viewers:
-            if viewer.text not in written:
-                written[viewer.text] = (
-                    MEDIA_TO_BROWSER.encode_text(shot)
-                    if viewer.text
-                    else MEDIA_TO_BROWSER.encode(shot)
-                )
-            viewer.offer(written[viewer.text])
+
+    def _flow(self, viewer: Viewer) -> None:
+        """Ask the gateway for what a viewer wants now, where that is new."""
+        self._look((viewer.site, viewer.stream))
+        if viewer.flow.wants_key(self._clock.monotonic_ns() // 1000):
+            live = self._sites.get(viewer.site)
+            if live is not None and live.link is not None:
+                live.link.send(KeyAsk(stream=viewer.stream, form=viewer.flow.form))
+
+    def _look(self, key: tuple[str, str]) -> None:
+        wanted = frozenset(each.flow.form for each in self._viewers.get(key, ()))
+        if wanted and self._forms.get(key) != wanted:
+            self._forms[key] = wanted
+            self.watch(key[0])
 
     def _rest(self, key: tuple[str, str]) -> None:
         del self._timers[key]
         if not self._viewers.get(key):
             self._viewers.pop(key, None)
+            self._forms.pop(key, None)
+            self._troubles.pop(key, None)
             self.watch(key[0])

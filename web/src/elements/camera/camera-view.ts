@@ -1,15 +1,21 @@
-/** A camera's picture with its age on it. It never looks live when it is not. */
+/**
+ * A camera's picture with its age on it. It never looks live when it is not.
+ *
+ * Long, because what lies over the picture, and looking closer at it, share one box and its styles.
+ */
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, query } from "lit/decorators.js";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { styleMap } from "lit/directives/style-map.js";
 import { formatMs } from "../../format/duration.js";
 import { base } from "../base.js";
 import "../icon.js";
 import type { IconName } from "../icons.js";
 import "../loading.js";
+import { MOST_ZOOM, moved, wheelFactor, WHOLE, zoomed, type Zoom } from "./zoom.js";
 
 /** What stands between the page and a picture; `open` when nothing does. */
-export type CameraLink = "connecting" | "open" | "none" | "offline" | "refused" | "unsupported";
+export type CameraLink = "connecting" | "open" | "bad" | "none" | "offline" | "refused" | "unsupported";
 
 /** Older than this it is not live (safety rule 12). */
 export const LIVE_MS = 500;
@@ -17,6 +23,7 @@ export const LIVE_MS = 500;
 const WORDS: Readonly<Record<CameraLink, { icon: IconName; heading: string; more: string }>> = {
   connecting: { icon: "camera", heading: "Connecting to the camera", more: "" },
   open: { icon: "camera", heading: "No picture yet", more: "The camera has not sent one so far." },
+  bad: { icon: "warn", heading: "The camera’s picture cannot be shown", more: "" },
   none: {
     icon: "camera",
     heading: "No camera",
@@ -48,8 +55,20 @@ export class CameraView extends LitElement {
         aspect-ratio: 4 / 3;
         container-type: inline-size;
       }
+      .lens {
+        position: absolute;
+        inset: 0;
+        overflow: hidden;
+        /* One finger scrolls the page; two, and one once it is zoomed, are for the picture. */
+        touch-action: pan-x pan-y;
+      }
+      .lens.near {
+        touch-action: none;
+        cursor: grab;
+      }
       canvas {
         display: block;
+        transform-origin: 0 0;
         inline-size: 100%;
         block-size: 100%;
         object-fit: contain;
@@ -110,6 +129,21 @@ export class CameraView extends LitElement {
       }
       .plate p {
         color: var(--t-text);
+      }
+      .tools {
+        display: flex;
+        flex-wrap: wrap-reverse;
+        justify-content: end;
+        gap: var(--t-space-1);
+      }
+      @container (inline-size < 26rem) {
+        .tools .wide {
+          display: none;
+        }
+      }
+      button[disabled] {
+        color: var(--t-muted);
+        cursor: default;
       }
       .foot {
         position: absolute;
@@ -173,6 +207,10 @@ export class CameraView extends LitElement {
   @property() name = "";
   /** Age of the picture on screen (ms); NaN: there is none, or its age is not known. */
   @property({ type: Number }) age = Number.NaN;
+  /** When the picture on screen was taken (µs since the epoch, UTC). */
+  @property({ type: Number }) time = 0;
+  /** It is smaller than the camera's own, since the connection is slow. */
+  @property({ type: Boolean }) small = false;
   /** Pictures a second that came in of late. */
   @property({ type: Number }) rate = 0;
   /** A picture has been drawn since the camera was opened. */
@@ -181,22 +219,123 @@ export class CameraView extends LitElement {
 
   @query("canvas") private readonly canvas!: HTMLCanvasElement;
 
-  /** Shows a picture and takes it over: the bitmap is gone afterwards. */
-  draw(bitmap: ImageBitmap): void {
+  @state() private zoom: Zoom = WHOLE;
+  /** Fingers and pressed buttons on the picture, where they are now. */
+  private readonly held = new Map<number, { x: number; y: number }>();
+
+  /** Shows a picture and takes it over: it is gone afterwards. */
+  draw(picture: ImageBitmap | VideoFrame): void {
     const { canvas } = this;
-    if (canvas.width !== bitmap.width) canvas.width = bitmap.width;
-    if (canvas.height !== bitmap.height) canvas.height = bitmap.height;
-    canvas.getContext("bitmaprenderer")?.transferFromImageBitmap(bitmap);
+    const film = "displayWidth" in picture;
+    const width = film ? picture.displayWidth : picture.width;
+    const height = film ? picture.displayHeight : picture.height;
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+    canvas.getContext("2d", { alpha: false })?.drawImage(picture, 0, 0);
+    picture.close();
   }
 
   override render(): TemplateResult {
     const live = this.drawn && this.link === "open" && this.age <= LIVE_MS;
     return html`<div class=${this.drawn && !live ? "aged" : ""}>
-      <canvas ?hidden=${!this.drawn} role="img" aria-label=${this.spoken(live)}></canvas>
-      ${this.drawn ? html`<div class="tint"></div>` : nothing} ${live ? nothing : this.veil()}
-      <div class="foot">${this.drawn ? this.badge(live) : html`<span></span>`} ${this.fullButton()}</div>
+      ${this.lens(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing} ${live ? nothing : this.veil()}
+      <div class="foot">${this.drawn ? this.badge(live) : html`<span></span>`} ${this.tools()}</div>
     </div>`;
   }
+
+  private lens(live: boolean): TemplateResult {
+    const { scale, x, y } = this.zoom;
+    const near = scale > 1;
+    const style = near ? { transform: `translate(${String(x * 100)}%, ${String(y * 100)}%) scale(${String(scale)})` } : {};
+    return html`<div
+      class="lens ${near ? "near" : ""}"
+      ?hidden=${!this.drawn}
+      tabindex="0"
+      role="group"
+      aria-label="Picture; plus and minus zoom, zero shows all of it"
+      @wheel=${this.wheeled}
+      @pointerdown=${this.pressed}
+      @pointermove=${this.dragged}
+      @pointerup=${this.lifted}
+      @pointercancel=${this.lifted}
+      @dblclick=${this.whole}
+      @keydown=${this.keyed}
+    >
+      <canvas role="img" aria-label=${this.spoken(live)} style=${styleMap(style)}></canvas>
+    </div>`;
+  }
+
+  // ── looking closer ──
+
+  private closer(factor: number, x = 0.5, y = 0.5): void {
+    this.zoom = zoomed(this.zoom, factor, x, y);
+  }
+
+  private readonly whole = (): void => {
+    this.zoom = WHOLE;
+  };
+
+  private at(event: MouseEvent): { x: number; y: number; width: number; height: number } {
+    const box = this.getBoundingClientRect();
+    return { x: (event.clientX - box.x) / box.width, y: (event.clientY - box.y) / box.height, width: box.width, height: box.height };
+  }
+
+  private readonly wheeled = (event: WheelEvent): void => {
+    // Otherwise the wheel is the page's: it scrolls past the picture.
+    if (!event.ctrlKey && !event.metaKey && !this.full && this.zoom.scale === 1) return;
+    event.preventDefault();
+    const { x, y } = this.at(event);
+    this.closer(wheelFactor(event.deltaY * (event.deltaMode === 1 ? 33 : 1)), x, y);
+  };
+
+  private readonly pressed = (event: PointerEvent): void => {
+    this.held.set(event.pointerId, this.at(event));
+    if (this.zoom.scale > 1 || this.held.size > 1) (event.currentTarget as Element).setPointerCapture(event.pointerId);
+  };
+
+  private readonly dragged = (event: PointerEvent): void => {
+    const before = this.held.get(event.pointerId);
+    if (before === undefined) return;
+    const now = this.at(event);
+    this.held.set(event.pointerId, now);
+    const other = [...this.held].find(([id]) => id !== event.pointerId)?.[1];
+    if (other === undefined) {
+      this.zoom = moved(this.zoom, now.x - before.x, now.y - before.y);
+      return;
+    }
+    const apart = (one: { x: number; y: number }): number =>
+      Math.hypot((one.x - other.x) * now.width, (one.y - other.y) * now.height);
+    this.closer(apart(now) / Math.max(1, apart(before)), (now.x + other.x) / 2, (now.y + other.y) / 2);
+    this.zoom = moved(this.zoom, (now.x - before.x) / 2, (now.y - before.y) / 2);
+  };
+
+  private readonly lifted = (event: PointerEvent): void => {
+    this.held.delete(event.pointerId);
+  };
+
+  private readonly keyed = (event: KeyboardEvent): void => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === "+" || event.key === "=") this.closer(1.5);
+    else if (event.key === "-") this.closer(1 / 1.5);
+    else if (event.key === "0") this.whole();
+    else return;
+    event.preventDefault();
+  };
+
+  // ── keeping one ──
+
+  private readonly snap = (): void => {
+    this.canvas.toBlob((blob) => {
+      if (blob === null) return;
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(blob);
+      link.download = snapshotName(this.name, this.time);
+      link.click();
+      setTimeout(() => {
+        URL.revokeObjectURL(link.href);
+      }, 1000);
+    }, "image/png");
+  };
 
   private spoken(live: boolean): string {
     const name = this.name || "Camera";
@@ -237,8 +376,33 @@ export class CameraView extends LitElement {
       <svg viewBox="0 0 12 12" aria-hidden="true"><path d=${live ? DOT : BLOCK} fill="currentColor"></path></svg>
       <span>${live ? "Live" : "Old"}</span>
       <span class="age">${age}</span>
-      ${live ? html`<span class="muted">${this.rate.toFixed(0)}/s</span>` : nothing}
+      ${live ? html`<span class="muted">${this.rate.toFixed(0)}/s${this.small ? ", small: slow connection" : ""}</span>` : nothing}
     </span>`;
+  }
+
+  private tools(): TemplateResult {
+    const { scale } = this.zoom;
+    return html`<div class="tools">
+      ${this.drawn
+        ? html`${this.tool("Zoom out", "M5 12h14", () => {
+            this.closer(1 / 1.5);
+          }, "wide", scale <= 1)}
+          ${this.tool("Zoom in", "M5 12h14M12 5v14", () => {
+            this.closer(1.5);
+          }, "wide", scale >= MOST_ZOOM)}
+          ${scale > 1 ? this.tool("Show all of the picture", "M4 4h16v16H4zM9 12h6", this.whole) : nothing}
+          ${this.tool("Save this picture", "M12 4v11M7 10l5 5 5-5M5 20h14", this.snap)}`
+        : nothing}
+      ${this.fullButton()}
+    </div>`;
+  }
+
+  private tool(label: string, path: string, act: () => void, kind = "", off = false): TemplateResult {
+    return html`<button type="button" class=${kind} aria-label=${label} title=${label} ?disabled=${off} @click=${act}>
+      <svg viewBox="0 0 24 24" aria-hidden="true">
+        <path d=${path} fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"></path>
+      </svg>
+    </button>`;
   }
 
   private fullButton(): TemplateResult {
@@ -254,6 +418,12 @@ export class CameraView extends LitElement {
   private readonly askFull = (): void => {
     this.dispatchEvent(new CustomEvent("t-fullscreen", { bubbles: true, composed: true }));
   };
+}
+
+/** The file's name: what the camera is called and when the picture was taken (UTC). */
+export function snapshotName(name: string, timeUs: number): string {
+  const slug = name.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "") || "camera";
+  return `${slug}-${new Date(timeUs / 1000).toISOString().replace(/:/g, "-")}.png`;
 }
 
 /** Steps of 10 ms, so that the digits can be read. */

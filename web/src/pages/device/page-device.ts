@@ -41,6 +41,12 @@ export class PageDevice extends LitElement {
     sheets,
     css`
       .charts,
+      .among {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        gap: var(--t-space-1) var(--t-space-4);
+      }
       .cameras {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(min(23rem, 100%), 1fr));
@@ -215,12 +221,18 @@ export class PageDevice extends LitElement {
     // A camera that takes exposures shows its pictures itself.
     if (device.streams.length === 0 || partOf(device) === "camera") return nothing;
     return html`<section aria-labelledby="cameras">
-      <h2 id="cameras">${device.streams.length === 1 ? "Camera" : "Cameras"}</h2>
+      <div class="among">
+        <h2 id="cameras">${device.streams.length === 1 ? "Camera" : "Cameras"}</h2>
+        ${this.others(device, detail)
+          ? html`<a href=${sitePath(this.site, "cameras")}>All cameras of ${detail.name}</a>`
+          : nothing}
+      </div>
       <div class="cameras">
         ${repeat(
           device.streams,
           (stream) => stream.address,
           (stream) => html`<t-camera
+            data-stream=${stream.address}
             .site=${this.site}
             .stream=${stream.address}
             .name=${stream.name}
@@ -229,6 +241,11 @@ export class PageDevice extends LitElement {
         )}
       </div>
     </section>`;
+  }
+
+  /** There are cameras beside this device's own. */
+  private others(device: DeviceInfo, detail: SiteDetail): boolean {
+    return detail.devices.some((each) => each.id !== device.id && each.streams.length > 0);
   }
 
   /** What can be done with it stands here only for who may do it. */

@@ -126,6 +126,7 @@ export class PageDrive extends LitElement {
           .stream=${stream?.address ?? ""}
           .name=${stream?.name ?? ""}
           .online=${online}
+          paged
           .full=${this.full}
           @t-picture=${this.pictured}
           @t-fullscreen=${this.toggleFull}

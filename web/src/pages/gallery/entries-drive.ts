@@ -134,6 +134,7 @@ export const entries: readonly GalleryEntry[] = [
       { name: "link lost", show: () => camera("connecting", 5400, "The picture's connection is lost; trying again.") },
       { name: "connecting", show: () => html`<t-camera-view></t-camera-view>` },
       { name: "no picture yet", show: () => html`<t-camera-view link="open"></t-camera-view>` },
+      { name: "bad pictures", show: () => html`<t-camera-view link="bad" why="/images: field 'encoding': 'yuv9' is not one of: rgb8, bgr8, …"></t-camera-view>` },
       { name: "no camera", show: () => html`<t-camera-view link="none"></t-camera-view>` },
       { name: "offline", show: () => html`<t-camera-view link="offline"></t-camera-view>` },
       { name: "forbidden", show: () => html`<t-camera-view link="refused" why="You need the right to view this device."></t-camera-view>` },

@@ -158,7 +158,7 @@ export class Nav extends LitElement {
     if (page === "people") return ADMIN_PAGES.includes(this.page);
     return (
       page === this.page ||
-      (page === "devices" && this.page === "device") ||
+      (page === "devices" && (this.page === "device" || this.page === "cameras")) ||
       (page === "history" && this.page === "recordings") ||
       (page === "alarms" && this.page === "logbook")
     );

@@ -7,12 +7,19 @@ import "../../elements/camera/camera-view.js";
 import type { CameraLink, CameraView } from "../../elements/camera/camera-view.js";
 import type { Shot } from "../../generated/wire.js";
 import { MediaSocket, mediaPath, socketUrl } from "../../wire/media.js";
+import { Film, playsFilms } from "./film.js";
 import { Newest } from "./newest.js";
 
 const MIME: Readonly<Record<string, string>> = { jpeg: "image/jpeg", png: "image/png", webp: "image/webp" };
 /** The age on the picture changes this often. */
 const AGE_EVERY_MS = 100;
 const RATE_WINDOW_MS = 2000;
+/** A film that breaks so often is not tried again: single pictures from then on. */
+const MOST_BREAKS = 3;
+
+/** Asked once for all cameras of the page. */
+let films: Promise<boolean> | undefined;
+let breaks = 0;
 
 /**
  * @fires t-picture after each picture: detail is when it was taken, on this page's clock, or null
@@ -26,6 +33,14 @@ export class Camera extends LitElement {
     :host([hidden]) {
       display: none;
     }
+    :host(:fullscreen) {
+      background: #000;
+    }
+    :host(:fullscreen) t-camera-view {
+      aspect-ratio: auto;
+      block-size: 100%;
+      border: 0;
+    }
   `;
 
   @property() site = "";
@@ -34,6 +49,8 @@ export class Camera extends LitElement {
   @property() name = "";
   @property({ type: Boolean }) online = true;
   @property({ type: Boolean }) full = false;
+  /** The page makes itself full, and not the picture alone. */
+  @property({ type: Boolean }) paged = false;
 
   @state() private media: CameraLink = "connecting";
   @state() private why = "";
@@ -44,6 +61,14 @@ export class Camera extends LitElement {
   private readonly link = new LinkController(this);
   private socket: MediaSocket | null = null;
   private newest: Newest | null = null;
+  private film: Film | null = null;
+  private forms: readonly string[] | null = null;
+  private last: Shot | null = null;
+  private seen = true;
+  private readonly sight = new IntersectionObserver((entries) => {
+    this.seen = entries.at(-1)?.isIntersecting ?? true;
+    this.glance();
+  });
   private arrivals: number[] = [];
   private timer: ReturnType<typeof setInterval> | undefined;
   private opened = "";
@@ -53,18 +78,30 @@ export class Camera extends LitElement {
     this.timer = setInterval(() => {
       this.requestUpdate();
     }, AGE_EVERY_MS);
+    this.sight.observe(this);
+    document.addEventListener("visibilitychange", this.glance);
+    document.addEventListener("fullscreenchange", this.fullChanged);
+    films ??= playsFilms();
+    void films.then((able) => {
+      this.forms = able && breaks < MOST_BREAKS ? ["h264", "jpeg"] : ["jpeg"];
+      this.requestUpdate();
+    });
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
     clearInterval(this.timer);
+    this.sight.disconnect();
+    document.removeEventListener("visibilitychange", this.glance);
+    document.removeEventListener("fullscreenchange", this.fullChanged);
     this.shut();
     this.opened = "";
   }
 
   override updated(): void {
     // A camera of a site that is away is not asked for over and over.
-    const wanted = this.stream !== "" && this.online ? mediaPath(this.site, this.stream) : "";
+    const { forms } = this;
+    const wanted = this.stream !== "" && this.online && forms !== null ? mediaPath(this.site, this.stream, forms) : "";
     if (wanted === this.opened) return;
     this.opened = wanted;
     this.shut();
@@ -82,7 +119,10 @@ export class Camera extends LitElement {
       .age=${this.takenAt === null ? Number.NaN : now - this.takenAt}
       .rate=${this.rate(now)}
       .drawn=${this.drawn}
+      .time=${this.last?.time_us ?? 0}
+      .small=${this.last?.small ?? false}
       .full=${this.full}
+      @t-fullscreen=${this.fullAsked}
     ></t-camera-view>`;
   }
 
@@ -113,11 +153,28 @@ export class Camera extends LitElement {
       },
     });
     this.newest = newest;
+    const film = new Film({
+      draw: (frame, shot) => {
+        this.draw(frame, shot);
+      },
+      broken: () => {
+        breaks += 1;
+        if (breaks === MOST_BREAKS) this.forms = ["jpeg"];
+        this.socket?.again();
+        this.requestUpdate();
+      },
+    });
+    this.film = film;
     this.socket = new MediaSocket(
       { url: socketUrl(path, location) },
       {
         onShot: (shot, shown) => {
-          newest.take(shot, shown);
+          if (shot.format === "h264") film.take(shot, shown);
+          else newest.take(shot, shown);
+        },
+        onTrouble: (why) => {
+          this.media = "bad";
+          this.why = why;
         },
         onState: (state, why) => {
           this.media = state === "open" || state === "refused" ? state : "connecting";
@@ -125,7 +182,25 @@ export class Camera extends LitElement {
         },
       },
     );
+    this.glance();
   }
+
+  /** A camera that nobody has in sight makes do with a picture now and then. */
+  private readonly glance = (): void => {
+    this.socket?.glance(document.hidden || !this.seen);
+  };
+
+  private readonly fullAsked = (event: Event): void => {
+    if (this.paged) return;
+    event.stopPropagation();
+    if (document.fullscreenElement === null) void this.requestFullscreen().catch(() => undefined);
+    else void document.exitFullscreen();
+  };
+
+  private readonly fullChanged = (): void => {
+    // `document.fullscreenElement` is the outermost host, and not this.
+    if (!this.paged) this.full = this.matches(":fullscreen");
+  };
 
   private decode(shot: Shot): Promise<ImageBitmap> {
     const type = MIME[shot.format];
@@ -134,9 +209,16 @@ export class Camera extends LitElement {
     return createImageBitmap(new Blob([shot.data as Uint8Array<ArrayBuffer>], { type }));
   }
 
-  private draw(bitmap: ImageBitmap, shot: Shot): void {
+  private draw(picture: ImageBitmap | VideoFrame, shot: Shot): void {
     const now = performance.now();
-    this.view.draw(bitmap);
+    this.view.draw(picture);
+    if (this.media === "bad") {
+      this.media = "open";
+      this.why = "";
+    }
+    this.last = shot;
+    // For tests and measurements; see `bench/`.
+    (globalThis as { __talaiaPictured?: (timeUs: number, format: string) => void }).__talaiaPictured?.(shot.time_us, shot.format);
     const age = this.link.connection?.ageOf(shot.hub_us) ?? Number.NaN;
     this.takenAt = Number.isFinite(age) ? now - Math.max(0, age) : null;
     this.drawn = true;
@@ -147,6 +229,9 @@ export class Camera extends LitElement {
   private shut(): void {
     this.socket?.close();
     this.newest?.close();
+    this.film?.close();
+    this.film = null;
+    this.last = null;
     this.socket = null;
     this.newest = null;
     this.dispatchEvent(new CustomEvent("t-picture", { detail: null }));

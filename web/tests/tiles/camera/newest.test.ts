@@ -3,7 +3,7 @@ import type { Shot } from "../../../src/generated/wire.js";
 import { Newest } from "../../../src/tiles/camera/newest.js";
 
 const shot = (seq: number): Shot => ({
-  t: "shot", seq, time_us: 0, hub_us: 0, width: 1, height: 1, format: "jpeg", data: new Uint8Array(),
+  t: "shot", seq, time_us: 0, hub_us: 0, width: 1, height: 1, format: "jpeg", key: true, codec: "", small: false, data: new Uint8Array(),
 });
 const bitmap = { width: 1, height: 1, close: () => undefined } as ImageBitmap;
 

@@ -1,0 +1,1 @@
+"""Pictures at the gateway: from what a camera gives to what viewers and detectors want."""

@@ -1,0 +1,102 @@
+"""The newest picture of each camera that somebody at the gateway needs as pixels. Any thread."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+from talaia.gateway.ports import Look
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ["Looks"]
+
+
+class _Newest:
+    """One camera: how many hold it, and its newest picture, which is decoded once at the most."""
+
+    def __init__(self) -> None:
+        self.holders = 0
+        self.stamp = (0, 0, 0)
+        self.decode: Callable[[], NDArray[np.uint8] | None] | None = None
+        self.look: Look | None = None
+
+
+class Looks:
+    """A `talaia.gateway.ports.Pictures`."""
+
+    def __init__(self) -> None:
+        """Hold nothing."""
+        self._of: dict[str, _Newest] = {}
+        self._lock = threading.Lock()
+        self._arrived = threading.Condition(self._lock)
+        # Told, from any thread, that other streams are held than before.
+        self.on_held: Callable[[], object] = lambda: None
+
+    def held(self) -> frozenset[str]:
+        """Name the streams that somebody holds."""
+        with self._lock:
+            return frozenset(name for name, each in self._of.items() if each.holders)
+
+    def hold(self, stream: str) -> Callable[[], None]:
+        """See `Pictures.hold`."""
+        with self._lock:
+            newest = self._of.setdefault(stream, _Newest())
+            newest.holders += 1
+            first = newest.holders == 1
+        if first:
+            self.on_held()
+        freed = False
+
+        def release() -> None:
+            nonlocal freed
+            with self._lock:
+                if freed:
+                    return
+                freed = True
+                newest.holders -= 1
+                last = not newest.holders
+                if last:
+                    self._of.pop(stream, None)
+            if last:
+                self.on_held()
+
+        return release
+
+    def put(
+        self,
+        stream: str,
+        stamp: tuple[int, int, int],
+        decode: Callable[[], NDArray[np.uint8] | None],
+    ) -> None:
+        """Take a picture: number, wall time and monotonic time (µs), and what makes it RGB."""
+        with self._lock:
+            newest = self._of.get(stream)
+            if newest is not None:
+                newest.stamp, newest.decode = stamp, decode
+                self._arrived.notify_all()
+
+    def newest(self, stream: str, after: int = 0, wait_s: float = 0.0) -> Look | None:
+        """See `Pictures.newest`."""
+        with self._lock:
+
+            def there() -> bool:
+                held = self._of.get(stream)
+                return held is not None and held.decode is not None and held.stamp[0] > after
+
+            if not there() and not (wait_s and self._arrived.wait_for(there, wait_s)):
+                return None
+            newest = self._of[stream]
+            stamp, decode = newest.stamp, newest.decode
+            if newest.look is not None and newest.look.seq == stamp[0]:
+                return newest.look
+        rgb = None if decode is None else decode()
+        if rgb is None:
+            return None
+        look = Look(stream, *stamp, rgb)
+        newest.look = look
+        return look

@@ -1,0 +1,272 @@
+"""One camera, in every form that somebody wants; what it cannot show it says."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from types import SimpleNamespace as Message
+
+import av
+import numpy as np
+import pytest
+import simplejpeg
+from hypothesis import given, settings, strategies as st
+
+from talaia.gateway.adapters.ros2_decode import decoder_for
+from talaia.gateway.pictures import camera as module
+from talaia.gateway.pictures.camera import PictureStream
+from talaia.gateway.pictures.h264 import Encoder, bits_for
+from talaia.gateway.pictures.jpeg import jpeg_of
+from talaia.gateway.pictures.pixels import Pixels, pixels_of, rgb_of
+from talaia.model.site import Source, Stream
+from talaia.wire.frames import Form, Picture
+
+from .scenes import packed, psnr, scene
+
+STEP_US = 33_333
+
+
+class Hall:
+    """A `PictureSink` that keeps what it gets."""
+
+    def __init__(self, *forms: Form) -> None:
+        """Want these forms."""
+        self.forms = forms
+        self.share = 1.0
+        self.keys: set[str] = set()
+        self.got: list[Picture] = []
+        self.troubles: list[str] = []
+        self.looks: list[tuple] = []
+
+    def asked(self, _stream: str) -> tuple[Form, ...]:
+        return self.forms
+
+    def key_due(self, _stream: str, form: str) -> bool:
+        due = form in self.keys
+        self.keys.discard(form)
+        return due
+
+    def room(self) -> float:
+        return self.share
+
+    def look(self, *look: object) -> None:
+        self.looks.append(look)
+
+    def offer(self, picture: Picture) -> None:
+        self.got.append(picture)
+
+    def trouble(self, _stream: str, why: str) -> None:
+        self.troubles.append(why)
+
+
+def stream(kind: str = "Image", **more: object) -> tuple[PictureStream, list[str]]:
+    told: list[str] = []
+    source = Source(topic="/i", type=f"sensor_msgs/msg/{kind}")
+    described = Stream(name="F", source=source, **more)  # type: ignore[arg-type]
+    return PictureStream(
+        "cam/front", described, lambda raw: raw, lambda _, why: told.append(why)
+    ), told
+
+
+def film(
+    taker: PictureStream, hall: Hall, count: int = 30, encoding: str = "rgb8"
+) -> list[np.ndarray]:
+    sent = [scene(320, 240, turn) for turn in range(count)]
+    for at, each in enumerate(sent):
+        taker.take(packed(each, encoding), at, at * STEP_US, hall)
+    return sent
+
+
+def played(pictures: list[Picture]) -> list[np.ndarray]:
+    decoder = av.CodecContext.create("h264", "r")
+    decoder.flags |= av.codec.context.Flags.low_delay
+    frames = [frame for each in pictures for frame in decoder.decode(av.Packet(each.data))]
+    return [each.to_ndarray(format="rgb24") for each in [*frames, *decoder.decode(None)]]
+
+
+def test_a_film_is_what_was_sent_and_one_of_many_forms_costs_one_encoding() -> None:
+    hall = Hall(Form.H264)
+    sent = film(stream()[0], hall)
+    assert [each.key for each in hall.got] == [True] + [False] * 29
+    assert [each.seq for each in hall.got] == list(range(1, 31))
+    assert {each.format for each in hall.got} == {"h264"}
+    assert hall.got[0].codec.startswith("avc1.42C0")
+    seen = played(hall.got)
+    assert len(seen) == len(sent)
+    assert min(psnr(one, other) for one, other in zip(seen, sent, strict=True)) > 32
+
+
+@pytest.mark.parametrize(
+    "encoding", ["yuyv", "nv12", "i420", "uyvy", "mono8", "bgra8", "bayer_rggb8"]
+)
+def test_encodings_keep_their_colours_through_the_film(encoding: str) -> None:
+    hall = Hall(Form.H264)
+    sent = film(stream()[0], hall, 3, encoding)
+    expected = rgb_of(pixels_of(packed(sent[-1], encoding)))
+    assert psnr(played(hall.got)[-1], expected) > 30
+
+
+def test_whoever_comes_gets_a_picture_to_begin_with_and_no_one_can_ask_for_only_those() -> None:
+    hall, (taker, _) = Hall(Form.H264), stream()
+    sent = [packed(scene(64, 48, turn), "rgb8") for turn in range(60)]
+    for at, each in enumerate(sent):
+        hall.keys.add(Form.H264)
+        taker.take(each, at, at * STEP_US, hall)
+    keys = [each.seq for each in hall.got if each.key]
+    assert 6 <= len(keys) <= 8
+    assert len(hall.got) == 60
+
+
+def test_each_form_has_its_size_and_pace() -> None:
+    hall, (taker, _) = Hall(*Form), stream()
+    film(taker, hall, 60)
+    by_form = {form: [each for each in hall.got if form in each.forms] for form in Form}
+    assert [len(by_form[each]) for each in (Form.H264, Form.JPEG)] == [60, 60]
+    assert {len(by_form[each]) for each in (Form.H264_SMALL, Form.JPEG_SMALL)} == {30}
+    assert 2 <= len(by_form[Form.STILL]) <= 3
+    assert {(each.width, each.height) for each in by_form[Form.H264]} == {(320, 240)}
+    wide = packed(scene(640, 480), "rgb8")
+    taker.take(wide, 99, 99 * STEP_US, hall)
+    small = [each for each in hall.got[-4:] if each.forms[0].endswith("small")]
+    assert {(each.width, each.height) for each in small} <= {(320, 240)}
+
+
+def test_what_nobody_wants_is_neither_read_nor_encoded() -> None:
+    hall = Hall()
+    read: list[object] = []
+    described = Stream(name="F", source=Source(topic="/i", type="sensor_msgs/msg/Image"))
+    taker = PictureStream("cam/front", described, read.append, lambda *_: None)
+    taker.take(b"", 0, 0, hall)
+    assert (read, hall.got) == ([], [])
+    assert len(hall.looks) == 1
+
+
+def test_a_full_link_gets_nothing_and_a_narrow_one_gets_less() -> None:
+    hall, (taker, _) = Hall(Form.H264), stream(kbits=4000)
+    noise = [
+        np.random.default_rng(each).integers(0, 255, (240, 320, 3), np.uint8) for each in range(90)
+    ]
+
+    def weigh(at: int, share: float) -> int:
+        hall.share, before = share, len(hall.got)
+        for each in range(30):
+            taker.take(packed(noise[each], "rgb8"), 0, (at + each) * STEP_US, hall)
+        return sum(len(each.data) for each in hall.got[before:])
+
+    whole, none, third = weigh(0, 1), weigh(30, 0), weigh(60, 0.3)
+    assert none == 0
+    assert third < whole / 2
+    assert len(played(hall.got)) == len(hall.got)
+
+
+def test_without_an_encoder_all_is_jpeg_and_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "ABLE", False)
+    hall, (taker, _) = Hall(Form.H264, Form.JPEG), stream(quality=90)
+    sent = film(taker, hall, 2)
+    assert [(each.format, each.forms) for each in hall.got] == [("jpeg", ["h264", "jpeg"])] * 2
+    assert psnr(simplejpeg.decode_jpeg(hall.got[1].data), sent[1]) > 30
+
+
+def test_a_camera_s_own_jpeg_passes_as_it_is_and_becomes_a_film_for_others() -> None:
+    hall, (taker, _) = Hall(Form.H264, Form.JPEG), stream("CompressedImage")
+    own = jpeg_of(packed(scene(320, 240), "rgb8"), 90, 0)[0]
+    taker.take(Message(format="jpeg", data=np.frombuffer(own, np.uint8)), 0, 0, hall)
+    film_one, same = hall.got
+    assert same.data == own
+    assert psnr(played([film_one])[0], scene(320, 240)) > 30
+
+
+def test_a_png_is_read() -> None:
+    encoder = av.CodecContext.create("png", "w")
+    encoder.width, encoder.height, encoder.pix_fmt = 320, 240, "rgb24"
+    encoder.time_base = Fraction(1, 30)
+    frame = av.VideoFrame.from_ndarray(scene(320, 240), format="rgb24")
+    data = b"".join(bytes(each) for each in [*encoder.encode(frame), *encoder.encode(None)])
+    hall, (taker, _) = Hall(Form.JPEG), stream("CompressedImage", quality=95)
+    taker.take(Message(format="png", data=data), 0, 0, hall)
+    assert psnr(simplejpeg.decode_jpeg(hall.got[0].data), scene(320, 240)) > 32
+    taker.take(Message(format="png", data=data[:200]), 1, STEP_US, hall)
+    assert "PNG cannot be decoded" in hall.troubles[0]
+
+
+@pytest.mark.parametrize("form", [Form.H264, Form.JPEG])
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"encoding": "yuv9"}, "'yuv9' is not known here"),
+        ({"height": 900}, "cut off"),
+        ({"step": 5}, "too short"),
+        ({"width": 0, "step": 0}, "empty"),
+    ],
+)
+def test_a_bad_picture_is_told_and_the_next_good_one_comes(
+    form: Form, change: dict, word: str
+) -> None:
+    hall, (taker, told) = Hall(form), stream()
+    bad = Message(**(vars(packed(scene(), "rgb8")) | change))
+    for at in range(90):
+        taker.take(bad, at, at * STEP_US, hall)
+    assert (hall.got, len(told)) == ([], 1)
+    assert word in told[0]
+    assert hall.troubles == told * 2
+    taker.take(packed(scene(), "rgb8"), 90, 90 * STEP_US, hall)
+    assert len(hall.got) == 1
+
+
+def unread(_data: bytes) -> object:
+    raise RuntimeError("the class of the type cannot read it either")
+
+
+def cdr(form: str) -> bytes:
+    """A message as ROS 2 sends it: version, header (time, frame), fields."""
+    head = b"\0\1\0\0" + bytes(8) + (1).to_bytes(4, "little") + bytes(4)
+    if form == "Image":
+        return (
+            head + (2).to_bytes(4, "little") + (2).to_bytes(4, "little")
+            + (6).to_bytes(4, "little") + b"mono8\0\0\0" + (2).to_bytes(4, "little")
+            + (4).to_bytes(4, "little") + bytes(4)
+        )  # fmt: skip
+    return head + (5).to_bytes(4, "little") + b"jpeg\0" + bytes(3) + bytes(4)
+
+
+@pytest.mark.parametrize("form", ["Image", "CompressedImage"])
+@given(cut=st.integers(0, 60), at=st.integers(4, 50), noise=st.binary(max_size=8))
+@settings(max_examples=150, deadline=None)
+def test_no_bytes_of_a_camera_end_the_thread_that_reads_it(
+    form: str, cut: int, at: int, noise: bytes
+) -> None:
+    hall = Hall(Form.H264, Form.JPEG)
+    decode = decoder_for(f"sensor_msgs/msg/{form}", unread)
+    described = Stream(name="F", source=Source(topic="/i", type=f"sensor_msgs/msg/{form}"))
+    taker = PictureStream("cam/front", described, decode, lambda *_: None)
+    whole = cdr(form)
+    taker.take((whole[:at] + noise + whole[at + len(noise) :])[: len(whole) - cut], 0, 0, hall)
+    assert hall.got or hall.troubles
+    assert hall.looks[0][2]() is None or hall.got
+
+
+def test_a_camera_that_changes_its_size_goes_on() -> None:
+    hall, (taker, _) = Hall(Form.H264), stream()
+    for at, (width, height) in enumerate([(64, 48), (64, 48), (128, 96), (33, 17), (1, 1)]):
+        taker.take(packed(scene(width, height), "rgb8"), at, at * 10 * STEP_US, hall)
+    assert [(each.width, each.height, each.key) for each in hall.got] == [
+        (64, 48, True), (64, 48, False), (128, 96, True), (32, 16, True), (16, 16, True),
+    ]  # fmt: skip
+
+
+def test_the_rate_of_the_description_is_kept() -> None:
+    taker, _ = stream(max_rate=10)
+    taken = sum(taker.is_due(at * 1_000_000) for at in range(0, 2000, 33))
+    assert 19 <= taken <= 21
+
+
+def test_a_film_keeps_to_its_bits_however_busy_the_scene() -> None:
+    bits = bits_for(320, 240, 30)
+    encoder = Encoder(320, 240, 30, bits)
+    rng = np.random.default_rng(1)
+    weight = 0
+    for at in range(90):
+        pixels = Pixels("RGB", 320, 240, rng.integers(0, 255, (240, 320, 3), np.uint8))
+        made = encoder.encode(pixels, at * STEP_US, key=False)
+        assert made is not None
+        weight += len(made.data)
+    assert weight * 8 / 3 < bits * 1.4

@@ -1,0 +1,162 @@
+"""Cameras without ROS, against a network camera that speaks RTSP."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("av")
+
+from talaia.clock import SystemClock
+from talaia.gateway.adapters.video import Video, address_of
+from talaia.gateway.ports import Outlets
+from talaia.gateway.share import shares_of
+from talaia.model.check import raise_first
+from talaia.model.connection import VideoConnection
+from talaia.model.errors import DescriptionError
+from talaia.model.load import load_site
+from talaia.wire.frames import Form
+
+from .pictures.scenes import psnr, scene
+from .pictures.test_camera import Hall, played
+from .rtsp_camera import RtspCamera
+
+SITE = """\
+talaia: 1
+site: yard
+name: Yard
+connections:
+  cameras: {kind: video%s}
+devices:
+  gate:
+    name: Gate
+    streams:
+      front: {name: Front, source: {%s}}
+"""
+
+
+class Told:
+    """An `EventSink` and a `Status`."""
+
+    def __init__(self) -> None:
+        """Have heard nothing."""
+        self.events: list[tuple[str, str]] = []
+
+    def tell(self, kind: str, message: str, **_: object) -> None:
+        self.events.append((kind, message))
+
+    def up(self) -> None:
+        self.events.append(("up", ""))
+
+    def device(self, device: str, *, there: bool, why: str = "") -> None:
+        pass
+
+
+async def until(condition: Callable[[], object], within: float = 20) -> None:
+    deadline = time.monotonic() + within
+    while not condition():
+        assert time.monotonic() < deadline
+        await asyncio.sleep(0.01)
+
+
+@asynccontextmanager
+async def watched(
+    source: str, folder: Path, more: str = ""
+) -> AsyncIterator[tuple[Hall, Told, Video]]:
+    site = raise_first(load_site(SITE % (more, source)))
+    hall, told = Hall(Form.H264), Told()
+    outlets = Outlets(SystemClock(), None, hall, told, folder)  # type: ignore[arg-type]
+    video = Video(shares_of(site)[0], outlets, told)  # type: ignore[arg-type]
+    running = asyncio.create_task(video.run())
+    try:
+        yield hall, told, video
+    finally:
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+
+
+FILM = [scene(320, 240)] * 10
+
+
+async def test_a_network_camera_is_read_only_while_somebody_looks(tmp_path: Path) -> None:
+    camera = RtspCamera(FILM)
+    async with watched(f"url: 'rtsp://127.0.0.1:{camera.port}/x'", tmp_path) as (hall, _, video):
+        await asyncio.sleep(0)
+        assert camera.clients == 0
+        video.watch(["gate/front"])
+        await until(lambda: len(hall.got) >= 5)
+        video.watch([])
+        assert psnr(played(hall.got)[-1], scene(320, 240)) > 30
+        await until(lambda: not video._cameras)
+    camera.close()
+
+
+async def test_a_camera_that_is_lost_says_so_once_and_comes_back(tmp_path: Path) -> None:
+    camera = RtspCamera(FILM)
+    async with watched(f"url: 'rtsp://127.0.0.1:{camera.port}/x'", tmp_path) as (hall, told, video):
+        video.watch(["gate/front"])
+        await until(lambda: hall.got)
+        camera.drop()
+        await until(lambda: hall.troubles)
+        before = len(hall.got)
+        await until(lambda: len(hall.got) > before + 3)
+    kinds = [kind for kind, _ in told.events]
+    assert kinds.count("camera") == 1
+    assert kinds.count("camera back") == 1
+    camera.close()
+
+
+async def test_a_camera_with_a_password_has_it_from_a_file_and_nobody_is_told_it(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "word").write_text("s3cr:t/@\n")
+    camera = RtspCamera(FILM, "viewer:s3cr:t/@")
+    more = ", user: viewer, password_file: word"
+    url = f"url: 'rtsp://127.0.0.1:{camera.port}/x'"
+    async with watched(url, tmp_path, more) as (hall, told, video):
+        video.watch(["gate/front"])
+        await until(lambda: hall.got)
+        camera.close()
+        await until(lambda: hall.troubles)
+    assert "s3cr" not in repr((told.events, hall.troubles))
+
+
+async def test_what_is_no_camera_is_told_on_the_tile_and_nothing_falls_over(tmp_path: Path) -> None:
+    async with watched("file: /dev/video250", tmp_path) as (hall, told, video):
+        video.watch(["gate/front"])
+        await until(lambda: len(hall.troubles) > 1)
+        assert "/dev/video250" in hall.troubles[0]
+        assert [kind for kind, _ in told.events].count("camera") == 1
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "url: 'file:///etc/passwd'",
+        "url: 'http://169.254.169.254/latest'",
+        "url: 'rtsp://me:word@camera/x'",
+        "url: 'exec:rm'",
+        "file: /etc/passwd",
+        "file: /dev/../etc/passwd",
+        "file: '/dev/video0 -y'",
+        "url: 'rtsp://camera/x', file: /dev/video0",
+        "topic: /images, type: sensor_msgs/msg/Image",
+    ],
+)
+def test_nothing_but_a_camera_s_address_stands_in_a_description(source: str) -> None:
+    with pytest.raises(DescriptionError):
+        raise_first(load_site(SITE % ("", source)))
+
+
+def test_an_address_gets_its_user_and_password_quoted(tmp_path: Path) -> None:
+    (tmp_path / "w").write_text("a/b@c:d\n")
+    settings = VideoConnection(user="me@home", password_file="w")  # noqa: S106 - a file
+    assert (
+        address_of("rtsp://cam:554/x?y=1", settings, tmp_path)
+        == "rtsp://me%40home:a%2Fb%40c%3Ad@cam:554/x?y=1"
+    )

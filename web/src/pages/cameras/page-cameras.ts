@@ -1,0 +1,102 @@
+/** All cameras of a site at once, each as large as there is room for. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LinkController } from "../../controllers/link.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { sheets } from "../../elements/sheets.js";
+import { adviceFor } from "../../format/problem.js";
+import { sitesContext } from "../../state/contexts.js";
+import { devicePath } from "../../state/router.js";
+import type { SiteDetail } from "../../wire/api.js";
+import "../../elements/empty.js";
+import "../../elements/loading.js";
+import "../../elements/problem.js";
+import "../../tiles/camera/camera.js";
+
+@customElement("t-page-cameras")
+export class PageCameras extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .cameras {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(24rem, 100%), 1fr));
+        gap: var(--t-space-4);
+      }
+      figure {
+        display: grid;
+        gap: var(--t-space-1);
+        margin: 0;
+        min-inline-size: 0;
+      }
+      figcaption a {
+        color: var(--t-muted);
+      }
+    `,
+  ];
+
+  @property() site = "";
+
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly link = new LinkController(this);
+  private readonly detail = new LoadController<SiteDetail>(this);
+
+  override willUpdate(): void {
+    const sites = this.sites.store;
+    if (sites === undefined || this.site === "") return;
+    this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
+  }
+
+  override render(): TemplateResult {
+    return html`<h1>Cameras</h1>
+      ${this.content()}`;
+  }
+
+  private content(): TemplateResult {
+    const { result } = this.detail;
+    const detail = this.detail.value;
+    if (result.state === "failed") {
+      const advice = adviceFor(result.error, "the cameras");
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    }
+    if (detail === undefined) return html`<t-loading what="Loading the cameras"></t-loading>`;
+    const cameras = detail.devices.flatMap((device) => device.streams.map((stream) => ({ device, stream })));
+    if (cameras.length === 0) {
+      return html`<t-empty heading="No cameras" icon="camera">
+        <p>None of the devices that you may see has a stream in the site's description.</p>
+      </t-empty>`;
+    }
+    const online = (this.sites.store?.row(this.site)?.online ?? detail.online) && this.link.state === "open";
+    return html`<div class="cameras">
+      ${repeat(
+        cameras,
+        ({ stream }) => stream.address,
+        ({ device, stream }) => html`<figure>
+          <t-camera
+            data-stream=${stream.address}
+            .site=${this.site}
+            .stream=${stream.address}
+            .name=${stream.name}
+            .online=${online}
+          ></t-camera>
+          <figcaption>${stream.name} ${device.name === stream.name ? nothing : html`<a href=${devicePath(this.site, device.id)}>${device.name}</a>`}</figcaption>
+        </figure>`,
+      )}
+    </div>`;
+  }
+
+  private readonly again = (): void => {
+    this.detail.again();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-cameras": PageCameras;
+  }
+}

@@ -1,0 +1,103 @@
+/** A film (H.264) from the socket to the canvas by WebCodecs; every picture is paid for once. */
+
+import type { Shot } from "../../generated/wire.js";
+
+export interface Screening {
+  readonly draw: (frame: VideoFrame, shot: Shot) => void;
+  /** The film cannot be gone on with; a fresh one is needed. */
+  readonly broken: () => void;
+}
+
+interface Waiting {
+  readonly shot: Shot;
+  readonly shown: () => void;
+}
+
+/** What gateways send at the least: the level is raised by a picture's own word. */
+export const PLAIN_CODEC = "avc1.42C01E";
+
+/** Asks the browser once. Without https there is no `VideoDecoder` at all. */
+export async function playsFilms(scope: { VideoDecoder?: typeof VideoDecoder } = globalThis): Promise<boolean> {
+  const decoder = scope.VideoDecoder;
+  if (decoder === undefined) return false;
+  try {
+    return (await decoder.isConfigSupported({ codec: PLAIN_CODEC, optimizeForLatency: true })).supported === true;
+  } catch {
+    return false;
+  }
+}
+
+/** Decodes in order, draws what comes out, and says so. */
+export class Film {
+  private decoder: VideoDecoder | null = null;
+  private codec = "";
+  private readonly waiting = new Map<number, Waiting>();
+  private closed = false;
+
+  constructor(private readonly screening: Screening) {}
+
+  take(shot: Shot, shown: () => void): void {
+    if (this.closed) return;
+    if (shot.key) this.begin(shot.codec);
+    if (this.decoder === null) {
+      // Nothing to go on from; the hub begins each film with a key picture, so this is rare.
+      shown();
+      return;
+    }
+    this.waiting.set(shot.seq, { shot, shown });
+    try {
+      this.decoder.decode(
+        new EncodedVideoChunk({ type: shot.key ? "key" : "delta", timestamp: shot.seq, data: shot.data }),
+      );
+    } catch {
+      this.fail();
+    }
+  }
+
+  close(): void {
+    this.closed = true;
+    this.stop();
+  }
+
+  private begin(codec: string): void {
+    if (this.decoder !== null && (codec === "" || codec === this.codec)) return;
+    this.stop();
+    this.codec = codec || PLAIN_CODEC;
+    const decoder: VideoDecoder = new VideoDecoder({
+      output: (frame) => {
+        if (this.decoder === decoder) this.show(frame);
+        else frame.close();
+      },
+      error: () => {
+        if (this.decoder === decoder) this.fail();
+      },
+    });
+    decoder.configure({ codec: this.codec, optimizeForLatency: true });
+    this.decoder = decoder;
+  }
+
+  private show(frame: VideoFrame): void {
+    const one = this.waiting.get(frame.timestamp);
+    if (one === undefined) {
+      frame.close();
+      return;
+    }
+    this.waiting.delete(frame.timestamp);
+    this.screening.draw(frame, one.shot);
+    one.shown();
+  }
+
+  private fail(): void {
+    this.stop();
+    this.screening.broken();
+  }
+
+  private stop(): void {
+    const { decoder } = this;
+    this.decoder = null;
+    if (decoder !== null && decoder.state !== "closed") decoder.close();
+    // Paid also when it was not drawn: the hub must not wait for it.
+    for (const { shown } of this.waiting.values()) shown();
+    this.waiting.clear();
+  }
+}
