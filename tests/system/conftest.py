@@ -51,6 +51,28 @@ def missing(what: str) -> None:
     pytest.skip(f"{what} is missing")
 
 
+def need_ros2() -> None:
+    """Skip, or fail, where there is no ROS 2."""
+    if not __import__("importlib.util").util.find_spec("rclpy"):
+        missing("ROS 2 (rclpy)")
+
+
+def need_ros1() -> None:
+    """Skip, or fail, where Debian's ROS 1 is not whole."""
+    packages = ("rospy", "rosgraph", "std_srvs", "geometry_msgs", "sensor_msgs")
+    here = [Path("/usr/lib/python3/dist-packages") / each for each in packages]
+    absent = [each.name for each in (*here, Path("/usr/bin/rosmaster")) if not each.exists()]
+    if absent:
+        missing(f"ROS 1 ({', '.join(absent)}; apt install python3-rospy python3-rosmaster)")
+
+
+def need_indi(*drivers: str) -> None:
+    """Skip, or fail, where INDI's server or one of these drivers is missing."""
+    absent = [each for each in ("indiserver", *drivers) if shutil.which(each) is None]
+    if absent:
+        missing(f"INDI ({', '.join(absent)}; apt install indi-bin)")
+
+
 def start_demo(data: Path, *more: str) -> Demo:
     """Run ``talaia demo`` until it says that it is ready."""
     for module in ("rclpy", "mujoco"):
