@@ -10,45 +10,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from msgspec.structs import replace
-
-from talaia.model.connection import Ros1Connection
-from talaia.model.site import Site
 from talaia.sim import domain
 
 from .stack import SOURCE, Process, until
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
 SPEED = 4
-
-
-def as_ros1(site: Site) -> Site:
-    """The example as ROS 1 has it: the same names, but for the requests with numbers.
-
-    What needs `rcl_interfaces` is left out, and with it the limits of pointing and the following.
-    """
-    devices = {}
-    for name, device in site.devices.items():
-        commands = {
-            key: each
-            for key, each in device.commands.items()
-            if not each.type.startswith("rcl_interfaces/")
-        }
-        devices[name] = replace(device, commands=commands, pointing=None)
-    gone = {
-        f"{name}/{key}"
-        for name, device in site.devices.items()
-        for key in device.commands.keys() - devices[name].commands.keys()
-    }
-    interlocks = {
-        name: replace(each, refuse=tuple(one for one in each.refuse if one not in gone))
-        for name, each in site.interlocks.items()
-    }
-    enclosures = {name: replace(each, follow=None) for name, each in site.enclosures.items()}
-    return replace(
-        site, ros2=None, connections={"ros1": Ros1Connection()},
-        devices=devices, interlocks=interlocks, enclosures=enclosures,
-    )  # fmt: skip
 
 
 class Observatory:

@@ -22,11 +22,13 @@ import msgspec
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
+from observatory_site import as_ros1
+
 from talaia.model.load import dump_site, read_site
 from talaia.model.site import Site
 
 from .conftest import CHROMIUM_FLAGS, need_indi, need_ros1, need_ros2
-from .observatory import as_ros1
 from .stack import SITE, Process, Stack
 from .test_interlocks import picture, visit
 

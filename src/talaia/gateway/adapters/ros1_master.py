@@ -9,9 +9,12 @@ import http.client
 
 # The master is the robot itself; expat refuses entities that grow.
 import xmlrpc.client
-from typing import NamedTuple, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from talaia.gateway.errors import AdapterLost
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 __all__ = ["Graph", "Master"]
 
@@ -31,11 +34,11 @@ class _Transport(xmlrpc.client.Transport):
 
 
 class Graph(NamedTuple):
-    """What is there: topics that are published, topics that are heard, and services."""
+    """What is there, each with its nodes: topics published, topics heard, and services."""
 
-    published: frozenset[str]
-    heard: frozenset[str]
-    services: frozenset[str]
+    published: Mapping[str, frozenset[str]]
+    heard: Mapping[str, frozenset[str]]
+    services: Mapping[str, frozenset[str]]
 
 
 class Master:
@@ -75,6 +78,25 @@ class Master:
         """
         return self._ask("lookupNode", node)[0] == 1
 
+    def lives(self, node: str) -> bool:
+        """Ask a node itself, at the address that the master has of it.
+
+        https://wiki.ros.org/ROS/Slave_API
+
+        Raises:
+            AdapterLost: the master is not there.
+
+        """
+        code, where = self._ask("lookupNode", node)
+        if code != 1:
+            return False
+        try:
+            with xmlrpc.client.ServerProxy(str(where), transport=_Transport()) as proxy:
+                proxy.getPid("/talaia")
+        except (OSError, ValueError, http.client.HTTPException, xmlrpc.client.Error):
+            return False
+        return True
+
     def graph(self) -> Graph:
         """Tell what is registered.
 
@@ -84,7 +106,9 @@ class Master:
         """
         _, value = self._ask("getSystemState")
         try:
-            parts = [frozenset(str(name) for name, _ in part) for part in cast("list", value)]  # type: ignore[type-arg]
-            return Graph(*parts)
+            parts = cast("list[list[tuple[str, list[str]]]]", value)
+            return Graph(
+                *({str(name): frozenset(map(str, nodes)) for name, nodes in part} for part in parts)
+            )
         except (TypeError, ValueError) as error:
             raise AdapterLost(f"what answers at {self.uri} is no ROS master") from error
