@@ -78,8 +78,14 @@ def start_demo(data: Path, *more: str) -> Demo:
     for module in ("rclpy", "mujoco"):
         if not __import__("importlib.util").util.find_spec(module):
             missing(module)
+    return begin_demo("demo", data, "--data", str(data), *more)
+
+
+def begin_demo(word: str, folder: Path, *more: str) -> Demo:
+    """Run ``talaia WORD`` until it says that it is ready; what it throws away is in ``folder``."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", str(data), *more],
+        [sys.executable, "-m", "talaia", word, "--no-browser", *more],
+        env={**os.environ, "TMPDIR": str(folder)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -99,10 +105,12 @@ def start_demo(data: Path, *more: str) -> Demo:
     if not ready:
         process.kill()
         process.wait()
-        logs = "".join(f"\n{p.name}:\n{p.read_text()[-2000:]}" for p in data.glob("*.log"))
+        logs = "".join(f"\n{p.name}:\n{p.read_text()[-2000:]}" for p in folder.rglob("*.log"))
         pytest.fail(f"the demo did not start:\n{said}{logs}")
     passwords = dict(re.findall(r"^    (admin|operator|guest)\s+(\S+)$", said, re.MULTILINE))
-    return Demo(process, ready[2], passwords, data, float(ready[1]))
+    data = re.search(r"data and logs: (\S+)", said)
+    assert data is not None
+    return Demo(process, ready[2], passwords, Path(data[1]), float(ready[1]))
 
 
 def stop_demo(demo: Demo) -> int:
