@@ -18,14 +18,26 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
 SPEED = 4
 
 
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
 class Observatory:
     """Processes of one observatory in a folder; the hub's port is one where nobody answers."""
 
-    def __init__(self, folder: Path, description: str = "") -> None:
-        """Start the simulator; see `start_gateway`."""
+    def __init__(self, folder: Path, description: str = "", *, ros1: bool = False) -> None:
+        """Start the simulator, as ROS 2 or ROS 1 nodes; see `start_gateway`."""
         self.folder = folder
+        self._ros1 = ["--ros1"] if ros1 else []
         self._world = domain.reserve()
         self.environment = domain.environment(self._world.domain)
+        if ros1:
+            uri = f"http://127.0.0.1:{free_port()}"
+            self.environment = {
+                "ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1", "ROS_HOME": str(folder)
+            }  # fmt: skip
         self.ledger_file = folder / "ledger.jsonl"
         (folder / "site.yaml").write_text(description or EXAMPLE.read_text())
         (folder / "key").write_text("a-key-that-no-hub-knows-of-forty-letters")
@@ -33,13 +45,12 @@ class Observatory:
 
     def _simulator(self, *more: str) -> Process:
         words = ["-m", "talaia", "sim", "observatory", "--speed", str(SPEED)]
-        words += ["--domain", str(self._world.domain), "--log", str(self.ledger_file), *more]
+        words += self._ros1 or ["--domain", str(self._world.domain)]
+        words += ["--log", str(self.ledger_file), *more]
         return Process(words, self.folder / "sim.log", self.environment)
 
     def start_gateway(self, *more: str) -> Process:
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            nobody = probe.getsockname()[1]
+        nobody = free_port()
         words = ["-m", "talaia", "gateway", str(self.folder / "site.yaml"), "--allow-plain"]
         words += ["--hub", f"ws://127.0.0.1:{nobody}", "--key-file", str(self.folder / "key")]
         words += ["--data", str(self.folder / "gateway"), *more]
@@ -51,7 +62,7 @@ class Observatory:
     @property
     def words(self) -> list[str]:
         """The prefix of a client's words, in place of ``ros2 run``."""
-        return [sys.executable, "-m", "talaia", "sim", "run"]
+        return [sys.executable, "-m", "talaia", "sim", "run", *self._ros1]
 
     def client(self, *words: str, within: float = 60) -> str:
         """What a client of a person on site says."""

@@ -1,27 +1,40 @@
-"""The observatory's own safety through the real chain: ROS 2 servers, a gateway, and no hub."""
+"""The observatory's own safety through the real chain: ROS servers, a gateway, and no hub.
+
+The same on INDI's simulators: `tests/gateway/indi/test_server.py`.
+"""
 
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from .conftest import missing
+from talaia.model.load import dump_site, load_site
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
+from observatory_site import as_ros1
+
+from .conftest import need_ros1, need_ros2
 from .observatory import EXAMPLE, Observatory
 from .stack import until
 
 pytestmark = [pytest.mark.robot, pytest.mark.timeout(150)]
 
 
-@pytest.fixture
-def site(tmp_path: Path) -> Iterator[Observatory]:
-    if not __import__("importlib.util").util.find_spec("rclpy"):
-        missing("rclpy")
+@pytest.fixture(params=["ROS 2"])
+def site(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Observatory]:
     # The locks of the start are not waited for that long here.
     quick = re.sub(r"dwell: \d+", "dwell: 1", EXAMPLE.read_text())
-    running = Observatory(tmp_path, quick)
+    ros1 = request.param == "ROS 1"
+    if ros1:
+        need_ros1()
+        quick = dump_site(as_ros1(load_site(quick)))
+    else:
+        need_ros2()
+    running = Observatory(tmp_path, quick, ros1=ros1)
     try:
         yield running
     finally:
@@ -45,6 +58,7 @@ def closed(site: Observatory, since: int) -> bool:
     return any(each["phase"] == "done" for each in site.asked("dome", "close", since))
 
 
+@pytest.mark.parametrize("site", ["ROS 2", "ROS 1"], indirect=True)
 async def test_rain_without_a_hub_aborts_parks_and_closes_within_the_bound(
     site: Observatory,
 ) -> None:

@@ -11,7 +11,6 @@ import asyncio
 import json
 import os
 import re
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -29,6 +28,7 @@ from talaia.model.load import dump_site, read_site
 from talaia.model.site import Site
 
 from .conftest import CHROMIUM_FLAGS, need_indi, need_ros1, need_ros2
+from .observatory import free_port
 from .stack import SITE, Process, Stack
 from .test_interlocks import picture, visit
 
@@ -145,12 +145,6 @@ class IndiDome(Dome):
             capture_output=True, text=True, timeout=20, check=True,
         )  # fmt: skip
         return "open" if is_open.stdout.strip() == "On" else "closed"
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 WAYS = {"ROS 2": Dome, "ROS 1": Ros1Dome, "INDI": IndiDome, "command file": CommandsDome}
