@@ -6,6 +6,7 @@ import contextlib
 import importlib
 import importlib.util
 import json
+import math
 import os
 import selectors
 import signal
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from fake_hub import FakeHub
+
+    from talaia.wire.frames import Scalar
 
 pytestmark = [pytest.mark.robot, pytest.mark.timeout(120)]
 EXAMPLE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
@@ -107,7 +110,7 @@ def asked(ledger: Path) -> list[tuple[str, str, str]]:
     return [(row["device"], row["asked"], row["phase"]) for row in rows]
 
 
-async def do(hub: FakeHub, device: str, what: str, **args: float) -> CommandState:
+async def do(hub: FakeHub, device: str, what: str, **args: Scalar) -> CommandState:
     ask = CommandAsk(
         id=f"{what}-{time.monotonic_ns()}", device=device, command=what, args=args,
         ttl_ms=5000, who="Ada",
@@ -151,6 +154,30 @@ async def test_the_command_file_opens_and_closes_a_real_dome(
     did = [(what, phase) for device, what, phase in asked(ledger) if device == "dome"]
     moves = [each for each in did if each[0] in ("open", "close")]
     assert moves == [("open", "asked"), ("open", "done"), ("close", "asked"), ("close", "done")]
+
+
+@pytest.mark.parametrize("ros", ["ros2"], indirect=True)
+async def test_bad_input_is_refused_with_a_reason_and_nothing_is_asked_of_a_server(
+    ros: str, ledger: Path, tmp_path: Path
+) -> None:
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={})
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", dump_site(site)):
+        await seen(hub, lambda: hub.values("dome/shutter"), "the dome")
+        for device, command, args, said in (
+            ("roof", "open", {}, "roof/open is not a command of this site"),
+            ("dome", "explode", {}, "dome/explode is not a command of this site"),
+            ("telescope", "goto", {"ra": 25.0, "dec": 0.0}, "ra: 25.0 is above 24"),
+            ("telescope", "goto", {"ra": 1.0, "dec": -91.0}, "dec: -91.0 is below -90"),
+            ("telescope", "goto", {"ra": "1; rm -rf /", "dec": 0.0}, "ra: expected a number"),
+            ("camera", "expose", {"seconds": -1.0}, "seconds: -1.0 is below 0.04"),
+            ("camera", "expose", {"seconds": math.nan}, "seconds: expected a finite number"),
+            ("camera", "expose", {"seconds": 1.0, "target": "x" * 61}, "60"),
+            ("dome", "goto", {"azimuth": 361.0}, "azimuth: 361.0 is above 360"),
+        ):
+            refused = await do(hub, device, command, **args)
+            assert refused.phase == "refused", (device, command, args)
+            assert said in refused.message
+    assert asked(ledger) == []
 
 
 def simulator(ros: str, log: Path, *more: str) -> subprocess.Popen[str]:
