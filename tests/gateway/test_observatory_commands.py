@@ -180,6 +180,34 @@ async def test_bad_input_is_refused_with_a_reason_and_nothing_is_asked_of_a_serv
     assert asked(ledger) == []
 
 
+@pytest.mark.parametrize("ros", ["ros2"], indirect=True)
+async def test_an_exposure_begins_when_telescope_and_dome_are_in_place(
+    ros: str, ledger: Path, tmp_path: Path
+) -> None:
+    site = read_site(EXAMPLE)
+    rain = replace(site.interlocks["rain"], dwell=0.0)
+    rain = replace(rain, when=tuple(replace(each, dwell=0.0) for each in rain.when))
+    dome = replace(site.enclosures["dome"], unsafe=("rain",))
+    site = replace(site, interlocks={"rain": rain}, enclosures={"dome": dome})
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", dump_site(site)):
+        await seen(hub, lambda: hub.values("weather/raining"), "the weather")
+        refused = await do(hub, "camera", "expose", seconds=0.1)
+        assert (refused.phase, refused.message) == ("refused", "Dome: it is closed")
+        assert (await do(hub, "dome", "open")).phase == "succeeded"
+        assert (await do(hub, "telescope", "unpark")).phase == "succeeded"
+        # High in the north, and nearly opposite of where the dome's slit is parked.
+        slewed = await do(hub, "telescope", "goto_altaz", alt=70.0, az=330.0)
+        assert slewed.phase == "succeeded", slewed.message
+        assert (await do(hub, "telescope", "track", active=True)).phase == "succeeded"
+        taken = await do(hub, "camera", "expose", seconds=0.1)
+        assert taken.phase == "succeeded", taken.message
+    rows = asked(ledger)
+    turned = next(i for i, row in enumerate(rows) if row[1][:4] == "goto" and row[0] == "dome"
+                  and row[2] == "done")  # fmt: skip
+    exposed = next(i for i, row in enumerate(rows) if row[0] == "camera")
+    assert turned < exposed
+
+
 def simulator(ros: str, log: Path, *more: str) -> subprocess.Popen[str]:
     words = ["-m", "talaia", "sim", "observatory", "--log", str(log), *more]
     words += ["--ros1"] if ros == "ros1" else ["--domain", os.environ["ROS_DOMAIN_ID"]]

@@ -23,7 +23,7 @@ class Robot:
         self.heard = 0
         self.offer = offer
         self.answers = True
-        self.presence = Presence(["dome"], lambda _, why: self.told.append(why))
+        self.presence = Presence(["dome"], lambda _, why, _sure: self.told.append(why))
 
     def looks(self, times: int, *, speaks: bool = False) -> None:
         for _ in range(times):

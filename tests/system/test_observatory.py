@@ -51,6 +51,7 @@ async def observing(site: Observatory) -> int:
     gateway = site.start_gateway()
     await gateway.says("interlock_released  rain")
     await gateway.says("interlock_released  weather")
+    await gateway.says("interlock_released  daylight")
     return site.ledger()[-1]["t"]
 
 
@@ -106,3 +107,17 @@ async def test_a_stuck_shutter_is_tried_again_and_then_an_alarm_says_not_closed(
     site.fault("dome ok")
     await site.told("alarm_over", 60)
     assert site.asked("dome", "close")[-1]["said"] == "the dome is closed"
+
+
+async def test_by_day_it_stays_closed_and_at_dawn_it_closes(tmp_path: Path) -> None:
+    need_ros2()
+    quick = re.sub(r"dwell: \d+", "dwell: 1", EXAMPLE.read_text())
+    by_day = Observatory(tmp_path, quick, hours=12)
+    try:
+        await by_day.parts[0].says("ready")
+        assert "the dome is opened" in by_day.client("dome_servcli", "client", "open")
+        by_day.start_gateway()
+        await until(lambda: closed(by_day, 0), 60, "the dome closed")
+        assert any("Altitude of the Sun is above -6" in x for x in by_day.note("enclosure_closes"))
+    finally:
+        by_day.close()

@@ -183,6 +183,8 @@ class Gateway:
                 device, command, clock.monotonic_ns(), args
             ),
             interlocks.commanded,
+            lambda device, command: interlocks.hold(device, command, clock.monotonic_ns()),
+            lambda device: interlocks.ended(device, clock.monotonic_ns()),
         )
         self._sequences: Sequences = Sequences(self._commanding, self._voice, self._boot)
         self._desk = FrontDesk(

@@ -43,12 +43,13 @@ class Offer(NamedTuple):
 class Presence:
     """Tells of each device that goes and that comes back. One thread."""
 
-    def __init__(self, devices: Iterable[str], tell: Callable[[str, str], None]) -> None:
+    def __init__(self, devices: Iterable[str], tell: Callable[[str, str, bool], None]) -> None:
         """Begin with nothing known: what was never there is not missed.
 
         Args:
             devices: of whom it is to be told.
-            tell: told of each change: the device, and why it is away, or nothing when it is back.
+            tell: told of each change: the device; why it is away, or nothing when it is back;
+                and whether that is sure, or it may only be slow.
 
         """
         self._devices = tuple(devices)
@@ -94,7 +95,7 @@ class Presence:
             if device not in self._seen:
                 continue
             if not offer.there:
-                self._set(device, "nothing of it is on the robot now")
+                self._set(device, "nothing of it is on the robot now", sure=True)
             elif now_ns - heard_ns.get(device, 0) < ASK_NS:
                 for node in offer.nodes:
                     self._open.pop(node, None)
@@ -115,11 +116,11 @@ class Presence:
     def _dead(self, node: str) -> bool:
         return node in self._gone or self._look - self._open.get(node, self._look) >= PATIENCE
 
-    def _set(self, device: str, why: str) -> None:
+    def _set(self, device: str, why: str, *, sure: bool = False) -> None:
         if why == self._away.get(device, ""):
             return
         if why:
             self._away[device] = why
         else:
             del self._away[device]
-        self._tell(device, why)
+        self._tell(device, why, sure)

@@ -158,8 +158,8 @@ class Ros1:
             raise AdapterLost(f"ROS 1 cannot be joined: {failed.result()}")
         raise AdapterLost(f"ROS 1 cannot be joined: its node is not there after {_START_S:g} s")
 
-    def _on_presence(self, device: str, why: str) -> None:
-        self._status.device(device, there=not why, why=why)
+    def _on_presence(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001
+        self._status.device(device, there=not why, why=why, sure=sure)
 
     async def _stay(self, node: NodeProcess, name: str, failed: asyncio.Future[str]) -> None:
         """Stay until the node ends or hangs, or the master knows it no more."""

@@ -35,7 +35,7 @@ class Ros1Presence:
     """
 
     def __init__(
-        self, share: Share, master: Master, clock: Clock, tell: Callable[[str, str], None]
+        self, share: Share, master: Master, clock: Clock, tell: Callable[[str, str, bool], None]
     ) -> None:
         """Take who is asked; ``tell`` as in `Presence`."""
         self._master, self._clock = master, clock

@@ -287,8 +287,8 @@ class Ros2:
         if self._presence is not None:
             self._presence.look()
 
-    def _on_presence(self, device: str, why: str) -> None:
-        self._status.device(device, there=not why, why=why)
+    def _on_presence(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001
+        self._status.device(device, there=not why, why=why, sure=sure)
 
     def _rejoin(self, device: str, done: Callable[[Outcome], None]) -> None:
         """Make the subscriptions and clients of a device anew; its publishers of motion stay.

@@ -42,7 +42,7 @@ class Ros2Presence:
         thread: WaitThread,
         clock: Clock,
         commands: Ros2Commands,
-        tell: Callable[[str, str], None],
+        tell: Callable[[str, str, bool], None],
     ) -> None:
         """Take who is asked; ``tell`` as in `Presence`."""
         self._node, self._thread, self._clock, self._commands = node, thread, clock, commands
@@ -69,11 +69,11 @@ class Ros2Presence:
         for name in self._presence.look(self._clock.monotonic_ns(), self._offers, heard):
             self._clients[name].handle.send_request(GetParameters.Request(names=[]))
 
-    def _told(self, device: str, why: str) -> None:
+    def _told(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001 - as `Presence`
         # A node that does not answer may be busy with just that call; one that has left is not.
-        if why and not self._offers[device].there:
+        if why and sure:
             self._commands.cut(device)
-        self._tell(device, why)
+        self._tell(device, why, sure)
 
     def _offer(self, device: str) -> Offer:
         topics = self._topics[device]
