@@ -103,11 +103,7 @@ GLOSSARY = {
 }
 # Fields that mean something else in one message than everywhere else.
 ELSEWHERE = {
-    ("UploadState", "below"): "all bytes before this are there",
-    ("UploadState", "refused"): "why it is not wanted; empty otherwise",
-    ("UploadOffer", "kind"): "what it is, and so where it goes",
-    ("UploadPart", "data"): "its bytes from `offset` on",
-    ("UploadPart", "offset"): "where these bytes begin in the file",
+    ("ArchiveOffer", "kind"): "what it is, and so where it goes",
     ("FilePiece", "data"): "the file's bytes",
     ("FileHave", "refused"): "why the hub does not take it; empty when it does",
     ("DriveState", "refused"): "driving frames refused since the lease began",

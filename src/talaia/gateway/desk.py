@@ -22,7 +22,6 @@ from talaia.wire.frames import (
     RecordAsk,
     ResetAsk,
     StopAsk,
-    UploadState,
     Watch,
 )
 
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.commanding import Commanding
     from talaia.gateway.control import Control
-    from talaia.gateway.frames.upload import Upload
     from talaia.gateway.ports import Adapter, Outcome
     from talaia.gateway.reach import Reach
     from talaia.gateway.recording.recorder import Recorder
@@ -161,13 +159,11 @@ class FrontDesk:
         voice: Voice,
         lanes: Lanes,
         reach: Reach,
-        upload: Upload,
         recorder: Recorder | None = None,
     ) -> None:
         """Take all who act, the voice that tells how it went, and the lanes to the hub."""
         self._reach = reach
         self._recorder = recorder
-        self._upload = upload
         self._voice = voice
         self._lanes = lanes
         self._boot = boot
@@ -229,8 +225,6 @@ class FrontDesk:
                 self._commanding.cancel(message)
             case OverrideAsk():
                 self._control.override(message)
-            case UploadState():
-                self._upload.hear(message)
                 return
             case Watch():
                 self._adapter.watch(message.streams)

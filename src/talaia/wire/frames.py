@@ -31,6 +31,7 @@ __all__ = [
     "PIECE",
     "Ack",
     "Again",
+    "ArchiveOffer",
     "Beat",
     "BeatReply",
     "Bye",
@@ -66,9 +67,6 @@ __all__ = [
     "StopAsk",
     "StopState",
     "Tick",
-    "UploadOffer",
-    "UploadPart",
-    "UploadState",
     "Watch",
     "Welcome",
 ]
@@ -95,8 +93,6 @@ FileId = Annotated[str, Meta(pattern="^[0-9A-Za-z]{1,32}(-[0-9a-z]{1,16})?$")]
 PIECE = 64 * 1024
 # A picture is at most this large; a link frame is far smaller.
 MAX_PICTURE = 8 * 1024 * 1024
-# A part of a file, which shares the link with driving.
-MAX_PART = 16 * 1024
 
 
 class LeaseOp(StrEnum):
@@ -356,33 +352,24 @@ class DeviceState(Message, frozen=True, kw_only=True, tag="device_state"):
     for_ms: Millis = 0
 
 
-class UploadOffer(Message, frozen=True, kw_only=True, tag="upload_offer"):
-    """The gateway has a file for the hub: a picture for the archive, a recording.
-
-    It is answered by `UploadState`, which says from where on the hub wants it.
+class ArchiveOffer(Message, frozen=True, kw_only=True, tag="archive_offer"):
+    """The gateway has a file for the hub's archive; answered and taken as a `FileOffer` is.
 
     Attributes:
-        file: the gateway's own name for it, never used twice.
+        id: the gateway's own name for it, never used twice.
         kind: what it is and so where it goes: ``fits``.
-        digest: SHA-256 of the whole, in hex.
+        device: whose it is.
+        digest: SHA-256 of the whole.
         time_us: when it was made.
 
     """
 
-    file: Annotated[str, Meta(pattern="^[0-9a-f]{32}$")]
+    id: FileId
     kind: Name
     device: Word = ""
-    size: Annotated[int, Meta(ge=0, le=2**40)]
-    digest: Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
+    size: Count
+    digest: Digest
     time_us: Micros = 0
-
-
-class UploadPart(Message, frozen=True, kw_only=True, tag="upload_part"):
-    """Bytes of a file that was offered, in order. So small that what is urgent waits for little."""
-
-    file: Annotated[str, Meta(pattern="^[0-9a-f]{32}$")]
-    offset: Annotated[int, Meta(ge=0, le=2**40)]
-    data: Annotated[bytes, Meta(max_length=MAX_PART)]
 
 
 # ── both ways ───────────────────────────────────────────────────────────────────────────────
@@ -535,24 +522,6 @@ class OverrideAsk(Message, frozen=True, kw_only=True, tag="override"):
     seconds: Annotated[float, Meta(ge=0, le=86_400)]
 
 
-class UploadState(Message, frozen=True, kw_only=True, tag="upload_state"):
-    """How much of a file the hub has.
-
-    Attributes:
-        below: it has all bytes before this.
-        again: what came did not follow: send from ``below`` on.
-        done: it has the whole and has put it where it belongs.
-        refused: why it does not want it; empty otherwise.
-
-    """
-
-    file: Annotated[str, Meta(pattern="^[0-9a-f]{32}$")]
-    below: Annotated[int, Meta(ge=0, le=2**40)]
-    again: bool = False
-    done: bool = False
-    refused: Sentence = ""
-
-
 class Watch(Message, frozen=True, kw_only=True, tag="watch"):
     """The streams (``device/stream``) that anyone looks at now; all others rest."""
 
@@ -619,8 +588,6 @@ FromGateway = (
     | InterlockState
     | RecordState
     | DeviceState
-    | UploadOffer
-    | UploadPart
     | Event
     | Beat
     | BeatReply
@@ -638,7 +605,6 @@ FromHub = (
     | CommandAsk
     | CommandCancel
     | OverrideAsk
-    | UploadState
     | Watch
     | Reconnect
     | RecordAsk
@@ -648,7 +614,7 @@ FromHub = (
 )
 MediaFromGateway = Picture | Beat | BeatReply
 MediaFromHub = Beat | BeatReply | Bye
-FilesFromGateway = FileOffer | FilePiece
+FilesFromGateway = FileOffer | ArchiveOffer | FilePiece
 FilesFromHub = FileHave | Bye
 
 LINK_FROM_GATEWAY: Codec[FromGateway] = Codec(FromGateway, 8 * 1024 * 1024)
