@@ -24,11 +24,13 @@ from talaia.wire.frames import (
     MEDIA_FROM_GATEWAY,
     MEDIA_FROM_HUB,
     Ack,
+    ArchiveOffer,
     Beat,
     BeatReply,
     Described,
     FileHave,
     FileOffer,
+    FilePiece,
     Gap,
     Hello,
     Picture,
@@ -67,7 +69,10 @@ class FakeHub:
         self.key = KEY
         self.requests = 0
         self.links: list[ServerConnection] = []
-        self.offers: list[FileOffer] = []
+        self.offers: list[FileOffer | ArchiveOffer] = []
+        self.pieces = 0
+        self.knows_pictures = True
+        self.finds_damage = False
         self.files: dict[str, bytes] = {}
         # Cut the connection that brings files after so many pieces.
         self.cut_after = 10**9
@@ -171,19 +176,24 @@ class FakeHub:
         pieces = 0
         async for data in socket:
             message = FILES_FROM_GATEWAY.decode(data)
-            if isinstance(message, FileOffer):
+            if isinstance(message, ArchiveOffer) and not self.knows_pictures:
+                continue
+            if not isinstance(message, FilePiece):
                 self.offers.append(message)
                 self.files.setdefault(message.id, b"")
             else:
                 assert message.at == len(self.files[message.id])
                 self.files[message.id] += message.data
                 pieces += 1
+                self.pieces += 1
             if pieces >= self.cut_after:
                 self.cut_after = 10**9
                 socket.transport.abort()
                 return
-            have = len(self.files[message.id])
-            answer = FileHave(id=message.id, have=have, done=have == self.offers[-1].size)
+            if self.finds_damage:
+                self.files[message.id] = b""
+            have, size = len(self.files[message.id]), self.offers[-1].size
+            answer = FileHave(id=message.id, have=have, done=have == size)
             await socket.send(FILES_FROM_HUB.encode(answer))
             self._changed.set()
 

@@ -11,13 +11,14 @@ from hypothesis import given, strategies as st
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.commanding import Commanding, Journal
 from talaia.gateway.commands import FINAL, CommandBook
+from talaia.gateway.enclosure import Hold
 from talaia.gateway.ports import Outcome
 from talaia.gateway.sequences import Sequences
 from talaia.model.arguments import fields_of
 from talaia.model.interlock import Step
 from talaia.model.load import load_site
 from talaia.model.site import Argument, ArgumentType, Command
-from talaia.wire.frames import CommandAsk, CommandPhase, CommandState
+from talaia.wire.frames import CommandAsk, CommandCancel, CommandPhase, CommandState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -140,6 +141,7 @@ class Bench:
         self.said: list[CommandState] = []
         self.disk: Callable[[], None] = lambda: None
         self.barred = ""
+        self.held: Hold | None = None
         self.commanding = Commanding(
             SITE,
             self.clock,
@@ -148,6 +150,7 @@ class Bench:
             self.on_disk,
             self.say,
             lambda _device, _command, _args: self.barred,
+            hold=lambda _device, _command: self.held,
         )
         self.changed = asyncio.Event()
 
@@ -163,6 +166,13 @@ class Bench:
         await self.commanding.ask(
             CommandAsk(id=command_id, device="dome", command="open", ttl_ms=ttl_ms, who="Ada")
         )
+
+    async def says(self, words: str) -> CommandState:
+        async with asyncio.timeout(5):
+            while not self.said or words not in self.said[-1].message:
+                self.changed.clear()
+                await self.changed.wait()
+        return self.said[-1]
 
     async def ended(self) -> CommandState:
         async with asyncio.timeout(5):
@@ -346,4 +356,45 @@ async def test_a_command_is_refused_when_it_became_unsafe_while_the_disk_was_bus
     await bench.ask()
     assert (await bench.ended()).phase is P.REFUSED
     assert bench.dome.asked == []
+    await bench.commanding.close()
+
+
+async def test_a_command_waits_until_what_it_needs_is_so(tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    bench.held = Hold("Dome: waiting until it is open", 120)
+    await bench.ask()
+    assert await bench.says("waiting until it is open")
+    assert bench.dome.asked == []
+    assert bench.commanding.busy
+    bench.held = None
+    assert (await bench.ended()).phase is P.SUCCEEDED
+    assert bench.dome.asked == ["dome/open"]
+    await bench.commanding.close()
+
+
+@pytest.mark.parametrize(
+    ("change", "phase", "said"),
+    [
+        (lambda x: setattr(x, "barred", "Rain: it rains"), P.REFUSED, "Rain: it rains"),
+        (lambda x: setattr(x, "held", Hold("it is closed", 9, final=True)), P.REFUSED, "closed"),
+        (lambda x: x.clock.advance(121 * SECOND), P.FAILED, "longer than 120 s"),
+        (
+            lambda x: x.commanding.cancel(CommandCancel(id="i", device="dome", who="Ada")),
+            P.CANCELLED,
+            "nothing was done",
+        ),
+    ],
+)
+async def test_a_command_that_waits_ends_without_an_act_when_it_may_not_or_takes_too_long(
+    change: Callable[[Bench], None], phase: P, said: str, tmp_path: Path
+) -> None:
+    bench = Bench(tmp_path)
+    bench.held = Hold("waiting", 120)
+    await bench.ask()
+    await bench.says("waiting")
+    change(bench)
+    ended = await bench.ended()
+    assert (ended.phase, said in ended.message) == (phase, True)
+    assert bench.dome.asked == []
+    assert not bench.commanding.busy
     await bench.commanding.close()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import msgspec
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.enclosure import Act, EnclosureGuard, Follower, Said, Seen
+from talaia.gateway.enclosure import Act, EnclosureGuard, Follower, Said, Seen, hold_of
 from talaia.model.enclosure import ClosingOrder, Enclosure, Follow, PastDeadline, Sighting
 from talaia.model.interlock import Step
 
@@ -301,3 +302,31 @@ def test_a_dome_that_does_not_come_is_not_asked_at_every_look() -> None:
     one = Follower(FOLLOW)
     asked = [one.look(100.0, 0.0, at * TICK, settled=True) for at in range(100)]
     assert sum(each is not None for each in asked) == 2
+
+
+@pytest.mark.parametrize(
+    ("seen", "said", "final"),
+    [
+        ({}, None, False),
+        ({"apart": 5.0}, None, False),
+        ({"apart": 40.0}, "40° from the telescope", False),
+        ({"apart": None}, "where telescope and dome stand", False),
+        ({"moving": True}, "on its way", False),
+        ({"moving": None}, "on its way", False),
+        ({"is_open": False}, "until it is open", False),
+        ({"is_open": None}, "until it is open", False),
+        ({"is_open": False, "closed": True}, "it is closed", True),
+    ],
+)
+def test_an_exposure_waits_for_dome_and_telescope_and_not_for_a_closed_roof(
+    seen: dict[str, Any],
+    said: str | None,
+    final: bool,  # noqa: FBT001 - given by the table
+) -> None:
+    good = {"is_open": True, "closed": False, "moving": False, "apart": 0.0}
+    held = hold_of(FOLLOW, **{**good, **seen})
+    if said is None:
+        assert held is None
+    else:
+        assert held is not None
+        assert (said in held.why, held.final) == (True, final)

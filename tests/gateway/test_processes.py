@@ -6,6 +6,7 @@ import ast
 import asyncio
 import os
 import shlex
+import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -202,6 +203,36 @@ async def test_bad_input_is_refused_in_words_and_no_command_is_run(bench: Bench)
     assert not [
         words for words in bench.asked() if words[2] not in ("status", "test", "getcoord", "info")
     ]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('{"devices": {"dome": {', "line 1, column 23: is not JSON"),
+        ('{"devices": {"dome": {"comands": {}}}}', "$.devices.dome.comands: unknown key"),
+        (
+            '{"devices": {"dome": {"commands": {"open": ["rm", "-rf"]}}}}',
+            "$.devices.dome.commands.open: expected a text",
+        ),
+    ],
+)
+def test_a_malformed_command_file_is_told_with_its_place_and_no_gateway_starts(
+    text: str, said: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "commands.json"
+    path.write_text(text)
+    (tmp_path / "key").write_text("k" * 40)
+    done = subprocess.run(
+        [
+            sys.executable, "-m", "talaia", "gateway", str(path), "--hub", "wss://127.0.0.1:1",
+            "--key-file", str(tmp_path / "key"), "--data", str(tmp_path / "data"),
+        ],
+        capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode != 0
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "data").exists()
 
 
 async def test_a_shells_words_are_one_inert_argument(bench: Bench) -> None:

@@ -1,4 +1,4 @@
-"""The archive of pictures: what comes on a gateway's link, is checked, kept by night and found."""
+"""The archive of pictures: what comes from a gateway, is checked, kept by night and found."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import io
 import math
 import warnings
 from datetime import UTC, datetime
+from zlib import crc32
 
+import msgspec
 import numpy as np
 import pytest
 from astropy.io import fits
@@ -15,7 +17,17 @@ from hypothesis import given, settings, strategies as st
 
 from talaia.hub.archive.looking import NotKept, facts_of, looks_of, preview_of
 from talaia.hub.archive.night import night_of
-from talaia.wire.frames import MAX_PART, UploadOffer, UploadPart, UploadState
+from talaia.wire.frames import (
+    FILES_FROM_GATEWAY,
+    FILES_FROM_HUB,
+    PIECE,
+    ArchiveOffer,
+    Beat,
+    BeatReply,
+    FileHave,
+    FileOffer,
+    FilePiece,
+)
 
 # A moment in the night of 20 November at the observatory's longitude, after midnight UTC.
 BEGAN = "2026-11-21T02:30:00"
@@ -34,31 +46,52 @@ def fits_bytes(target="M 31", filter_="Red", ra=10.68, dec=41.27, began=BEGAN, s
     return out.getvalue()
 
 
-def offer_of(data: bytes, file: str = "0" * 32, device: str = "camera", kind="fits") -> UploadOffer:
+def offer_of(data: bytes, name: str = "0" * 32, device="camera", kind="fits") -> ArchiveOffer:
     digest = hashlib.sha256(data).hexdigest()
-    return UploadOffer(
-        file=file, kind=kind, device=device, size=len(data), digest=digest, time_us=1
-    )
+    return ArchiveOffer(id=name, kind=kind, device=device, size=len(data), digest=digest, time_us=1)
 
 
-async def send(gateway, data: bytes, offer: UploadOffer, first: int = 0, until: int | None = None):
-    for at in range(first, len(data) if until is None else until, MAX_PART):
-        await gateway.say(UploadPart(file=offer.file, offset=at, data=data[at : at + MAX_PART]))
+class Files:
+    """A gateway's connection that brings files."""
+
+    def __init__(self, connection) -> None:  # noqa: D107
+        self.connection = connection
+
+    async def ask(self, message) -> FileHave:
+        await self.connection.send(FILES_FROM_GATEWAY.encode(message))
+        return FILES_FROM_HUB.decode(await self.connection.recv())
+
+    async def piece(self, data: bytes, offer: ArchiveOffer, at: int) -> FileHave:
+        part = data[at : at + PIECE]
+        return await self.ask(FilePiece(id=offer.id, at=at, check=crc32(part), data=part))
+
+    async def bring(self, data: bytes, offer: ArchiveOffer, until: int | None = None) -> FileHave:
+        """Hand over all of a file as a gateway does, or no more than ``until``."""
+        has = await self.ask(offer)
+        while not has.done and not has.refused and has.have < (until or len(data)):
+            has = await self.piece(data, offer, has.have)
+        return has
 
 
-async def upload(gateway, data: bytes, **about) -> UploadState:
-    offer = offer_of(data, hashlib.sha256(data).hexdigest()[:32], **about)
-    await gateway.say(offer)
-    state = await gateway.hear(UploadState)
-    if state.done or state.refused:
-        return state
-    await send(gateway, data, offer, state.below)
-    return await gateway.hear(UploadState, lambda each: each.done or each.refused or each.again)
+async def files_of(hub) -> Files:
+    key = {"Authorization": f"Bearer {hub.keys['agv']}"}
+    return Files(await hub.dial("/gateway/files", key))
 
 
-async def test_picture_is_kept_by_night_and_comes_back_as_it_was(hub, gateway) -> None:
+@pytest.fixture
+async def files(hub, gateway) -> Files:
+    """A connection for files beside the link, which has said what site it is."""
+    del gateway
+    return await files_of(hub)
+
+
+async def upload(files: Files, data: bytes, **about) -> FileHave:
+    return await files.bring(data, offer_of(data, hashlib.sha256(data).hexdigest()[:32], **about))
+
+
+async def test_picture_is_kept_by_night_and_comes_back_as_it_was(hub, files) -> None:
     data = fits_bytes()
-    assert (await upload(gateway, data)).done
+    assert (await upload(files, data)).done
     client = await hub.client("operator")
     (night,) = (await client.get("/api/sites/agv/nights")).json()["nights"]
     assert (night["frames"], night["bytes"]) == (1, len(data))
@@ -88,85 +121,90 @@ async def test_picture_is_kept_by_night_and_comes_back_as_it_was(hub, gateway) -
         assert answer.content.startswith(b"\x89PNG")
 
 
-async def test_upload_goes_on_where_a_lost_link_left_it(hub, gateway) -> None:
+async def test_upload_goes_on_where_a_lost_connection_left_it(hub, files) -> None:
     data = fits_bytes() * 30
     offer = offer_of(data)
-    await gateway.say(offer)
-    assert (await gateway.hear(UploadState)).below == 0
-    await send(gateway, data, offer, until=8 * MAX_PART)
-    await gateway.hear(UploadState, lambda each: each.below == 8 * MAX_PART)
-    await gateway.close()
-    again = await hub.gateway()
-    await again.hello()
-    await again.say(offer)
-    state = await again.hear(UploadState)
-    assert state.below == 8 * MAX_PART
-    await send(again, data, offer, state.below)
-    assert (await again.hear(UploadState, lambda each: each.done or each.again)).done
+    assert (await files.ask(offer)).have == 0
+    assert (await files.bring(data, offer, until=3 * PIECE)).have == 3 * PIECE
+    await files.connection.close()
+    again = await files_of(hub)
+    assert (await again.ask(offer)).have == 3 * PIECE
+    assert (await again.bring(data, offer)).done
 
 
-async def test_part_that_does_not_follow_is_asked_for_again_once(gateway) -> None:
-    data = fits_bytes()
+async def test_piece_that_came_twice_or_does_not_follow_changes_nothing(files) -> None:
+    data = fits_bytes() * 10
     offer = offer_of(data)
-    await gateway.say(offer)
-    await gateway.hear(UploadState)
-    for _ in range(3):
-        await gateway.say(UploadPart(file=offer.file, offset=MAX_PART, data=b"x" * 100))
-    state = await gateway.hear(UploadState)
-    assert (state.again, state.below) == (True, 0)
-    await send(gateway, data, offer)
-    assert (await gateway.hear(UploadState)).done
+    await files.ask(offer)
+    assert (await files.piece(data, offer, PIECE)).have == 0
+    assert (await files.piece(data, offer, 0)).have == PIECE
+    assert (await files.piece(data, offer, 0)).have == PIECE
+    assert (await files.bring(data, offer)).done
+
+
+async def test_recordings_and_pictures_take_turns_on_one_connection(hub, files) -> None:
+    data = fits_bytes() * 10
+    offer = offer_of(data)
+    assert (await files.bring(data, offer, until=PIECE)).have == PIECE
+    body = b"mcap" * 100
+    recording = FileOffer(
+        id="20260101T120000Z-abcdef", size=len(body), digest=hashlib.sha256(body).hexdigest(),
+        begin_us=1, end_us=2,
+    )  # fmt: skip
+    assert (await files.bring(body, recording)).done
+    assert (await files.ask(offer)).have == PIECE
+    assert (await files.bring(data, offer)).done
+
+
+async def test_old_gateway_that_sends_pictures_on_its_link_is_not_sent_away(gateway) -> None:
+    old = {"t": "upload_part", "file": "0" * 32, "offset": 0, "data": b"x"}
+    await gateway.connection.send(msgspec.msgpack.encode(old))
+    await gateway.say(Beat(n=7, mono_us=0))
+    assert (await gateway.hear(BeatReply)).n == 7
 
 
 @pytest.mark.parametrize(
     ("data", "reason"),
     [(b"<svg onload='x'/>" * 500, "not a FITS file"), (b"", "not a FITS file")],
 )
-async def test_what_is_no_picture_is_refused_and_leaves_nothing(hub, gateway, data, reason) -> None:
-    state = await upload(gateway, data)
+async def test_what_is_no_picture_is_refused_and_leaves_nothing(hub, files, data, reason) -> None:
+    state = await upload(files, data)
     assert reason in state.refused
     assert [*hub.settings.data.glob("uploads/**/*.part")] == []
     assert [*hub.settings.data.glob("archive/**/*.fits")] == []
 
 
-async def test_file_of_an_unknown_kind_or_too_large_is_refused_before_it_comes(gateway) -> None:
-    await gateway.say(offer_of(b"x", kind="exe"))
-    assert "'exe'" in (await gateway.hear(UploadState)).refused
-    large = UploadOffer(file="1" * 32, kind="fits", size=2**40, digest="0" * 64)
-    await gateway.say(large)
-    assert "more than" in (await gateway.hear(UploadState)).refused
+async def test_file_of_an_unknown_kind_or_too_large_is_refused_before_it_comes(files) -> None:
+    assert "'exe'" in (await files.ask(offer_of(b"x", kind="exe"))).refused
+    large = ArchiveOffer(id="1" * 32, kind="fits", size=2**40, digest="0" * 64)
+    assert "more than" in (await files.ask(large)).refused
 
 
-async def test_damaged_file_is_not_kept_but_asked_for_again(gateway) -> None:
+async def test_damaged_file_is_not_kept_but_taken_anew(files) -> None:
     data = fits_bytes()
     offer = offer_of(data)
-    await gateway.say(offer)
-    await gateway.hear(UploadState)
-    await send(gateway, b"\0" * len(data), offer)
-    assert (await gateway.hear(UploadState)).again
-    await send(gateway, data, offer)
-    assert (await gateway.hear(UploadState)).done
+    await files.ask(offer)
+    has = await files.piece(b"\0" * len(data), offer, 0)
+    assert (has.have, has.done, has.refused) == (0, False, "")
+    assert (await files.bring(data, offer)).done
 
 
-async def test_same_picture_twice_is_kept_once(hub, gateway) -> None:
+async def test_same_picture_twice_is_kept_once(hub, files) -> None:
     data = fits_bytes()
-    assert (await upload(gateway, data)).done
-    await gateway.say(offer_of(data, "2" * 32))
-    state = await gateway.hear(UploadState)
-    await send(gateway, data, offer_of(data, "2" * 32), state.below)
-    assert (await gateway.hear(UploadState, lambda each: each.done)).done
+    assert (await upload(files, data)).done
+    assert (await files.bring(data, offer_of(data, "2" * 32))).done
     client = await hub.client("operator")
     assert len((await client.get("/api/sites/agv/frames")).json()["frames"]) == 1
 
 
-async def test_pictures_are_found_by_target_filter_date_and_place(hub, gateway) -> None:
+async def test_pictures_are_found_by_target_filter_date_and_place(hub, files) -> None:
     for data in (
         fits_bytes("M 31", "Red", 10.68, 41.27, seed=1),
         fits_bytes("M31 halo", "Blue", 11.5, 41.0, seed=2),
         fits_bytes("Pole", "Red", 200.0, 89.9, "2026-11-22T02:00:00", seed=3),
         fits_bytes("50%_off", "Red", 359.99, 0.0, seed=4),
     ):
-        assert (await upload(gateway, data)).done
+        assert (await upload(files, data)).done
     client = await hub.client("operator")
 
     async def found(**query) -> set[str]:
@@ -199,8 +237,8 @@ async def test_search_that_makes_no_sense_says_so(hub, gateway, query) -> None:
     assert (await client.get("/api/sites/agv/frames", params=query)).status_code == 422
 
 
-async def test_picture_of_a_camera_one_may_not_see_is_as_if_it_were_not_there(hub, gateway) -> None:
-    assert (await upload(gateway, fits_bytes(), device="camera")).done
+async def test_picture_of_a_camera_one_may_not_see_is_as_if_it_were_not_there(hub, files) -> None:
+    assert (await upload(files, fits_bytes(), device="camera")).done
     operator, guest = await hub.client("operator"), await hub.client("guest")
     (frame,) = (await operator.get("/api/sites/agv/frames")).json()["frames"]
     assert (await guest.get("/api/sites/agv/frames")).json()["frames"] == []

@@ -51,13 +51,41 @@ def missing(what: str) -> None:
     pytest.skip(f"{what} is missing")
 
 
+def need_ros2() -> None:
+    """Skip, or fail, where there is no ROS 2."""
+    if not __import__("importlib.util").util.find_spec("rclpy"):
+        missing("ROS 2 (rclpy)")
+
+
+def need_ros1() -> None:
+    """Skip, or fail, where Debian's ROS 1 is not whole."""
+    packages = ("rospy", "rosgraph", "std_srvs", "geometry_msgs", "sensor_msgs")
+    here = [Path("/usr/lib/python3/dist-packages") / each for each in packages]
+    absent = [each.name for each in (*here, Path("/usr/bin/rosmaster")) if not each.exists()]
+    if absent:
+        missing(f"ROS 1 ({', '.join(absent)}; apt install python3-rospy python3-rosmaster)")
+
+
+def need_indi(*drivers: str) -> None:
+    """Skip, or fail, where INDI's server or one of these drivers is missing."""
+    absent = [each for each in ("indiserver", *drivers) if shutil.which(each) is None]
+    if absent:
+        missing(f"INDI ({', '.join(absent)}; apt install indi-bin)")
+
+
 def start_demo(data: Path, *more: str) -> Demo:
     """Run ``talaia demo`` until it says that it is ready."""
     for module in ("rclpy", "mujoco"):
         if not __import__("importlib.util").util.find_spec(module):
             missing(module)
+    return begin_demo("demo", data, "--data", str(data), *more)
+
+
+def begin_demo(word: str, folder: Path, *more: str) -> Demo:
+    """Run ``talaia WORD`` until it says that it is ready; what it throws away is in ``folder``."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", str(data), *more],
+        [sys.executable, "-m", "talaia", word, "--no-browser", *more],
+        env={**os.environ, "TMPDIR": str(folder)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -77,10 +105,12 @@ def start_demo(data: Path, *more: str) -> Demo:
     if not ready:
         process.kill()
         process.wait()
-        logs = "".join(f"\n{p.name}:\n{p.read_text()[-2000:]}" for p in data.glob("*.log"))
+        logs = "".join(f"\n{p.name}:\n{p.read_text()[-2000:]}" for p in folder.rglob("*.log"))
         pytest.fail(f"the demo did not start:\n{said}{logs}")
     passwords = dict(re.findall(r"^    (admin|operator|guest)\s+(\S+)$", said, re.MULTILINE))
-    return Demo(process, ready[2], passwords, data, float(ready[1]))
+    data = re.search(r"data and logs: (\S+)", said)
+    assert data is not None
+    return Demo(process, ready[2], passwords, Path(data[1]), float(ready[1]))
 
 
 def stop_demo(demo: Demo) -> int:

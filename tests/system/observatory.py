@@ -7,10 +7,13 @@ import os
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
+from talaia.model.load import dump_site, load_site
 from talaia.sim import domain
+from talaia.sim.observatory.night import at_night, longitude_of_night
 
 from .stack import SOURCE, Process, until
 
@@ -18,28 +21,48 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
 SPEED = 4
 
 
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
 class Observatory:
     """Processes of one observatory in a folder; the hub's port is one where nobody answers."""
 
-    def __init__(self, folder: Path, description: str = "") -> None:
-        """Start the simulator; see `start_gateway`."""
+    def __init__(
+        self, folder: Path, description: str = "", *, ros1: bool = False, hours: int = 0
+    ) -> None:
+        """Start the simulator, as ROS 2 or ROS 1 nodes; see `start_gateway`.
+
+        It stands where it is so many hours after midnight.
+        """
         self.folder = folder
+        self._ros1 = ["--ros1"] if ros1 else []
         self._world = domain.reserve()
         self.environment = domain.environment(self._world.domain)
+        if ros1:
+            uri = f"http://127.0.0.1:{free_port()}"
+            self.environment = {
+                "ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1", "ROS_HOME": str(folder)
+            }  # fmt: skip
         self.ledger_file = folder / "ledger.jsonl"
-        (folder / "site.yaml").write_text(description or EXAMPLE.read_text())
+        # It observes by night only; tests run by day, too.
+        self._now = time.time() - 3600 * hours
+        site = at_night(load_site(description or EXAMPLE.read_text()), self._now)
+        (folder / "site.yaml").write_text(dump_site(site))
         (folder / "key").write_text("a-key-that-no-hub-knows-of-forty-letters")
         self.parts: list[Process] = [self._simulator()]
 
     def _simulator(self, *more: str) -> Process:
         words = ["-m", "talaia", "sim", "observatory", "--speed", str(SPEED)]
-        words += ["--domain", str(self._world.domain), "--log", str(self.ledger_file), *more]
+        words += self._ros1 or ["--domain", str(self._world.domain)]
+        words += ["--longitude", str(longitude_of_night(self._now))]
+        words += ["--log", str(self.ledger_file), *more]
         return Process(words, self.folder / "sim.log", self.environment)
 
     def start_gateway(self, *more: str) -> Process:
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            nobody = probe.getsockname()[1]
+        nobody = free_port()
         words = ["-m", "talaia", "gateway", str(self.folder / "site.yaml"), "--allow-plain"]
         words += ["--hub", f"ws://127.0.0.1:{nobody}", "--key-file", str(self.folder / "key")]
         words += ["--data", str(self.folder / "gateway"), *more]
@@ -51,7 +74,7 @@ class Observatory:
     @property
     def words(self) -> list[str]:
         """The prefix of a client's words, in place of ``ros2 run``."""
-        return [sys.executable, "-m", "talaia", "sim", "run"]
+        return [sys.executable, "-m", "talaia", "sim", "run", *self._ros1]
 
     def client(self, *words: str, within: float = 60) -> str:
         """What a client of a person on site says."""

@@ -150,6 +150,8 @@ class Stack:
     description = DESCRIPTION
     # Which changes of the description the gateway takes from the hub.
     accepts = "no"
+    # What robot and gateway have in their environment beside their ROS domain.
+    more: dict[str, str] = {}  # noqa: RUF012 - replaced, never changed
 
     def __init__(
         self,
@@ -167,16 +169,12 @@ class Stack:
         self._people = PEOPLE if people is None else people
         self._link_port = link_port
         self._world = domain.reserve()
-        self._ros = domain.environment(self._world.domain)
+        self._ros = {**domain.environment(self._world.domain), **self.more}
         self.port = self._free_port()
         asyncio.run(self._accounts())
         (folder / "site.yaml").write_text(self.description)
         self.heard_file, self.ledger_file = folder / "heard.jsonl", folder / "ledger.txt"
-        self.robot = Process(
-            [str(Path(__file__).parent / "robot.py"), str(self.heard_file), str(self.ledger_file)],
-            folder / "robot.log",
-            self._ros,
-        )
+        self.robot = self.start_robot()
         self._read = self._read_ledger = 0
         self._ledger: list[tuple[int, int, int]] = []
         self._heard: dict[str, list[Heard]] = {}
@@ -199,6 +197,11 @@ class Stack:
         for name, role in self._people.items():
             await accounts.create_user(settings, name, PASSWORD, role)
         (self.folder / "key").write_text(await accounts.create_gateway(settings, SITE))
+
+    def start_robot(self) -> Process:
+        words = [str(Path(__file__).parent / "robot.py")]
+        words += [str(self.heard_file), str(self.ledger_file)]
+        return Process(words, self.folder / "robot.log", self._ros)
 
     def start_hub(self) -> Process:
         words = ["-m", "talaia", "hub", "--data", str(self.folder), "--plain"]

@@ -1,27 +1,40 @@
-"""The observatory's own safety through the real chain: ROS 2 servers, a gateway, and no hub."""
+"""The observatory's own safety through the real chain: ROS servers, a gateway, and no hub.
+
+The same on INDI's simulators: `tests/gateway/indi/test_server.py`.
+"""
 
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from .conftest import missing
+from talaia.model.load import dump_site, load_site
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
+from observatory_site import as_ros1
+
+from .conftest import need_ros1, need_ros2
 from .observatory import EXAMPLE, Observatory
 from .stack import until
 
 pytestmark = [pytest.mark.robot, pytest.mark.timeout(150)]
 
 
-@pytest.fixture
-def site(tmp_path: Path) -> Iterator[Observatory]:
-    if not __import__("importlib.util").util.find_spec("rclpy"):
-        missing("rclpy")
+@pytest.fixture(params=["ROS 2"])
+def site(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Observatory]:
     # The locks of the start are not waited for that long here.
     quick = re.sub(r"dwell: \d+", "dwell: 1", EXAMPLE.read_text())
-    running = Observatory(tmp_path, quick)
+    ros1 = request.param == "ROS 1"
+    if ros1:
+        need_ros1()
+        quick = dump_site(as_ros1(load_site(quick)))
+    else:
+        need_ros2()
+    running = Observatory(tmp_path, quick, ros1=ros1)
     try:
         yield running
     finally:
@@ -38,6 +51,7 @@ async def observing(site: Observatory) -> int:
     gateway = site.start_gateway()
     await gateway.says("interlock_released  rain")
     await gateway.says("interlock_released  weather")
+    await gateway.says("interlock_released  daylight")
     return site.ledger()[-1]["t"]
 
 
@@ -45,6 +59,7 @@ def closed(site: Observatory, since: int) -> bool:
     return any(each["phase"] == "done" for each in site.asked("dome", "close", since))
 
 
+@pytest.mark.parametrize("site", ["ROS 2", "ROS 1"], indirect=True)
 async def test_rain_without_a_hub_aborts_parks_and_closes_within_the_bound(
     site: Observatory,
 ) -> None:
@@ -92,3 +107,17 @@ async def test_a_stuck_shutter_is_tried_again_and_then_an_alarm_says_not_closed(
     site.fault("dome ok")
     await site.told("alarm_over", 60)
     assert site.asked("dome", "close")[-1]["said"] == "the dome is closed"
+
+
+async def test_by_day_it_stays_closed_and_at_dawn_it_closes(tmp_path: Path) -> None:
+    need_ros2()
+    quick = re.sub(r"dwell: \d+", "dwell: 1", EXAMPLE.read_text())
+    by_day = Observatory(tmp_path, quick, hours=12)
+    try:
+        await by_day.parts[0].says("ready")
+        assert "the dome is opened" in by_day.client("dome_servcli", "client", "open")
+        by_day.start_gateway()
+        await until(lambda: closed(by_day, 0), 60, "the dome closed")
+        assert any("Altitude of the Sun is above -6" in x for x in by_day.note("enclosure_closes"))
+    finally:
+        by_day.close()

@@ -15,7 +15,9 @@ from talaia.cli.parts import Part, run_together, start
 from talaia.cli.places import DEFAULT_PORT, free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
+from talaia.model.load import dump_site, read_site
 from talaia.sim import domain
+from talaia.sim.observatory.night import at_night, longitude_of_night
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -85,9 +87,10 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
 
 
 class _Robot(NamedTuple):
-    """A simulated robot: the site it plays, and how it is started."""
+    """A simulated robot: the site it plays, its description, and how it is started."""
 
     site: str
+    description: Path
     name: str
     words: list[str]
     log: str
@@ -100,7 +103,9 @@ def _vehicle(options: argparse.Namespace, data: Path) -> _Robot:
     words = ["sim", "vehicle", "--domain", str(world), "--seed", str(options.seed)]
     words += ["--log", str(data / "actuations.jsonl")]
     words += ["--no-camera"] if options.no_camera else []
-    return _Robot(VEHICLE, "vehicle", words, "sim.log", world, domain.environment(world))
+    return _Robot(
+        VEHICLE, example(VEHICLE), "vehicle", words, "sim.log", world, domain.environment(world)
+    )
 
 
 def _observatory(options: argparse.Namespace, data: Path) -> _Robot:
@@ -108,8 +113,13 @@ def _observatory(options: argparse.Namespace, data: Path) -> _Robot:
     world = domain.reserve().domain
     words = ["sim", "observatory", "--domain", str(world), "--seed", str(options.seed)]
     words += ["--log", str(data / "observatory.jsonl"), "--fits", str(data / "fits")]
+    # It observes by night only, and somewhere it is night.
+    now = time.time()
+    words += ["--longitude", str(longitude_of_night(now))]
+    description = data / "observatory.yaml"
+    description.write_text(dump_site(at_night(read_site(example(OBSERVATORY)), now)))
     here = domain.environment(world)
-    return _Robot(OBSERVATORY, "observatory", words, "observatory.log", world, here)
+    return _Robot(OBSERVATORY, description, "observatory", words, "observatory.log", world, here)
 
 
 async def _gateway(robot: _Robot, settings: Settings) -> list[str]:
@@ -119,7 +129,7 @@ async def _gateway(robot: _Robot, settings: Settings) -> list[str]:
     key.write_text(await accounts.create_gateway(settings, robot.site))
     key.chmod(0o600)
     return [
-        "gateway", str(example(robot.site)), "--hub", f"ws://127.0.0.1:{settings.port}",
+        "gateway", str(robot.description), "--hub", f"ws://127.0.0.1:{settings.port}",
         "--key-file", str(key), "--allow-plain", "--data", str(settings.data / f"gateway{suffix}"),
         "--ros-domain", str(robot.domain),
     ]  # fmt: skip

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.clock import Clock
+    from talaia.gateway.enclosure import Hold
     from talaia.gateway.ports import CommandTarget, Outcome
     from talaia.model.site import Command, Site
     from talaia.wire.frames import CommandAsk, CommandCancel, Scalar
@@ -33,6 +34,7 @@ __all__ = ["Commanding", "Journal"]
 
 log = logging.getLogger(__name__)
 PROGRESS_NS = SECOND // 5
+WAIT_LOOK_S = 0.1
 _line = msgspec.json.Decoder(CommandState)
 _encode = msgspec.json.Encoder().encode
 
@@ -98,6 +100,8 @@ class Commanding:
         send: Callable[[CommandState], None],
         refusal: Callable[[str, str, dict[str, Scalar]], str] = lambda _device, _command, _args: "",
         begun: Callable[[str, str, str], None] = lambda _device, _command, _who: None,
+        hold: Callable[[str, str], Hold | None] = lambda _device, _command: None,
+        ended: Callable[[str], None] = lambda _device: None,
     ) -> None:
         """Take up what the journal remembers.
 
@@ -111,6 +115,8 @@ class Commanding:
             refusal: says why a command of a device with these arguments (by name) may not be
                 given now, if so: interlocks.
             begun: told of each command of a person that begins: device, command, who.
+            hold: says what a command has to wait for before the robot is asked, if so.
+            ended: told of which device a command has ended.
 
         Raises:
             SpoolError: the journal cannot be written.
@@ -124,6 +130,9 @@ class Commanding:
         self._send = send
         self._refusal = refusal
         self._begun = begun
+        self._hold = hold
+        self._on_ended = ended
+        self._held: dict[str, asyncio.Task[None]] = {}
         self._ends: dict[str, asyncio.Future[CommandState]] = {}
         self._book = CommandBook(journal.remembered)
         self._timers: dict[str, asyncio.TimerHandle] = {}
@@ -144,7 +153,7 @@ class Commanding:
     @property
     def busy(self) -> bool:
         """Whether a command is under way."""
-        return bool(self._timers)
+        return bool(self._timers or self._held)
 
     def busy_with(self, devices: Collection[str]) -> str:
         """Name a command of these devices that is under way, if any."""
@@ -235,6 +244,44 @@ class Commanding:
         self._send(state)
         if guarded:
             self._begun(ask.device, ask.command, ask.who)
+        if guarded and self._hold(ask.device, ask.command) is not None:
+            waiting = asyncio.ensure_future(self._wait(ask, command, fields, named))
+            self._held[ask.id] = waiting
+            self._cancels[ask.id] = waiting.cancel
+            return
+        self._begin(ask, command, fields)
+
+    async def _wait(
+        self,
+        ask: CommandAsk,
+        command: Command,
+        fields: dict[str, float | int | bool | str],
+        named: dict[str, Scalar],
+    ) -> None:
+        """Begin a command as soon as what it waits for is so; the interlocks count all the time."""
+        since_ns, said = self._clock.monotonic_ns(), ""
+        try:
+            while (held := self._hold(ask.device, ask.command)) is not None:
+                waited = (self._clock.monotonic_ns() - since_ns) / SECOND
+                if held.final:
+                    self._move(ask.id, CommandPhase.REFUSED, held.why)
+                    return
+                if waited > held.wait_s:
+                    late = f"{held.why} took longer than {held.wait_s:g} s; nothing was done"
+                    self._move(ask.id, CommandPhase.FAILED, late)
+                    return
+                if held.why != said:
+                    said = held.why
+                    self._move(ask.id, CommandPhase.RUNNING, said)
+                await asyncio.sleep(WAIT_LOOK_S)
+                if barred := self._refusal(ask.device, ask.command, named):
+                    self._move(ask.id, CommandPhase.REFUSED, barred)
+                    return
+        except asyncio.CancelledError:
+            self._move(ask.id, CommandPhase.CANCELLED, "it was still waiting; nothing was done")
+            return
+        self._cancels.pop(ask.id, None)
+        self._held.pop(ask.id, None)
         self._begin(ask, command, fields)
 
     def _begin(
@@ -301,6 +348,8 @@ class Commanding:
             if timer is not None:
                 timer.cancel()
             self._cancels.pop(command_id, None)
+            self._held.pop(command_id, None)
+            self._on_ended(state.device)
             self._progress_ns.pop(command_id, None)
             ended = self._ends.get(command_id)
             if ended is not None and not ended.done():
@@ -320,4 +369,8 @@ class Commanding:
         """Stop the timers and finish the writes. What still runs will read as unknown."""
         for timer in self._timers.values():
             timer.cancel()
+        held = list(self._held.values())
+        for waiting in held:
+            waiting.cancel()
+        await asyncio.gather(*held, return_exceptions=True)
         await asyncio.gather(*self._writes)

@@ -24,7 +24,6 @@ from talaia.wire.frames import (
     RecordAsk,
     ResetAsk,
     StopAsk,
-    UploadState,
     Watch,
 )
 
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     from talaia.gateway.changing import Changing
     from talaia.gateway.commanding import Commanding
     from talaia.gateway.control import Control
-    from talaia.gateway.frames.upload import Upload
     from talaia.gateway.ports import Adapter, Outcome
     from talaia.gateway.reach import Reach
     from talaia.gateway.recording.recorder import Recorder
@@ -165,7 +163,6 @@ class FrontDesk:
         voice: Voice,
         lanes: Lanes,
         reach: Reach,
-        upload: Upload,
         recorder: Recorder | None = None,
         changing: Changing | None = None,
         *,
@@ -176,7 +173,6 @@ class FrontDesk:
         self._reach = reach
         self._recorder = recorder
         self._changing = changing
-        self._upload = upload
         self._voice = voice
         self._lanes = lanes
         self._boot = boot
@@ -248,8 +244,6 @@ class FrontDesk:
                 self._commanding.cancel(message)
             case OverrideAsk():
                 self._control.override(message)
-            case UploadState():
-                self._upload.hear(message)
                 return
             case Watch():
                 self._pictures.watch(message.streams, message.forms)

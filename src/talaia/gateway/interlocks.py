@@ -15,7 +15,16 @@ from typing import TYPE_CHECKING, Protocol
 import msgspec
 
 from talaia.clock import MS, SECOND
-from talaia.gateway.enclosure import Act, EnclosureGuard, Follower, Said, Seen
+from talaia.gateway.enclosure import (
+    Act,
+    EnclosureGuard,
+    Follower,
+    Hold,
+    Said,
+    Seen,
+    apart_of,
+    hold_of,
+)
 from talaia.gateway.latch import Change, Latch, Verdict
 from talaia.gateway.pointing import misdirected
 from talaia.gateway.tripwire import Tripwire
@@ -141,6 +150,7 @@ class Interlocks:
         self._latches = {name: Latch(name, rule, now_ns) for name, rule in site.interlocks.items()}
         self._waiting = _policies(site)
         self._due = dict(self._waiting)
+        self._ended_ns: dict[str, int] = {}
 
     def redescribe(self, site: Site, now_ns: int) -> None:
         """Judge by another description from here on.
@@ -213,6 +223,40 @@ class Interlocks:
         if pointed is None:
             return ""
         return misdirected(described.pointing, pointed, args, self._site.place, self._wall_ns())
+
+    def hold(self, device: str, command: str, now_ns: int) -> Hold | None:
+        """Say what a command has to wait for, because a dome follows; none when for nothing."""
+        for rule in self._site.enclosures.values():
+            follow = rule.follow
+            if follow is None or f"{device}/{command}" not in follow.before:
+                continue
+            still = not any(self._sighted(each, now_ns) for each in rule.moving)
+            tracks = self._sighted(follow.when, now_ns)
+            apart = apart_of(
+                self._fresh(follow.target, now_ns), self._fresh(follow.azimuth, now_ns)
+            )
+            if any(self._before_its_end(each) for each in (follow.when.signal, follow.azimuth)):
+                # What is known is older than the last motion's end.
+                apart = tracks = None
+            held = hold_of(
+                follow,
+                is_open=follow.open is None or self._sighted(follow.open, now_ns),
+                closed=still and all(self._sighted(each, now_ns) is True for each in rule.closed),
+                moving=follow.moving is not None and self._sighted(follow.moving, now_ns),
+                apart=0.0 if tracks is False else apart,
+            )
+            if held is not None:
+                return held._replace(why=f"{rule.name}: {held.why}")
+        return None
+
+    def ended(self, device: str, now_ns: int) -> None:
+        """Tell of a command that has ended: what its device said before counts for no `hold`."""
+        self._ended_ns[device] = now_ns
+
+    def _before_its_end(self, address: str) -> bool:
+        reading = self._readings.latest(address)
+        ended_ns = self._ended_ns.get(address.partition("/")[0], 0)
+        return reading is None or reading.mono_ns < ended_ns
 
     def commanded(self, device: str, command: str, who: str) -> None:
         """Tell of a person's command that was accepted: it may stop or resume a closing."""

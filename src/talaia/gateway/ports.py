@@ -215,11 +215,12 @@ class Status(Protocol):
         """
         ...
 
-    def device(self, device: str, *, there: bool, why: str = "") -> None:
+    def device(self, device: str, *, there: bool, why: str = "", sure: bool = True) -> None:
         """Say that one device does not answer, or does again, while the rest goes on.
 
         A page shows what it had to say as unknown at once, and does not wait for it to grow old.
-        May be called as often as one likes: only changes are told.
+        May be called as often as one likes: only changes are told. Of one that may only be slow
+        it is not ``sure``: for interlocks its last values count until they are too old.
         """
         ...
 

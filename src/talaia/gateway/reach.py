@@ -38,6 +38,7 @@ class Reach:
         self._say = say
         self._lost: dict[str, str] = {}
         self._away: dict[str, str] = {}
+        self._slow: set[str] = set()
         self._said: dict[str, tuple[str, int]] = {}
 
     def redescribe(self, of: Mapping[str, str]) -> None:
@@ -60,6 +61,7 @@ class Reach:
         for device in devices:
             # When it is back, everything is heard anew.
             self._away.pop(device, None)
+            self._slow.discard(device)
             self._tell(device)
         return devices
 
@@ -71,7 +73,7 @@ class Reach:
             self._tell(device)
         return devices
 
-    def device(self, device: str, *, there: bool, why: str = "") -> None:
+    def device(self, device: str, *, there: bool, why: str = "", sure: bool = True) -> None:
         """Take one device as answering, or not."""
         if device not in self._of:
             return
@@ -79,6 +81,10 @@ class Reach:
             self._away.pop(device, None)
         else:
             self._away[device] = why or "it does not answer"
+        if there or sure:
+            self._slow.discard(device)
+        else:
+            self._slow.add(device)
         self._tell(device)
 
     def devices(self, connection: str) -> list[str]:
@@ -88,6 +94,12 @@ class Reach:
     def reached(self, device: str) -> bool:
         """Tell whether a device is reached now."""
         return not self._why(device)
+
+    def counts(self, device: str) -> bool:
+        """Tell whether what a device said last still counts, for as long as it is not too old."""
+        return self.reached(device) or (
+            device in self._slow and not self._lost.get(self._of.get(device, ""))
+        )
 
     def report(self) -> None:
         """Say it of all that are not reached, to a hub that has just come."""

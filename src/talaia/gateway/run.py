@@ -39,7 +39,6 @@ from talaia.gateway.exchange import Exchange, Parts, catalogue_of, prepared
 from talaia.gateway.found import joined, keep_found, kept_of, with_kept
 from talaia.gateway.frames.outbox import Outbox
 from talaia.gateway.frames.taking import FrameTaker
-from talaia.gateway.frames.upload import Upload
 from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.keep import Epochs, KeptStops, locked
 from talaia.gateway.own_copy import OwnCopy
@@ -56,14 +55,14 @@ from talaia.gateway.spool.keeper import Keeper
 from talaia.gateway.stalls import watch_stalls
 from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.connection import LinkRun, run_media
-from talaia.gateway.uplink.dialling import Outage, beside_link, first_to_end, keep_dialling
-from talaia.gateway.uplink.files import send_files
+from talaia.gateway.uplink.dialling import Outage, beside_link, keep_dialling
+from talaia.gateway.uplink.files import Lane, Sending, send_files
 from talaia.gateway.uplink.lanes import Lanes
 from talaia.gateway.uplink.pictures import Pictures
 from talaia.gateway.uplink.tls import Trust
 from talaia.model.check import raise_first
 from talaia.model.load import site_in
-from talaia.wire.frames import Hello
+from talaia.wire.frames import ArchiveOffer, Hello
 from talaia.wire.sealing import deflated
 
 if TYPE_CHECKING:
@@ -76,7 +75,7 @@ if TYPE_CHECKING:
     from talaia.gateway.share import Share
     from talaia.gateway.spool.segment import Record
     from talaia.model.site import Device, Site
-    from talaia.wire.frames import RecordState, Welcome
+    from talaia.wire.frames import FileOffer, RecordState, Welcome
 
 __all__ = ["Gateway", "catalogue_of", "main", "new_boot", "serve"]
 
@@ -157,9 +156,6 @@ class Gateway:
             settings.outbox_bytes,
             self._on_file,
         )
-        self._upload = Upload(
-            self._outbox, self._lanes, self._voice, settings.upload_bytes, self._files
-        )
         self._shelf: Shelf | None = None
         self._to_send = asyncio.Event()
         self._recorder = self._make_recorder(loop, site)
@@ -203,6 +199,8 @@ class Gateway:
                 device, command, clock.monotonic_ns(), args
             ),
             interlocks.commanded,
+            lambda device, command: interlocks.hold(device, command, clock.monotonic_ns()),
+            lambda device: interlocks.ended(device, clock.monotonic_ns()),
         )
         self._sequences: Sequences = Sequences(self._commanding, self._voice, self._boot)
         self.door = self._make_door(site)
@@ -226,7 +224,6 @@ class Gateway:
             self._voice,
             self._lanes,
             self._reach,
-            self._upload,
             self._recorder,
             self._changing,
             pictures=self._pictures,
@@ -356,8 +353,8 @@ class Gateway:
         self._keeper.append(record)
 
     def _on_file(self) -> None:
-        """Tell the upload that a file waits; from the thread of files."""
-        self._loop.call_soon_threadsafe(self._upload.wake)
+        """Tell that a file waits; from the thread of files."""
+        self._loop.call_soon_threadsafe(self._to_send.set)
 
     async def _on_disk(self, work: Callable[[], None]) -> None:
         await asyncio.get_running_loop().run_in_executor(self._disk, work)
@@ -369,11 +366,10 @@ class Gateway:
         self._pacer.touch()
         if self._recorder is not None:
             self._recorder.start()
-        parts = [self._adapter.run, self._run_link, self._run_media, self._run_sync]
+        parts = [self._adapter.run, self._run_link, self._run_media, self._run_files]
+        parts.append(self._run_sync)
         parts.append(partial(watch_stalls, self._clock, self._batcher.missed))
         parts.append(self._changing.watch)
-        if self._shelf is not None:
-            parts.append(self._run_files)
         if self.door is not None:
             parts.append(self.door.run)
         tasks = [asyncio.ensure_future(self._until_cancelled(part)) for part in parts]
@@ -445,12 +441,7 @@ class Gateway:
                 lambda: self._exchange.now.catalogue,
                 self._settings.backfill_bytes,
             )
-            return asyncio.ensure_future(
-                first_to_end([
-                    asyncio.ensure_future(catchup.run(self._batcher.next)),
-                    asyncio.ensure_future(self._upload.run()),
-                ])
-            )  # fmt: skip
+            return asyncio.ensure_future(catchup.run(self._batcher.next))
 
         await keep_dialling(
             "the hub", lambda: link.once(self._hello(), beside), outage, self._clock
@@ -475,19 +466,29 @@ class Gateway:
         )
 
     async def _run_files(self) -> None:
-        """Hand recordings over, while there is a link and something waits."""
+        """Hand pictures and recordings over, while there is a link and something waits."""
         plan, shelf, desk = self._site.recording, self._shelf, self._desk
-        if plan is None or shelf is None:
-            return
+        lanes = [Lane("pictures", self._outbox, self._settings.upload_bytes)]
+        if plan is not None and shelf is not None:
+            lanes.append(Lane("recordings", shelf, plan.upload * 1000))
         outage = Outage()
-        rate = plan.upload * 1000
 
         def up() -> None:
             if outage.back():
-                log.info("the hub takes recordings again")
+                log.info("the hub takes files again")
+
+        def refused(offer: FileOffer | ArchiveOffer, why: str) -> None:
+            device = offer.device if isinstance(offer, ArchiveOffer) else ""
+            said = f"the hub does not take {offer.id}: {why}"
+            self._voice.tell("file_refused", said, device=device)
+
+        sending = Sending(lambda: self._lanes.busy, up, refused)
 
         async def once() -> None:
-            await send_files(self._settings, self._trust, shelf, rate, lambda: self._lanes.busy, up)
+            await send_files(self._settings, self._trust, lanes, sending)
+
+        def waiting() -> bool:
+            return any(lane.source.offers() for lane in lanes)
 
         async def waited() -> None:
             await self._to_send.wait()
@@ -498,10 +499,12 @@ class Gateway:
                 self._to_send.set()
                 raise
             # A link that took the loss upon itself: what is left waits for the next one.
-            if await asyncio.to_thread(shelf.waiting):
+            if await asyncio.to_thread(waiting):
                 self._to_send.set()
 
-        await keep_dialling("the hub's recordings side", waited, outage, self._clock)
+        # What a run before has left.
+        self._to_send.set()
+        await keep_dialling("the hub's side for files", waited, outage, self._clock)
 
     async def _run_sync(self) -> None:
         while True:

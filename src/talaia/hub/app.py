@@ -100,7 +100,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.inbox import Taken
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
-    from talaia.wire.frames import UploadOffer
+    from talaia.wire.frames import ArchiveOffer
 
 __all__ = ["Hub", "build"]
 
@@ -372,7 +372,7 @@ class Hub:
             self._clock,
         )
 
-    async def _keep_picture(self, site: str, offer: UploadOffer, path: Path) -> None:
+    async def _keep_picture(self, site: str, offer: ArchiveOffer, path: Path) -> None:
         """Put a picture of a site into the archive; see `Keeper`."""
         live = self._sites.get(site)
         if live is None:

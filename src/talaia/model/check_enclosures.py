@@ -75,6 +75,15 @@ def _follow(site: Site, where: str, follow: Follow) -> Iterator[Finding]:
     for key in ("target", "azimuth"):
         yield from _signal(site, f"{where}.{key}", getattr(follow, key), SignalType.NUMBER)
     yield from _sighting(site, f"{where}.when", follow.when)
+    for key in ("moving", "open"):
+        sighting: Sighting | None = getattr(follow, key)
+        if sighting is not None:
+            yield from _sighting(site, f"{where}.{key}", sighting)
+    for index, name in enumerate(follow.before):
+        if name not in _commands(site):
+            at = f"{where}.before[{index}]"
+            yield _of(UnknownWord(at, "command", name, _commands(site)))
+    yield from above(f"{where}.wait", follow.wait, 0)
     device_id, _, command_id = follow.command.partition("/")
     if follow.command not in _commands(site):
         yield _of(UnknownWord(f"{where}.command", "command", follow.command, _commands(site)))

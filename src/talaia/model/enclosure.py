@@ -67,6 +67,11 @@ class Follow(Shape, frozen=True, kw_only=True):
         argument: of the command: the azimuth (°).
         within: so far apart they may be (°).
         every: asked at most so often (s).
+        moving: the telescope is on its way; the commands of ``before`` wait for its end.
+        open: the slit is open; the commands of ``before`` wait for it, and are refused while the
+            roof is closed.
+        before: commands that are begun only with telescope and dome in place: exposures.
+        wait: they wait at most so long (s), and fail then.
 
     """
 
@@ -77,6 +82,10 @@ class Follow(Shape, frozen=True, kw_only=True):
     argument: str = "azimuth"
     within: float = 5.0
     every: float = 5.0
+    moving: Sighting | None = None
+    open: Sighting | None = None
+    before: tuple[str, ...] = ()
+    wait: float = 120.0
 
 
 class Enclosure(Shape, frozen=True, kw_only=True):

@@ -461,6 +461,7 @@ class Site(Shape, frozen=True, kw_only=True):
                 watched.add(enclosure.parked.signal)
             if (follow := enclosure.follow) is not None:
                 watched |= {follow.target, follow.azimuth, follow.when.signal}
+                watched |= {each.signal for each in (follow.moving, follow.open) if each}
         return frozenset(confirming | watched)
 
 

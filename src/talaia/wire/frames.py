@@ -31,6 +31,7 @@ __all__ = [
     "PIECE",
     "Ack",
     "Again",
+    "ArchiveOffer",
     "Beat",
     "BeatReply",
     "Bye",
@@ -74,9 +75,6 @@ __all__ = [
     "StopState",
     "Tick",
     "Trouble",
-    "UploadOffer",
-    "UploadPart",
-    "UploadState",
     "Watch",
     "Welcome",
 ]
@@ -108,8 +106,6 @@ AskedText = Annotated[bytes, Meta(max_length=768 * 1024)]
 PIECE = 64 * 1024
 # A picture is at most this large; a link frame is far smaller.
 MAX_PICTURE = 8 * 1024 * 1024
-# A part of a file, which shares the link with driving.
-MAX_PART = 16 * 1024
 
 
 class LeaseOp(StrEnum):
@@ -441,33 +437,24 @@ class DeviceState(Message, frozen=True, kw_only=True, tag="device_state"):
     for_ms: Millis = 0
 
 
-class UploadOffer(Message, frozen=True, kw_only=True, tag="upload_offer"):
-    """The gateway has a file for the hub: a picture for the archive, a recording.
-
-    It is answered by `UploadState`, which says from where on the hub wants it.
+class ArchiveOffer(Message, frozen=True, kw_only=True, tag="archive_offer"):
+    """The gateway has a file for the hub's archive; answered and taken as a `FileOffer` is.
 
     Attributes:
-        file: the gateway's own name for it, never used twice.
+        id: the gateway's own name for it, never used twice.
         kind: what it is and so where it goes: ``fits``.
-        digest: SHA-256 of the whole, in hex.
+        device: whose it is.
+        digest: SHA-256 of the whole.
         time_us: when it was made.
 
     """
 
-    file: Annotated[str, Meta(pattern="^[0-9a-f]{32}$")]
+    id: FileId
     kind: Name
     device: Word = ""
-    size: Annotated[int, Meta(ge=0, le=2**40)]
-    digest: Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
+    size: Count
+    digest: Digest
     time_us: Micros = 0
-
-
-class UploadPart(Message, frozen=True, kw_only=True, tag="upload_part"):
-    """Bytes of a file that was offered, in order. So small that what is urgent waits for little."""
-
-    file: Annotated[str, Meta(pattern="^[0-9a-f]{32}$")]
-    offset: Annotated[int, Meta(ge=0, le=2**40)]
-    data: Annotated[bytes, Meta(max_length=MAX_PART)]
 
 
 # ── both ways ───────────────────────────────────────────────────────────────────────────────
@@ -637,24 +624,6 @@ class OverrideAsk(Message, frozen=True, kw_only=True, tag="override"):
     seconds: Annotated[float, Meta(ge=0, le=86_400)]
 
 
-class UploadState(Message, frozen=True, kw_only=True, tag="upload_state"):
-    """How much of a file the hub has.
-
-    Attributes:
-        below: it has all bytes before this.
-        again: what came did not follow: send from ``below`` on.
-        done: it has the whole and has put it where it belongs.
-        refused: why it does not want it; empty otherwise.
-
-    """
-
-    file: Annotated[str, Meta(pattern="^[0-9a-f]{32}$")]
-    below: Annotated[int, Meta(ge=0, le=2**40)]
-    again: bool = False
-    done: bool = False
-    refused: Sentence = ""
-
-
 class Watch(Message, frozen=True, kw_only=True, tag="watch"):
     """The streams (``device/stream``) that anyone looks at now; all others rest.
 
@@ -764,8 +733,6 @@ FromGateway = (
     | DeviceState
     | Described
     | ChangeState
-    | UploadOffer
-    | UploadPart
     | Event
     | Beat
     | BeatReply
@@ -784,7 +751,6 @@ FromHub = (
     | ChangeAsk
     | CommandCancel
     | OverrideAsk
-    | UploadState
     | Watch
     | KeyAsk
     | Reconnect
@@ -795,7 +761,7 @@ FromHub = (
 )
 MediaFromGateway = Picture | Trouble | Beat | BeatReply
 MediaFromHub = Beat | BeatReply | Bye
-FilesFromGateway = FileOffer | FilePiece
+FilesFromGateway = FileOffer | ArchiveOffer | FilePiece
 FilesFromHub = FileHave | Bye
 
 LINK_FROM_GATEWAY: Codec[FromGateway] = Codec(FromGateway, 8 * 1024 * 1024)

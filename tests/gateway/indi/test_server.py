@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import re
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -278,6 +279,9 @@ async def test_unsafe_weather_parks_and_closes_without_a_hub_within_the_bound(
             while await watcher.value("Dome Simulator.DOME_SHUTTER.SHUTTER_OPEN") != "On":
                 await watcher.set("Dome Simulator.DOME_SHUTTER.SHUTTER_OPEN=On")
                 await watcher.until("Dome Simulator", "DOME_SHUTTER")
+            await watcher.set("Telescope Simulator.TELESCOPE_PARK.UNPARK=On")
+            await watcher.until("Telescope Simulator", "TELESCOPE_PARK", UNPARK="On")
+            ledger = await Ledger.of(server.port)
             gusts = "Weather;Temperature;Wind;Gust;Precip=0;15;80;50;0"
             await watcher.set(f"Weather Simulator.WEATHER_CONTROL.{gusts}")
             await watcher.set("Weather Simulator.WEATHER_REFRESH.REFRESH=On")
@@ -287,9 +291,51 @@ async def test_unsafe_weather_parks_and_closes_without_a_hub_within_the_bound(
             # mount_within, and one closing of move_within.
             assert loop.time() - began < 60
             assert await watcher.value("Telescope Simulator.TELESCOPE_PARK.PARK") == "On"
+            assert await ledger.parked_and_closed() == [
+                ("Telescope Simulator", "PARK"),
+                ("Dome Simulator", "SHUTTER_CLOSE"),
+            ]
         finally:
             ended.set()
             await asyncio.wait_for(task, DEADLINE_S)
+
+
+SWITCHED = re.compile(
+    r'<setSwitchVector device="([^"]+)" name="(?:TELESCOPE_PARK|DOME_SHUTTER)".*?'
+    r'<oneSwitch name="(PARK|SHUTTER_CLOSE)">\s*On\s*<.*?</setSwitchVector>',
+    re.DOTALL,
+)
+
+
+class Ledger:
+    """What the devices became from now on, in the order in which the server says it."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:  # noqa: D107
+        self._reader, self._writer = reader, writer
+
+    @classmethod
+    async def of(cls, port: int) -> Ledger:
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        writer.write(b'<getProperties version="1.7"/>')
+        return cls(reader, writer)
+
+    async def parked_and_closed(self) -> list[tuple[str, str]]:
+        """Which device was asked for what first, once both were."""
+        said = ""
+        async with asyncio.timeout(DEADLINE_S):
+            while True:
+                said += (await self._reader.read(65536)).decode()
+                # A vector that says it anew is the same news.
+                whole = said[: said.rfind("</setSwitchVector>") + 18]
+                order = list(dict.fromkeys(_switched(whole)))
+                if len(order) == 2:
+                    self._writer.close()
+                    return order
+
+
+def _switched(said: str) -> list[tuple[str, str]]:
+    vectors = re.findall(r"<setSwitchVector.*?</setSwitchVector>", said, re.DOTALL)
+    return [found.groups() for each in vectors if (found := SWITCHED.match(each))]
 
 
 class Watcher:

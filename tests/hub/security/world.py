@@ -14,7 +14,7 @@ from sqlalchemy import insert, select
 
 from talaia.hub.store.tables import metadata, permissions, role_permissions, roles
 from talaia.model.load import load_site
-from talaia.wire.frames import UploadOffer
+from talaia.wire.frames import ArchiveOffer
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -230,8 +230,8 @@ class World:
         path = self.hub.settings.data / "picture.part"
         path.write_bytes(data)
         digest = hashlib.sha256(data).hexdigest()
-        offer = UploadOffer(
-            file="0" * 32, kind="fits", device=device, size=len(data), digest=digest,
+        offer = ArchiveOffer(
+            id="0" * 32, kind="fits", device=device, size=len(data), digest=digest,
             time_us=NOW,
         )  # fmt: skip
         return str((await self.hub.hub._archive.take(site, "UTC", offer, path)).id)

@@ -41,9 +41,11 @@ class Post:
         """See `Status.up`."""
         self._loop.call_soon_threadsafe(lambda: self.on_up())
 
-    def device(self, device: str, *, there: bool, why: str = "") -> None:
+    def device(self, device: str, *, there: bool, why: str = "", sure: bool = True) -> None:
         """See `Status.device`."""
-        self._loop.call_soon_threadsafe(lambda: self._reach.device(device, there=there, why=why))
+        self._loop.call_soon_threadsafe(
+            lambda: self._reach.device(device, there=there, why=why, sure=sure)
+        )
 
     def found(self, devices: Mapping[str, Device]) -> None:
         """See `Status.found`."""
@@ -183,7 +185,7 @@ class Many:
     def latest(self, address: str) -> Reading | None:
         """See `Readings.latest`; what is not reached has none."""
         device = address.split("/", 1)[0]
-        return self._for(device).latest(address) if self._reach.reached(device) else None
+        return self._for(device).latest(address) if self._reach.counts(device) else None
 
     def drive(self, device: str, linear: float, angular: float) -> None:
         """See `CommandTarget.drive`."""

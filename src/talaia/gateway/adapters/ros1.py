@@ -23,6 +23,7 @@ from talaia.gateway.adapters.ros1_decode import decoder_of, full_name
 from talaia.gateway.adapters.ros1_frames import Heard
 from talaia.gateway.adapters.ros1_master import Master
 from talaia.gateway.adapters.ros1_node import NodeProcess
+from talaia.gateway.adapters.ros1_presence import Ros1Presence
 from talaia.gateway.adapters.topics import Gathered, parameter_plans_of, plans_of
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
@@ -94,6 +95,7 @@ class Ros1:
         self._complained: set[str] = set()
         self._worker: PictureWorker | None = None
         self._node: NodeProcess | None = None
+        self._presence: Ros1Presence | None = None
         self._ready: asyncio.Future[str] | None = None
         self._pongs = 0
         self._calls = count()
@@ -115,7 +117,7 @@ class Ros1:
         def fail(why: str) -> None:
             loop.call_soon_threadsafe(_settle, failed, why)
 
-        node = None
+        node = attending = None
         try:
             node = NodeProcess(
                 self._settings,
@@ -129,9 +131,15 @@ class Ros1:
             self._node = node
             self._describe(node)
             self._status.up()
+            presence = Ros1Presence(self._share, self._master, self._clock, self._on_presence)
+            self._presence = presence
+            attending = asyncio.ensure_future(presence.run())
             await self._stay(node, name, failed)
         finally:
-            self._node = None
+            self._node = self._presence = None
+            if attending is not None:
+                attending.cancel()
+                await asyncio.gather(attending, return_exceptions=True)
             self._latest.clear()
             self._fail_pending()
             if node is not None:
@@ -150,6 +158,9 @@ class Ros1:
         if failed in done:
             raise AdapterLost(f"ROS 1 cannot be joined: {failed.result()}")
         raise AdapterLost(f"ROS 1 cannot be joined: its node is not there after {_START_S:g} s")
+
+    def _on_presence(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001
+        self._status.device(device, there=not why, why=why, sure=sure)
 
     async def _stay(self, node: NodeProcess, name: str, failed: asyncio.Future[str]) -> None:
         """Stay until the node ends or hangs, or the master knows it no more."""
@@ -283,6 +294,8 @@ class Ros1:
                 late_us = now_us - heard.time_us
                 late_us = late_us if 0 <= late_us < 1_000_000 else 0
                 mono_ns = now_ns - late_us * 1000
+                if self._presence is not None:
+                    self._presence.heard_ns[self._plans[number].topic] = now_ns
                 self._plans[number].take(
                     decode(heard.raw), now_us - late_us, mono_ns, self._gathered
                 )

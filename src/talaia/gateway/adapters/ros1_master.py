@@ -11,12 +11,15 @@ import struct
 
 # The master is the robot itself; expat refuses entities that grow.
 import xmlrpc.client
-from typing import NamedTuple, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 from urllib.parse import urlsplit
 
 from talaia.gateway.errors import AdapterLost
 
-__all__ = ["Graph", "Master", "System"]
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["Graph", "Master"]
 
 _WAIT_S = 1.0
 _MAX_HEADER = 64 * 1024
@@ -36,19 +39,11 @@ class _Transport(xmlrpc.client.Transport):
 
 
 class Graph(NamedTuple):
-    """What is there: topics that are published, topics that are heard, and services."""
+    """What is there, each with its nodes: topics published, topics heard, and services."""
 
-    published: frozenset[str]
-    heard: frozenset[str]
-    services: frozenset[str]
-
-
-class System(NamedTuple):
-    """Who publishes, hears and serves what: nodes by name of the topic or service."""
-
-    published: dict[str, frozenset[str]]
-    heard: dict[str, frozenset[str]]
-    services: dict[str, frozenset[str]]
+    published: Mapping[str, frozenset[str]]
+    heard: Mapping[str, frozenset[str]]
+    services: Mapping[str, frozenset[str]]
 
 
 class Master:
@@ -88,6 +83,25 @@ class Master:
         """
         return self._ask("lookupNode", node)[0] == 1
 
+    def lives(self, node: str) -> bool:
+        """Ask a node itself, at the address that the master has of it.
+
+        https://wiki.ros.org/ROS/Slave_API
+
+        Raises:
+            AdapterLost: the master is not there.
+
+        """
+        code, where = self._ask("lookupNode", node)
+        if code != 1:
+            return False
+        try:
+            with xmlrpc.client.ServerProxy(str(where), transport=_Transport()) as proxy:
+                proxy.getPid("/talaia")
+        except (OSError, ValueError, http.client.HTTPException, xmlrpc.client.Error):
+            return False
+        return True
+
     def graph(self) -> Graph:
         """Tell what is registered.
 
@@ -95,22 +109,11 @@ class Master:
             AdapterLost: it is not there.
 
         """
-        return Graph(*(frozenset(each) for each in self.system()))
-
-    def system(self) -> System:
-        """Tell what is registered, and by which nodes.
-
-        Raises:
-            AdapterLost: it is not there.
-
-        """
         _, value = self._ask("getSystemState")
         try:
-            return System(
-                *(
-                    {str(name): frozenset(map(str, nodes)) for name, nodes in part}
-                    for part in cast("list", value)  # type: ignore[type-arg]
-                )
+            parts = cast("list[list[tuple[str, list[str]]]]", value)
+            return Graph(
+                *({str(name): frozenset(map(str, nodes)) for name, nodes in part} for part in parts)
             )
         except (TypeError, ValueError) as error:
             raise AdapterLost(f"what answers at {self.uri} is no ROS master") from error

@@ -29,7 +29,7 @@ from talaia.model.found import FORMAT, ActionFound, FieldFound, Found, ServiceFo
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from talaia.gateway.adapters.ros1_master import System
+    from talaia.gateway.adapters.ros1_master import Graph
 
 __all__ = ["DEFAULT_MASTER", "look"]
 
@@ -141,7 +141,7 @@ class _Look:
             if not self._name:
                 raise AdapterLost("ROS 1 cannot be joined: its node does not begin")
             await self._listen(node)
-            system = await loop.run_in_executor(None, self._master.system)
+            system = await loop.run_in_executor(None, self._master.graph)
             types = await loop.run_in_executor(None, self._master.types)
             kinds = {
                 name: await loop.run_in_executor(None, self._master.service_type, name)
@@ -191,7 +191,7 @@ class _Look:
         until = time.monotonic() + self._seconds
         known: set[str] = set()
         while (left := until - time.monotonic()) > 0:
-            system = await loop.run_in_executor(None, self._master.system)
+            system = await loop.run_in_executor(None, self._master.graph)
             for topic in sorted(system.published.keys() - known - PLUMBING):
                 known.add(topic)
                 self._heard.append(_Heard(topic))
@@ -213,7 +213,7 @@ class _Look:
 
     # ── telling ──
 
-    def _told(self, system: System, types: dict[str, str], kinds: dict[str, str]) -> Found:
+    def _told(self, system: Graph, types: dict[str, str], kinds: dict[str, str]) -> Found:
         actions = _actions(types)
         parts = {f"{name}/{part}" for name in actions for part in ACTION_PARTS}
         return Found(
@@ -228,7 +228,7 @@ class _Look:
         )
 
     def _topics(
-        self, system: System, types: dict[str, str], parts: set[str]
+        self, system: Graph, types: dict[str, str], parts: set[str]
     ) -> Iterator[TopicFound]:
         heard = {each.topic: each for each in self._heard}
         for topic in sorted({*system.published, *system.heard} - PLUMBING - parts):

@@ -1,8 +1,9 @@
 """The ROS 2 adapter: hears what the description names and tells the robot what it may be told.
 
 This file joins the parts: `ros2_waitset` (the thread), `ros2_decode` (messages to samples),
-`pictures` (images to JPEG), `ros2_services` (commands), `ros2_motion` (driving and STOP) and
-`ros2_qos`. Long, because joining, matching and leaving share one node and must be read together.
+`pictures` (images to JPEG), `ros2_services` (commands), `ros2_motion` (driving and STOP),
+`ros2_presence` (who is there) and `ros2_qos`. Long, because joining, matching and leaving share
+one node and must be read together.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from talaia.gateway.adapters.rejoin import Rejoining
 from talaia.gateway.adapters.ros2_decode import decoder_for
 from talaia.gateway.adapters.ros2_motion import Ros2Motion
 from talaia.gateway.adapters.ros2_parameters import Ros2Parameters
+from talaia.gateway.adapters.ros2_presence import Ros2Presence
 from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
 from talaia.gateway.adapters.ros2_requests import class_of
 from talaia.gateway.adapters.ros2_services import Ros2Commands
@@ -105,6 +107,7 @@ class Ros2:
         self._missing: set[str] = set()
         self._commands: Ros2Commands | None = None
         self._parameters: Ros2Parameters | None = None
+        self._presence: Ros2Presence | None = None
         self._thread: WaitThread | None = None
         self._worker: PictureWorker | None = None
         self._node: Any = None
@@ -209,6 +212,9 @@ class Ros2:
             self._share, self._node, thread, self._clock, self._gathered, self._latest,
             self._complain,
         )  # fmt: skip
+        self._presence = Ros2Presence(
+            self._share, self._node, thread, self._clock, self._commands, self._on_presence
+        )
         for plan in self._plans:
             self._plan(plan)
         self._motion = Ros2Motion(self._share, self._node, self._tell_missing)
@@ -219,7 +225,7 @@ class Ros2:
     def _leave(self, context: Any) -> None:  # noqa: ANN401
         thread, self._thread = self._thread, None
         # First nobody publishes any more, then the thread ends, then the node goes.
-        self._motion = self._commands = self._parameters = None
+        self._motion = self._commands = self._parameters = self._presence = None
         if thread is not None:
             thread.end()
         self._rejoining.end()
@@ -279,7 +285,10 @@ class Ros2:
             time_us = came_us if 0 <= now_us - came_us < 1_000_000 else now_us
             if recorded is not None:
                 recorded.offer(plan.topic, plan.type_name, raw, time_us * 1000)
-            plan.take(decode(raw), time_us, self._clock.monotonic_ns(), self._gathered)
+            now_ns = self._clock.monotonic_ns()
+            if self._presence is not None:
+                self._presence.heard_ns[plan.topic] = now_ns
+            plan.take(decode(raw), time_us, now_ns, self._gathered)
 
         listening = self._listening.get(_key(plan.topic, plan.type_name))
         if listening is None:
@@ -320,10 +329,16 @@ class Ros2:
 
     def _on_idle(self) -> None:
         self._turn += 1
-        if self._parameters is not None and self._turn % 2 == 0:
+        if self._parameters is not None and self._turn % 4 == 0:
             self._parameters.ask()
-        self._look(everything=self._turn % 4 == 0)
-        self._rejoining.look()
+        if self._turn % 2 == 0:
+            self._look(everything=self._turn % 8 == 0)
+            self._rejoining.look()
+        if self._presence is not None:
+            self._presence.look()
+
+    def _on_presence(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001
+        self._status.device(device, there=not why, why=why, sure=sure)
 
     def _rejoin(self, device: str, done: Callable[[Outcome], None]) -> None:
         """Make the subscriptions and clients of a device anew; its publishers of motion stay.

@@ -114,6 +114,10 @@ class Ros2Action:
             calls.close()
         self._thread.remove_subscription(self._subscription.handle)
         self._node.destroy_subscription(self._subscription)
+        self.cut(outcome)
+
+    def cut(self, outcome: Outcome) -> None:
+        """End goals under way as ``outcome``; the clients stay."""
         goals, self._goals = list(self._goals.values()), {}
         for goal in goals:
             goal.done(outcome)
@@ -153,6 +157,9 @@ class Ros2Action:
         self._cancel.send(request, answered)
 
     def _answered(self, goal: Goal, answer: Any) -> None:  # noqa: ANN401
+        if goal.id.bytes not in self._goals:
+            # Its end was told already, as *unknown*.
+            return
         if not answer.accepted:
             self._goals.pop(goal.id.bytes, None)
             goal.done(Outcome(CommandPhase.REFUSED, "the robot does not accept it"))
@@ -179,7 +186,8 @@ class Ros2Action:
         goal.done(Outcome(CommandPhase.RUNNING, progress=share))
 
     def _ended(self, goal: Goal, answer: Any) -> None:  # noqa: ANN401
-        self._goals.pop(goal.id.bytes, None)
+        if self._goals.pop(goal.id.bytes, None) is None:
+            return
         said = outcome_of(answer.result)
         match answer.status:
             case GoalStatus.STATUS_SUCCEEDED:

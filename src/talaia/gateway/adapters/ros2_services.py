@@ -25,6 +25,7 @@ __all__ = ["Ros2Commands"]
 # Calls that were never answered are forgotten beyond so many; their callers have long given up.
 MAX_PENDING = 1000
 _SET = "rcl_interfaces/srv/SetParameters"
+_GONE = "it does not answer any more; look at the device to see what it did"
 _CUT = "the connection was made anew meanwhile; look at the device to see what it did"
 
 
@@ -115,6 +116,26 @@ class Ros2Commands:
             self._node.destroy_client(client.entity)
             for done in client.pending.values():
                 done(Outcome(CommandPhase.UNKNOWN, _CUT))
+    def cut(self, device: str) -> None:
+        """End a device's calls that are under way as *unknown*: nobody will answer them."""
+        for command_id in self._share.devices[device].commands:
+            address = f"{device}/{command_id}"
+            if (action := self._actions.get(address)) is not None:
+                action.cut(Outcome(CommandPhase.UNKNOWN, _GONE))
+            if (client := self._clients.get(address)) is not None:
+                waiting = list(client.pending.values())
+                client.pending.clear()
+                for done in waiting:
+                    done(Outcome(CommandPhase.UNKNOWN, _GONE))
+
+    def offered(self, device: str) -> bool:
+        """Tell whether anybody offers one of a device's services or actions now."""
+        names = [f"{device}/{each}" for each in self._share.devices[device].commands]
+        return any(
+            (each in self._clients and self._clients[each].entity.service_is_ready())
+            or (each in self._actions and self._actions[each].ready)
+            for each in names
+        )
 
     def absent(self, device: str) -> list[str]:
         """Name those of a device's services that nobody offers, and types not known here."""

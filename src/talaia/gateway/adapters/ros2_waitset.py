@@ -25,7 +25,7 @@ __all__ = ["WaitThread"]
 
 log = logging.getLogger(__name__)
 PACE_S = 0.010
-IDLE_NS = 500_000_000
+IDLE_NS = 250_000_000
 HELD_NS = 50_000_000
 
 
@@ -52,7 +52,7 @@ class WaitThread:
             guard: a guard condition of it, to wake the thread.
             after: called after a turn that took something, and when something is held back;
                 tells whether anything is still held back.
-            idle: called about twice a second, for looking at the graph.
+            idle: called about four times a second, for looking at the graph.
             failed: told how the thread ended if it was not asked to.
 
         """

@@ -9,12 +9,13 @@ from __future__ import annotations
 import hashlib
 import logging
 import secrets
+import threading
 from typing import TYPE_CHECKING
 
 import msgspec
 
 from talaia.gateway.keep import write_whole
-from talaia.wire.frames import UploadOffer
+from talaia.wire.frames import ArchiveOffer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,7 +27,7 @@ log = logging.getLogger(__name__)
 
 
 class Outbox:
-    """The folder. Used by one thread."""
+    """The folder. Its methods block; each may be called from any thread."""
 
     def __init__(self, folder: Path, most_bytes: int, wake: Callable[[], None]) -> None:
         """Keep at most so many bytes; the oldest give way, and that is logged.
@@ -40,6 +41,7 @@ class Outbox:
         self._folder = folder
         self._most = most_bytes
         self._wake = wake
+        self._turn = threading.Lock()
 
     def put(self, made: Path, kind: str, device: str, time_us: int) -> None:
         """Take a file over.
@@ -50,30 +52,21 @@ class Outbox:
         """
         self._folder.mkdir(parents=True, exist_ok=True)
         digest, size = _digest(made)
-        self._make_room(size)
         # Names sort by time, so that the oldest goes first.
         name = f"{time_us:016x}{secrets.token_hex(8)}"
-        offer = UploadOffer(
-            file=name, kind=kind, device=device, size=size, digest=digest, time_us=time_us
+        offer = ArchiveOffer(
+            id=name, kind=kind, device=device, size=size, digest=digest, time_us=time_us
         )
-        made.replace(self._folder / f"{name}.bin")
-        write_whole(self._folder / f"{name}.json", msgspec.json.encode(offer))
+        with self._turn:
+            self._make_room(size)
+            made.replace(self._folder / f"{name}.bin")
+            write_whole(self._folder / f"{name}.json", msgspec.json.encode(offer))
         self._wake()
 
-    def first(self, after: str = "") -> UploadOffer | None:
-        """Give the oldest that waits, behind the one of this name."""
-        for path in sorted(self._folder.glob("*.json")):
-            if path.stem <= after:
-                continue
-            try:
-                offer = msgspec.json.decode(path.read_bytes(), type=UploadOffer)
-            except (OSError, msgspec.DecodeError) as error:
-                log.warning("%s is set aside: %s", path, error)
-                path.rename(path.with_suffix(".bad"))
-                continue
-            if offer.file == path.stem and self.path(offer.file).exists():
-                return offer
-        return None
+    def offers(self) -> list[ArchiveOffer]:
+        """List what waits, oldest first."""
+        with self._turn:
+            return [offer for path in sorted(self._folder.glob("*.json")) if (offer := _note(path))]
 
     def path(self, file: str) -> Path:
         """Say where a file is."""
@@ -90,16 +83,21 @@ class Outbox:
             data.seek(offset)
             return data.read(size)
 
-    def drop(self, file: str) -> None:
+    def remove(self, file: str) -> None:
         """Forget a file: the hub has it."""
+        with self._turn:
+            self._drop(file)
+
+    def refuse(self, file: str) -> None:
+        """Keep a file that the hub does not take, but offer it no more."""
+        with self._turn:
+            note = self._folder / f"{file}.json"
+            if note.exists():
+                note.rename(note.with_suffix(".refused"))
+
+    def _drop(self, file: str) -> None:
         (self._folder / f"{file}.json").unlink(missing_ok=True)
         self.path(file).unlink(missing_ok=True)
-
-    def set_aside(self, file: str) -> None:
-        """Keep a file that the hub does not take, but offer it no more."""
-        note = self._folder / f"{file}.json"
-        if note.exists():
-            note.rename(note.with_suffix(".refused"))
 
     def _make_room(self, wanted: int) -> None:
         waiting = sorted(self._folder.glob("*.bin"))
@@ -109,8 +107,19 @@ class Outbox:
                 return
             taken -= path.stat().st_size
             log.warning("the outbox is full: %s is dropped before the hub had it", path.stem)
-            self.drop(path.stem)
+            self._drop(path.stem)
             path.with_suffix(".refused").unlink(missing_ok=True)
+
+
+def _note(path: Path) -> ArchiveOffer | None:
+    try:
+        offer = msgspec.json.decode(path.read_bytes(), type=ArchiveOffer)
+    except (OSError, msgspec.DecodeError) as error:
+        log.warning("%s is set aside: %s", path, error)
+        path.rename(path.with_suffix(".bad"))
+        return None
+    whole = offer.id == path.stem and path.with_suffix(".bin").exists()
+    return offer if whole else None
 
 
 def _digest(path: Path) -> tuple[str, int]:

@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.gateway.errors import GatewayError
+from talaia.wire.frames import FileOffer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["Kept", "NoRoom", "Shelf", "new_id"]
+__all__ = ["Kept", "NoRoom", "Shelf", "new_id", "offer_of"]
 
 log = logging.getLogger(__name__)
 PART = ".mcap.part"
@@ -52,6 +53,22 @@ class Kept(msgspec.Struct, kw_only=True):
     digest: str = ""
     topics: list[str] = []
     note: str = ""
+
+
+def offer_of(kept: Kept) -> FileOffer:
+    """Say what a recording is."""
+    return FileOffer(
+        id=kept.id,
+        size=kept.size,
+        digest=kept.digest,
+        begin_us=kept.begin_us,
+        end_us=kept.end_us,
+        why=kept.why[:2000],
+        who=kept.who[:200],
+        messages=kept.messages,
+        topics=kept.topics[:1000],
+        note=kept.note[:2000],
+    )
 
 
 def new_id(wall_ns: int) -> str:
@@ -151,6 +168,10 @@ class Shelf:
             if kept is not None and kept.digest and (refused or kept.id not in self._refused):
                 found.append(kept)
         return found
+
+    def offers(self) -> list[FileOffer]:
+        """Say of each that waits what it is, oldest first."""
+        return [offer_of(each) for each in self.waiting()]
 
     def refuse(self, name: str) -> None:
         """Do not offer it again in this run."""

@@ -1,118 +1,177 @@
-"""Recordings to the hub: on a connection of their own, slowly, and on from where it was cut."""
+"""Files to the hub: on a connection of their own, slowly, and on from where it was cut.
+
+Recordings and pictures go the same way. Nothing of it is on the link, so that not even one piece
+ever stands before a driving frame.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 from zlib import crc32
 
 from talaia.gateway.errors import LinkLost
 from talaia.gateway.uplink.connection import dial
-from talaia.wire.frames import (
-    FILES_FROM_GATEWAY,
-    FILES_FROM_HUB,
-    PIECE,
-    FileHave,
-    FileOffer,
-    FilePiece,
-)
+from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, PIECE, FileHave, FilePiece
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from websockets.asyncio.client import ClientConnection
 
-    from talaia.gateway.recording.shelf import Kept, Shelf
     from talaia.gateway.settings import Settings
     from talaia.gateway.uplink.tls import Trust
+    from talaia.wire.frames import ArchiveOffer, FileOffer
 
-__all__ = ["offer_of", "send_files"]
+__all__ = ["Lane", "Sending", "Source", "send_files"]
 
 log = logging.getLogger(__name__)
 ANSWER_S = 20.0
 # The hub checks the digest of the whole file before it says that it has it.
 DONE_S = 120.0
 REST_S = 0.05
+# A file that comes damaged so often is damaged here.
+MOST_DAMAGED = 3
+
+
+class Source(Protocol):
+    """Where files wait on the disk. Its methods block; any thread."""
+
+    def offers(self) -> Sequence[FileOffer | ArchiveOffer]:
+        """List what waits, oldest first."""
+        ...
+
+    def read(self, name: str, at: int, size: int, /) -> bytes:
+        """Read a part; shorter at its end.
+
+        Raises:
+            OSError: it cannot be read, or has given way meanwhile.
+
+        """
+        ...
+
+    def remove(self, name: str, /) -> None:
+        """Forget a file: the hub has it."""
+        ...
+
+    def refuse(self, name: str, /) -> None:
+        """Offer a file no more: the hub does not want it."""
+        ...
+
+
+class Lane(NamedTuple):
+    """Files of one kind, and how many bytes of them may go in a second."""
+
+    what: str
+    source: Source
+    rate: float
+
+
+class Sending(NamedTuple):
+    """Who is asked and told meanwhile.
+
+    Attributes:
+        busy: tells that something more urgent waits to be sent.
+        up: called once the connection stands.
+        refused: told what the hub does not take, and why.
+
+    """
+
+    busy: Callable[[], bool]
+    up: Callable[[], None]
+    refused: Callable[[FileOffer | ArchiveOffer, str], None]
+
+
+class _Unknown(Exception):
+    """A hub of a version before does not know these files, and says nothing."""
 
 
 async def send_files(
-    settings: Settings,
-    trust: Trust,
-    shelf: Shelf,
-    rate: float,
-    busy: Callable[[], bool],
-    up: Callable[[], None],
+    settings: Settings, trust: Trust, lanes: Sequence[Lane], sending: Sending
 ) -> None:
     """Hand over all that waits; returns when nothing does.
 
     Args:
         settings: where the hub is, and who we are.
         trust: how the hub proves itself.
-        shelf: what waits.
-        rate: bytes a second, at the most.
-        busy: tells that something more urgent waits to be sent.
-        up: called once the connection stands.
+        lanes: what waits; what stands first goes first, and in the middle of the others.
+        sending: see there.
 
     Raises:
         LinkLost: the connection was lost, or the hub does not answer.
 
     """
-    waiting = await asyncio.to_thread(shelf.waiting)
-    if not waiting:
+    if await _next(lanes) is None:
         return
     async with dial(settings, trust, "/gateway/files") as socket:
-        up()
-        while waiting:
-            for kept in waiting:
-                await _send(socket, shelf, kept, rate, busy)
-            waiting = await asyncio.to_thread(shelf.waiting)
+        sending.up()
+        left = list(lanes)
+        while (found := await _next(left)) is not None:
+            lane, offer = found
+            try:
+                await _send(socket, lane, offer, sending, left[: left.index(lane)])
+            except _Unknown:
+                log.warning("the hub takes no %s; they wait until it is updated", lane.what)
+                left.remove(lane)
 
 
-def offer_of(kept: Kept) -> FileOffer:
-    """Say what a recording is."""
-    return FileOffer(
-        id=kept.id,
-        size=kept.size,
-        digest=kept.digest,
-        begin_us=kept.begin_us,
-        end_us=kept.end_us,
-        why=kept.why[:2000],
-        who=kept.who[:200],
-        messages=kept.messages,
-        topics=kept.topics[:1000],
-        note=kept.note[:2000],
-    )
+async def _next(lanes: Sequence[Lane]) -> tuple[Lane, FileOffer | ArchiveOffer] | None:
+    for lane in lanes:
+        offers = await asyncio.to_thread(lane.source.offers)
+        if offers:
+            return lane, offers[0]
+    return None
 
 
 async def _send(
-    socket: ClientConnection, shelf: Shelf, kept: Kept, rate: float, busy: Callable[[], bool]
+    socket: ClientConnection,
+    lane: Lane,
+    offer: FileOffer | ArchiveOffer,
+    sending: Sending,
+    before: Sequence[Lane],
 ) -> None:
-    has = await _ask(socket, offer_of(kept), DONE_S)
+    """Send a file, or as much of it as goes before one of the lanes ``before`` has something."""
+    has = await _ask(socket, offer, DONE_S)
+    damaged = 0
     while not has.done and not has.refused:
-        if not 0 <= has.have < kept.size:
-            raise LinkLost(f"the hub says it has {has.have} of {kept.size} bytes, and is not done")
-        data = await asyncio.to_thread(shelf.read, kept.id, has.have, PIECE)
-        while busy():  # noqa: ASYNC110 - who is more urgent has more to do than to tell us
+        if not 0 <= has.have < offer.size:
+            raise LinkLost(f"the hub says it has {has.have} of {offer.size} bytes, and is not done")
+        try:
+            data = await asyncio.to_thread(lane.source.read, offer.id, has.have, PIECE)
+        except OSError as error:
+            # It gave way to a newer one, or the disk fails; what is there the next time tells.
+            raise LinkLost(f"{offer.id} cannot be read: {error}") from error
+        while sending.busy():  # noqa: ASYNC110 - who is more urgent has more to do than to tell us
             await asyncio.sleep(REST_S)
-        last = has.have + len(data) >= kept.size
-        piece = FilePiece(id=kept.id, at=has.have, check=crc32(data), data=data)
+        last = has.have + len(data) >= offer.size
+        piece = FilePiece(id=offer.id, at=has.have, check=crc32(data), data=data)
         has = await _ask(socket, piece, DONE_S if last else ANSWER_S)
-        await asyncio.sleep(len(data) / rate)
+        if last and not has.done and not has.refused and (damaged := damaged + 1) >= MOST_DAMAGED:
+            has = FileHave(id=offer.id, refused="it is not what its digest says")
+            break
+        await asyncio.sleep(len(data) / lane.rate)
+        if not has.done and before and await _next(before) is not None:
+            return
     if has.refused:
-        log.warning("the hub does not take the recording %s: %s", kept.id, has.refused)
-        shelf.refuse(kept.id)
+        log.warning("the hub does not take %s (%s): %s", offer.id, lane.what, has.refused)
+        await asyncio.to_thread(lane.source.refuse, offer.id)
+        sending.refused(offer, has.refused)
     else:
-        log.info("the recording %s is at the hub", kept.id)
-        await asyncio.to_thread(shelf.remove, kept.id)
+        log.info("%s (%s) is at the hub", offer.id, lane.what)
+        await asyncio.to_thread(lane.source.remove, offer.id)
 
 
-async def _ask(socket: ClientConnection, frame: FileOffer | FilePiece, within_s: float) -> FileHave:
+async def _ask(
+    socket: ClientConnection, frame: FileOffer | ArchiveOffer | FilePiece, within_s: float
+) -> FileHave:
     await socket.send(FILES_FROM_GATEWAY.encode(frame))
     try:
         async with asyncio.timeout(within_s):
             data = await socket.recv()
     except TimeoutError as error:
+        if not isinstance(frame, FilePiece):
+            raise _Unknown from error
         raise LinkLost(f"the hub has not answered for {within_s:.0f} s") from error
     answer = FILES_FROM_HUB.decode(data)
     if not isinstance(answer, FileHave):

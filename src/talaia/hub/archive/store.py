@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from sqlalchemy import RowMapping
 
     from talaia.hub.store.database import Database
-    from talaia.wire.frames import UploadOffer
+    from talaia.wire.frames import ArchiveOffer
 
 __all__ = ["Archive", "Cone", "Frame", "Night", "Wanted"]
 
@@ -98,7 +98,7 @@ class Archive:
         self._looking = asyncio.Semaphore(1)
         self._cached: dict[tuple[int, str], bytes | Looks] = {}
 
-    async def take(self, site: str, zone: str, offer: UploadOffer, path: Path) -> Frame:
+    async def take(self, site: str, zone: str, offer: ArchiveOffer, path: Path) -> Frame:
         """Check a file that has come whole, and put it in; it is moved.
 
         Raises:
@@ -248,7 +248,7 @@ def _move(path: Path, place: Path) -> None:
     path.replace(place)
 
 
-def _name(facts: Facts, offer: UploadOffer) -> str:
+def _name(facts: Facts, offer: ArchiveOffer) -> str:
     """Make a file's name of safe characters only, unique by its digest."""
     from datetime import UTC, datetime
 

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.recordings import Recordings
     from talaia.hub.live.reporting import Reporting
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.hub.live.uploads import Upload, Uploads
+    from talaia.hub.live.uploads import Uploads
     from talaia.hub.live.watching import Watching
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
@@ -195,10 +195,10 @@ class Gateways:
         return take
 
     async def serve_files(self, socket: WebSocket, key: GatewayKey) -> None:
-        """Take a gateway's recordings until it has handed over all."""
+        """Take a gateway's recordings and pictures until it has handed over all."""
         files = GatewayFiles(socket)
         with self._links.opened(key.id, files):
-            await files.serve(self._recordings, key.site)
+            await files.serve(self._recordings, self._uploads, key.site)
 
     async def _hello(self, link: GatewayLink, site: str) -> tuple[frames.Hello | None, Site | None]:
         async with asyncio.timeout(self._settings.hello_s):
@@ -274,14 +274,12 @@ class Gateways:
         _LOG.warning("the gateway of %s is gone", live.name)
 
     async def _run(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
-        upload = self._uploads.of(live.name, link.send)
         addresses = [channel.address for channel in live.channels]
         lists = ChannelLists(live.catalogue, addresses, live.renamed)
         redescription = Redescription(self._describing, live, lists, ingest)
         results = await until_first(
-            self._read_all(link, live, ingest, upload, lists, redescription),
+            self._read_all(link, live, ingest, lists, redescription),
             redescription.run(),
-            upload.run(),
             self._beat(link, live),
             link.write(),
             link.dismissed(),
@@ -302,7 +300,6 @@ class Gateways:
         link: GatewayLink,
         live: LiveSite,
         ingest: Ingest,
-        upload: Upload,
         lists: ChannelLists,
         redescription: Redescription,
     ) -> None:
@@ -335,8 +332,6 @@ class Gateways:
                 case frames.BeatReply():
                     link.offset.beat(message.mono_us, self._now_us(), message.peer_us)
                     live.loop_ms = round(link.offset.loop_us / 1000, 2)
-                case frames.UploadOffer() | frames.UploadPart():
-                    upload.put(message)
                 case frames.Bye():
                     return
                 case frames.Hello():

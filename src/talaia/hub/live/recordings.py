@@ -29,6 +29,7 @@ from talaia.wire.errors import PeerError
 from talaia.wire.frames import (
     FILES_FROM_GATEWAY,
     FILES_FROM_HUB,
+    ArchiveOffer,
     Bye,
     FileHave,
     FileOffer,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 
     from starlette.websockets import WebSocket
 
+    from talaia.hub.live.uploads import Uploads
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.recordings import RecordingList
 
@@ -71,9 +73,9 @@ class GatewayFiles:
         self._reason = self._reason or reason
         self._over.set()
 
-    async def serve(self, recordings: Recordings, site: str) -> None:
+    async def serve(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
         """Take files until either side ends it."""
-        results = await until_first(self._read(recordings, site), self._over.wait())
+        results = await until_first(self._read(recordings, uploads, site), self._over.wait())
         reason, code = self._reason, 1000
         for result in results:
             if isinstance(result, PeerError):
@@ -89,21 +91,28 @@ class GatewayFiles:
         except _GONE:
             return
 
-    async def _read(self, recordings: Recordings, site: str) -> None:
-        offered: FileOffer | None = None
+    async def _read(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
+        offered: FileOffer | ArchiveOffer | None = None
         while True:
             event = await self._socket.receive()
             if event["type"] == "websocket.disconnect":
                 return
             data = event.get("bytes")
             message = FILES_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
-            if isinstance(message, FileOffer):
-                offered = message
-                answer = await recordings.offered(site, message)
-            else:
-                if offered is None or offered.id != message.id:
-                    raise PeerError("a piece of a file that was not offered")
-                answer = await recordings.take(site, offered, message)
+            match message:
+                case FileOffer():
+                    offered = message
+                    answer = await recordings.offered(site, message)
+                case ArchiveOffer():
+                    offered = message
+                    answer = await uploads.offered(site, message)
+                case FilePiece():
+                    if offered is None or offered.id != message.id:
+                        raise PeerError("a piece of a file that was not offered")
+                    if isinstance(offered, FileOffer):
+                        answer = await recordings.take(site, offered, message)
+                    else:
+                        answer = await uploads.take(site, offered, message)
             await self._socket.send_bytes(FILES_FROM_HUB.encode(answer))
 
 

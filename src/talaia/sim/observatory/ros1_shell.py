@@ -27,7 +27,7 @@ from std_msgs.msg import Bool, Float64, String, UInt8, UInt8MultiArray
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
 from talaia.sim.observatory.ledger import Ledger
-from talaia.sim.observatory.servers import DEVICES, Ask, Server, Value, make
+from talaia.sim.observatory.servers import DEVICES, MONTSEC, Ask, Server, Value, make
 from talaia.sim.observatory.ticket import Ticket
 
 if TYPE_CHECKING:
@@ -48,7 +48,9 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--fits", type=Path)
     parser.add_argument("--log", type=Path)
     parser.add_argument("--speed", type=float, default=1.0)
+    parser.add_argument("--longitude", type=float, default=MONTSEC.longitude)
     options = parser.parse_args(argv)
+    place = MONTSEC._replace(longitude=options.longitude)
     began = time.monotonic()
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -62,7 +64,11 @@ def main(argv: list[str]) -> int:
         rospy.init_node(name, disable_signals=True, disable_rosout=True)
         ledger = Ledger(options.log)
         shells = [
-            _Shell(make(each, seed=options.seed, unix_s=time.time(), call=_call), options, ledger)
+            _Shell(
+                make(each, seed=options.seed, unix_s=time.time(), call=_call, place=place),
+                options,
+                ledger,
+            )
             for each in names
         ]
         line = {

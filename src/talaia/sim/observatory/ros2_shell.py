@@ -14,8 +14,8 @@ import time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import rclpy
-from rcl_interfaces.msg import ParameterType
-from rcl_interfaces.srv import SetParametersAtomically
+from rcl_interfaces.msg import ParameterType, ParameterValue
+from rcl_interfaces.srv import GetParameters, SetParametersAtomically
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import Image
 from std_msgs.msg import Bool, Float64, String, UInt8, UInt8MultiArray
@@ -200,6 +200,7 @@ class _Shell:
             self._offer(SetBool, name, _switched(switch))
         for name, ask in server.asks.items():
             self._offer(SetParametersAtomically, name, _named(ask.act))
+        self._live()
         self._ears: list[tuple[Any, Any, Callable[[Any], None]]] = []
         for topic, (kind, take) in server.hears.items():
             self._hear(topic, kind, take)
@@ -219,6 +220,18 @@ class _Shell:
                 service.send_response(response, header)
 
             self._take(name, kind, request, act, answer)
+
+        self._services.append((service, take))
+
+    def _live(self) -> None:
+        """Answer what every node is asked to see whether it lives; there are no parameters."""
+        service = self.node.create_service(
+            GetParameters, f"/{self._server.name}_server/get_parameters", _never
+        )
+
+        def take(request: Any, header: Any) -> None:  # noqa: ANN401
+            unset = [ParameterValue() for _ in request.names]
+            service.send_response(GetParameters.Response(values=unset), header)
 
         self._services.append((service, take))
 

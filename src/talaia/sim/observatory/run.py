@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from talaia.sim.domain import environment, reserve
 from talaia.sim.errors import RosMissing, SimError
 from talaia.sim.observatory.ledger import Ledger
-from talaia.sim.observatory.servers import DEVICES, make
+from talaia.sim.observatory.servers import DEVICES, MONTSEC, make
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,6 +46,10 @@ def arguments() -> argparse.ArgumentParser:
         "--speed", type=float, default=1.0, metavar="FACTOR",
         help="everything moves so many times faster, 1 to 20 (default 1); for tests",
     )  # fmt: skip
+    parser.add_argument(
+        "--longitude", type=float, default=MONTSEC.longitude, metavar="DEG",
+        help=f"where it stands, -180 to 180 (default {MONTSEC.longitude})",
+    )  # fmt: skip
     parser.add_argument("--fits", type=Path, metavar="DIR", help="keep the pictures here")
     parser.add_argument("--log", type=Path, metavar="FILE", help="write what is asked (JSON lines)")
     return parser
@@ -65,6 +69,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = arguments().parse_args(words)
     if not 1.0 <= options.speed <= 20.0:
         arguments().error("--speed: expected a number from 1 to 20")
+    if not -180.0 <= options.longitude <= 180.0:
+        arguments().error("--longitude: expected a number from -180 to 180")
     if options.ros1:
         from talaia.sim.observatory.ros1_start import run_ros1
 
@@ -112,8 +118,10 @@ def _run(
     stack.callback(rclpy.try_shutdown)
     shells: Shells = Shells(options.fits, ledger, options.speed)
     stack.callback(shells.close)
+    place = MONTSEC._replace(longitude=options.longitude)
     for name in names:
-        shells.add(make(name, seed=options.seed, unix_s=time.time(), call=shells.call))
+        server = make(name, seed=options.seed, unix_s=time.time(), call=shells.call, place=place)
+        shells.add(server)
 
     def say_ready() -> None:
         line = {

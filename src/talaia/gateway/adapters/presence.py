@@ -1,0 +1,126 @@
+"""Which devices of a ROS robot are there, of what is heard, offered and answered. Pure.
+
+Neither graph tells of a process that was killed: ROS 2's keeps it until the middleware's lease is
+over (20 s with Fast DDS), ROS 1's for good. And silence alone proves nothing: many a topic speaks
+only when there is news. So nodes of a device that is silent are asked something that changes
+nothing and that any node answers; who does not is gone, or hangs.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import MS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+__all__ = ["LOOK_S", "Offer", "Presence"]
+
+# A look every quarter of a second, silence of at most 0.7 s until a node is asked, and four looks
+# for its answer: less than the two seconds after which nothing old may look live.
+LOOK_S = 0.25
+ASK_NS = 450 * MS
+# Looks are counted, not time: if this process stood still, the node is not to blame.
+PATIENCE = 4
+
+
+class Offer(NamedTuple):
+    """What the graph shows of a device.
+
+    Attributes:
+        there: something of it is offered.
+        nodes: who says its values; empty where nobody does, or where that cannot be told.
+        askable: those of them that can be asked.
+
+    """
+
+    there: bool
+    nodes: frozenset[str] = frozenset()
+    askable: frozenset[str] = frozenset()
+
+
+class Presence:
+    """Tells of each device that goes and that comes back. One thread."""
+
+    def __init__(self, devices: Iterable[str], tell: Callable[[str, str, bool], None]) -> None:
+        """Begin with nothing known: what was never there is not missed.
+
+        Args:
+            devices: of whom it is to be told.
+            tell: told of each change: the device; why it is away, or nothing when it is back;
+                and whether that is sure, or it may only be slow.
+
+        """
+        self._devices = tuple(devices)
+        self._tell = tell
+        self._seen: set[str] = set()
+        self._away: dict[str, str] = {}
+        self._answered_ns: dict[str, int] = {}
+        # By node: the look at which it was asked first without an answer since.
+        self._open: dict[str, int] = {}
+        self._gone: set[str] = set()
+        self._look = 0
+
+    def answered(self, node: str, now_ns: int) -> None:
+        """Take a node as alive."""
+        self._answered_ns[node] = now_ns
+        self._open.pop(node, None)
+        self._gone.discard(node)
+
+    def gone(self, node: str) -> None:
+        """Take a node as dead, without waiting: nobody is where it was."""
+        self._gone.add(node)
+
+    def look(
+        self, now_ns: int, offers: Mapping[str, Offer], heard_ns: Mapping[str, int]
+    ) -> frozenset[str]:
+        """Judge every device.
+
+        Args:
+            now_ns: monotonic, as ``heard_ns`` and `answered`.
+            offers: by device.
+            heard_ns: by device: when it said something last.
+
+        Returns:
+            The nodes to be asked now.
+
+        """
+        self._look += 1
+        ask: set[str] = set()
+        for device in self._devices:
+            offer = offers.get(device, Offer(there=False))
+            if offer.there:
+                self._seen.add(device)
+            if device not in self._seen:
+                continue
+            if not offer.there:
+                self._set(device, "nothing of it is on the robot now", sure=True)
+            elif now_ns - heard_ns.get(device, 0) < ASK_NS:
+                for node in offer.nodes:
+                    self._open.pop(node, None)
+                    self._gone.discard(node)
+                self._set(device, "")
+            else:
+                self._set(device, self._silent(offer, now_ns, ask))
+        for node in ask:
+            self._open.setdefault(node, self._look)
+        return frozenset(ask)
+
+    def _silent(self, offer: Offer, now_ns: int, ask: set[str]) -> str:
+        ask |= {node for node in offer.askable if now_ns - self._answered_ns.get(node, 0) >= ASK_NS}
+        if not offer.nodes or not all(self._dead(node) for node in offer.nodes):
+            return ""
+        return f"{', '.join(sorted(offer.nodes))} does not answer"
+
+    def _dead(self, node: str) -> bool:
+        return node in self._gone or self._look - self._open.get(node, self._look) >= PATIENCE
+
+    def _set(self, device: str, why: str, *, sure: bool = False) -> None:
+        if why == self._away.get(device, ""):
+            return
+        if why:
+            self._away[device] = why
+        else:
+            del self._away[device]
+        self._tell(device, why, sure)
