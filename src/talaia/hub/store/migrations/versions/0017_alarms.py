@@ -9,7 +9,7 @@ from talaia.hub.store.migrations import steps
 from talaia.hub.store.migrations.steps import BIG, HASH, ID, LONG, NAME
 
 revision = "0017"
-down_revision = "0015"
+down_revision = "0016"
 branch_labels = None
 depends_on = None
 

@@ -9,7 +9,7 @@ from sqlalchemy.dialects import mysql
 from talaia.hub.store.migrations import steps
 
 revision = "0018"
-down_revision = "0015"
+down_revision = "0017"
 branch_labels = None
 depends_on = None
 
