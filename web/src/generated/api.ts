@@ -101,6 +101,7 @@ export interface DeviceShape {
   readonly drive: DriveShape | null;
   readonly public: boolean;
   readonly link_loss: string;
+  readonly pointing: PointingShape | null;
   readonly rights: readonly ("view" | "use" | "admin")[];
 }
 
@@ -139,6 +140,7 @@ export interface EventList {
 
 /** Something that happened. */
 export interface EventShape {
+  readonly id: string;
   readonly time_us: number;
   readonly kind: string;
   readonly device: string;
@@ -262,7 +264,7 @@ export interface SignalShape {
   readonly channels: readonly string[];
 }
 
-/** A site as far as you may see it. */
+/** A site as far as you may see it; ``rules`` are its interlocks, ``enclosures`` its roofs. */
 export interface SiteShape {
   readonly site: string;
   readonly name: string;
@@ -271,7 +273,10 @@ export interface SiteShape {
   readonly since_us: number;
   readonly last_seen_us: number;
   readonly catalogue: string;
+  readonly place: PlaceShape | null;
   readonly devices: readonly DeviceShape[];
+  readonly rules: readonly RuleShape[];
+  readonly enclosures: readonly EnclosureShape[];
 }
 
 /** A site in the list. */
@@ -754,4 +759,288 @@ export interface VersionShape {
   readonly who: string;
   readonly note: string;
   readonly current: boolean;
+}
+
+/** Unsafe while all of these limits say so. ``link_lost``: without the hub for so long. */
+export interface ConditionShape {
+  readonly limits: readonly LimitShape[];
+  readonly lasting: number;
+  readonly link_lost: number | null;
+}
+
+/** A roof: closed only when all of ``closed`` say so; kept closed by the rules of ``unsafe``. */
+export interface EnclosureShape {
+  readonly id: string;
+  readonly name: string;
+  readonly closed: readonly SightingShape[];
+  readonly moving: readonly SightingShape[];
+  readonly close: string;
+  readonly stop: string;
+  readonly unsafe: readonly string[];
+}
+
+/** When a signal is unsafe: out of these limits, in or out of these states, or unknown. */
+export interface LimitShape {
+  readonly signal: string;
+  readonly above: number | null;
+  readonly until_below: number | null;
+  readonly below: number | null;
+  readonly until_above: number | null;
+  readonly states: readonly string[];
+  readonly safe_states: readonly string[];
+}
+
+/** Where a site is on Earth: degrees north, degrees east, metres. */
+export interface PlaceShape {
+  readonly latitude: number;
+  readonly longitude: number;
+  readonly elevation: number;
+}
+
+/** Where a telescope may not point: lower than ``horizon``, or within ``sun`` of the Sun. */
+export interface PointingShape {
+  readonly commands: readonly SlewShape[];
+  readonly horizon: number;
+  readonly sun: number;
+}
+
+/** An interlock as far as you may see it; ``hidden`` of its conditions you may not. */
+export interface RuleShape {
+  readonly id: string;
+  readonly name: string;
+  readonly conditions: readonly ConditionShape[];
+  readonly hidden: number;
+  readonly targets: readonly string[];
+  readonly dwell: number;
+}
+
+/** What a sensor says when something is so. */
+export interface SightingShape {
+  readonly signal: string;
+  readonly states: readonly string[];
+}
+
+/** What goes by a name. ``available`` is false where the hub has no catalogue. */
+export interface SkyList {
+  readonly available: boolean;
+  readonly objects: readonly SkyObject[];
+}
+
+/** Something of a catalogue; coordinates are degrees of J2000, ``magnitude`` is visual. */
+export interface SkyObject {
+  readonly name: string;
+  readonly also: readonly string[];
+  readonly kind: string;
+  readonly constellation: string;
+  readonly ra_deg: number;
+  readonly dec_deg: number;
+  readonly magnitude: number | null;
+}
+
+/** A command that points a telescope, and its arguments that say where to; empty for none. */
+export interface SlewShape {
+  readonly command: string;
+  readonly ra: string;
+  readonly dec: string;
+  readonly alt: string;
+  readonly az: string;
+}
+
+/** Do something about an alarm. */
+export interface ActAsk {
+  readonly act: "acknowledge" | "assign" | "comment" | "shelve" | "unshelve";
+  readonly text?: string;
+  readonly to?: string;
+  readonly until_us?: number;
+}
+
+/** An alarm, in the words of the site description; see there what each key means. */
+export interface AlarmDefinition {
+  readonly name: string;
+  readonly kind: "limit" | "state" | "stale" | "anomaly" | "detection" | "expression";
+  readonly signal?: string;
+  readonly above?: number | null;
+  readonly below?: number | null;
+  readonly hysteresis?: number;
+  readonly is_one_of?: readonly string[];
+  readonly is_not?: readonly string[];
+  readonly max_age?: number | null;
+  readonly score?: number;
+  readonly stream?: string;
+  readonly label?: string;
+  readonly count?: number;
+  readonly confidence?: number;
+  readonly expression?: string;
+  readonly severity?: "info" | "warning" | "critical";
+  readonly delay?: number;
+  readonly clear_delay?: number;
+  readonly unknown_after?: number | null;
+  readonly record?: boolean;
+  readonly advice?: string;
+}
+
+/** The alarms of a site. ``may_manage``: you may make, change and remove them. */
+export interface AlarmList {
+  readonly alarms: readonly AlarmShape[];
+  readonly may_manage: boolean;
+}
+
+/** One thing that happened to an alarm; ``episode`` counts how often it was raised. */
+export interface AlarmPast {
+  readonly id: string;
+  readonly what: string;
+  readonly episode: number;
+  readonly time_us: number;
+  readonly who: string;
+  readonly message: string;
+}
+
+/** What happened to an alarm, newest first; with ``more``, ask again ``before`` the last. */
+export interface AlarmPastList {
+  readonly past: readonly AlarmPast[];
+  readonly more: boolean;
+}
+
+/** An alarm that is open to you. */
+export interface AlarmShape {
+  readonly alarm: string;
+  readonly device: string;
+  readonly definition: AlarmDefinition;
+  readonly made: boolean;
+  readonly problem: string;
+  readonly may_use: boolean;
+}
+
+/** How an alarm would have done over a window, by default the last day. */
+export interface PreviewAsk {
+  readonly definition: AlarmDefinition;
+  readonly hours?: number;
+}
+
+/** What would have been. */
+export interface PreviewShape {
+  readonly where?: string;
+  readonly problem?: string;
+  readonly from_us?: number;
+  readonly to_us?: number;
+  readonly count?: number;
+  readonly unknown_us?: number;
+  readonly spans?: readonly SpanShape[];
+  readonly signals?: readonly string[];
+}
+
+/** It would have been active from then to then. */
+export interface SpanShape {
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly why: string;
+}
+
+/** A browser's subscription, as its Push API gives it. */
+export interface PushAsk {
+  readonly endpoint: string;
+  readonly p256dh: string;
+  readonly auth: string;
+}
+
+/** A browser of yours that takes messages. */
+export interface PushBrowserShape {
+  readonly id: string;
+  readonly agent: string;
+  readonly created_us: number;
+}
+
+/** Your browsers; ``key`` is what a browser needs to subscribe, empty where push is not set. */
+export interface PushList {
+  readonly key: string;
+  readonly browsers: readonly PushBrowserShape[];
+}
+
+/** Tell me of alarms. */
+export interface RuleAsk {
+  readonly site: string;
+  readonly way: string;
+  readonly target?: string;
+  readonly least?: "info" | "warning" | "critical";
+  readonly over?: boolean;
+  readonly quiet_from?: number;
+  readonly quiet_to?: number;
+  readonly quiet_least?: "info" | "warning" | "critical";
+  readonly zone?: string;
+  readonly group_s?: number;
+}
+
+/** Your rules. */
+export interface RuleList {
+  readonly rules: readonly RuleShape[];
+}
+
+/** One of your rules. */
+export interface RuleShape {
+  readonly site: string;
+  readonly way: string;
+  readonly target?: string;
+  readonly least?: "info" | "warning" | "critical";
+  readonly over?: boolean;
+  readonly quiet_from?: number;
+  readonly quiet_to?: number;
+  readonly quiet_least?: "info" | "warning" | "critical";
+  readonly zone?: string;
+  readonly group_s?: number;
+  readonly id: string;
+}
+
+/** A server that messages go to. */
+export interface WayAsk {
+  readonly name: string;
+  readonly kind: "mail" | "webhook" | "chat" | "push";
+  readonly host?: string;
+  readonly port?: number;
+  readonly security?: "starttls" | "tls" | "none";
+  readonly sender?: string;
+  readonly user?: string;
+  readonly secrets?: WriteOnly;
+}
+
+/** A way that you can be told by. */
+export interface WayChoice {
+  readonly id: string;
+  readonly name: string;
+  readonly kind: "mail" | "webhook" | "chat" | "push";
+}
+
+/** All ways that you can be told by. */
+export interface WayChoiceList {
+  readonly ways: readonly WayChoice[];
+}
+
+/** All ways. */
+export interface WayList {
+  readonly ways: readonly WayShape[];
+}
+
+/** A way, as an admin sees it; ``secrets`` names those that are set, and no more. */
+export interface WayShape {
+  readonly id: string;
+  readonly name: string;
+  readonly kind: "mail" | "webhook" | "chat" | "push";
+  readonly host: string;
+  readonly port: number;
+  readonly security: "starttls" | "tls" | "none";
+  readonly sender: string;
+  readonly user: string;
+  readonly secrets: readonly string[];
+}
+
+/** How a test went: ``sent``, or what went wrong, in the words of whoever refused it. */
+export interface WentShape {
+  readonly sent: boolean;
+  readonly problem: string;
+}
+
+/** Secrets of a way; what is left out stays as it is, an empty text removes it. */
+export interface WriteOnly {
+  readonly password?: string | null;
+  readonly url?: string | null;
+  readonly token?: string | null;
 }
