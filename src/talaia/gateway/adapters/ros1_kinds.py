@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import TypesysError, get_types_from_msg
@@ -84,6 +84,6 @@ def _declared(kind: FieldDesc) -> str:
         return _short(str(inner))
     if node == Nodetype.BASE:
         return str(inner[0])
-    item, size = inner
-    named = _declared(item)  # type: ignore[arg-type]
+    item, size = cast("tuple[FieldDesc, int]", inner)
+    named = _declared(item)
     return f"{named}[{size}]" if node == Nodetype.ARRAY else f"sequence<{named}>"

@@ -5,6 +5,8 @@ own process of the machine's Python; a service is asked for its type by the head
 exchanged before any call. What a message holds is read from the definition that its publisher
 sends with it, so that no package of the robot's is needed; of a request, and of a topic that is
 silent, only the packages of this machine can tell.
+
+Long, because listening and telling are two sides of what was heard.
 """
 
 from __future__ import annotations
