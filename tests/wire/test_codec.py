@@ -150,6 +150,8 @@ def example(kind: msgspec.inspect.Type) -> object:
             return True
         case msgspec.inspect.ListType():
             return [example(kind.item_type)]
+        case msgspec.inspect.StructType():
+            return full(kind.cls)
         case msgspec.inspect.DictType():
             return {example(kind.key_type): example(kind.value_type)}
         case msgspec.inspect.UnionType():

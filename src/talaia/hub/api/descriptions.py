@@ -88,7 +88,7 @@ class DescriptionPages:
         self, site: str, request: Request, below: _Number = 2**53
     ) -> DescriptionList:
         """List the versions, the newest first, and say whether another can be sent."""
-        live = live_of(request)
+        live = _live(request)
         found = await self._versions.of(site, below, _PAGE + 1)
         newest = found[0].number if below == 2**53 and found else 0
         problem = live.problem
@@ -129,8 +129,9 @@ class DescriptionPages:
             long=len(lines) > _MOST_LINES,
         )
 
-    async def check(self, site: str, asked: CheckAsk) -> CheckAnswer:
+    async def check(self, site: str, asked: CheckAsk, request: Request) -> CheckAnswer:
         """Say what does not fit in a text, as ``talaia check`` does."""
+        _live(request)
         findings = await self._read(_check, asked.text)
         parts, lines = [], []
         if asked.against:
@@ -143,8 +144,9 @@ class DescriptionPages:
             lines=lines[:_MOST_LINES],
         )
 
-    async def edit(self, site: str, asked: EditAsk) -> EditAnswer:
+    async def edit(self, asked: EditAsk, request: Request) -> EditAnswer:
         """Write a change into a text: comments, order and spelling of the rest survive."""
+        _live(request)
         made: EditAnswer = await self._read(_edit, asked.text, asked.site)
         return made
 
@@ -164,7 +166,7 @@ class DescriptionPages:
         return site_schema()
 
     async def _send(self, text: str, base: str, note: str, request: Request) -> ChangeAnswer:
-        live, name = live_of(request), who_of(request).name
+        live, name = _live(request), who_of(request).name
         if len(text.encode()) > MAX_TEXT:
             raise ApiProblem(413, "too_large", "a description has 4 MiB at the most")
         if live.link is None:
@@ -205,6 +207,19 @@ class DescriptionPages:
     def _note(self, request: Request, live: LiveSite, kind: str, message: str) -> None:
         name, address = who_of(request).name, address_of(request)
         self._audit.note(kind, who=name, address=address, site=live.name, message=message)
+
+
+def _live(request: Request) -> LiveSite:
+    """Give the site that is asked about.
+
+    Raises:
+        ApiProblem: 404, the hub knows no such site; only an admin of all gets so far.
+
+    """
+    live: LiveSite | None = live_of(request)
+    if live is None:
+        raise ApiProblem(404, "unknown", "there is no such site")
+    return live
 
 
 def _check(text: str) -> list[FindingShape]:
