@@ -38,7 +38,7 @@ async def watching(here: Stack, session: str, cameras: int) -> AsyncIterator[Non
     """Look at cameras as pages do."""
 
     async def look(number: int) -> None:
-        path = f"/ws/media?site=bench&stream=base/camera{number}"
+        path = f"/ws/media?site=bench&stream=base/camera{number}&forms=h264,jpeg"
         async with _dial(here, session, path) as socket:
             async for data in socket:
                 shot = browser.MEDIA_TO_BROWSER.decode(data)

@@ -127,7 +127,13 @@ def _node_fits(where: str, node: str) -> Iterator[Finding]:
         yield Finding(f"{where}.node", f"{node!r} is not the name of a node", "as talaia_gateway")
 
 
-def _url_fits(where: str, url: str, schemes: tuple[str, ...], example: str) -> Iterator[Finding]:
+def _url_fits(
+    where: str,
+    url: str,
+    schemes: tuple[str, ...],
+    example: str,
+    instead: str = "use token_file or token_env",
+) -> Iterator[Finding]:
     remedy = f"write it as {schemes[0]}://{example}"
     try:
         parts = urlsplit(url)
@@ -138,7 +144,7 @@ def _url_fits(where: str, url: str, schemes: tuple[str, ...], example: str) -> I
     if not fits:
         yield Finding(where, f"expected {' or '.join(schemes)}://host:port", remedy)
     elif parts.username or parts.password:
-        yield Finding(where, "there is a password in it", "use a file that is named")
+        yield Finding(where, "there is a password in it", instead)
 
 
 def _line_fits(where: str, line: str, *, empty: bool = False) -> Iterator[Finding]:
@@ -263,7 +269,10 @@ def _camera_fits(where: str, source: Source) -> Iterator[Finding]:
     if bool(source.url) == bool(source.file):
         yield Finding(where, "where is the camera?", f"write {_EXAMPLES[ConnectionKind.VIDEO]}")
     elif source.url:
-        yield from _url_fits(f"{where}.url", source.url, ("rtsp", "rtsps"), "camera.local/stream")
+        yield from _url_fits(
+            f"{where}.url", source.url, ("rtsp", "rtsps"), "camera.local/stream",
+            "write user and password_file at the connection",
+        )  # fmt: skip
     elif not _CAMERA_FILE.match(source.file):
         problem = f"{source.file[:80]!r} is not a camera's device file"
         yield Finding(f"{where}.file", problem, "write it as /dev/video0")

@@ -1,5 +1,7 @@
 """One camera: what comes of it, in each form that somebody wants.
 
+Long, because a picture is followed here from its bytes to every form of it.
+
 A picture is read once and encoded once for each form, however many look at it, and not at all in
 a form that nobody wants.
 """
