@@ -77,6 +77,10 @@ def take(address: str, passwords: dict[str, str], wanted: list[str]) -> None:
             shown = [each for each in PAGES if (each == "drive") == (name == "drive")]
             shown = [each for each in shown if not wanted or each in wanted]
             walk(browser, address, "operator", passwords["operator"], shown)
+        shown = [each for each in OBSERVATORY_PAGES if not wanted or each in wanted]
+        if shown:
+            observe(browser, address, passwords["operator"])
+            walk(browser, address, "operator", passwords["operator"], shown)
         for who, pages in (("admin", ADMIN_PAGES), ("guest", GUEST_PAGES)):
             shown = [each for each in pages if not wanted or each in wanted]
             if shown and who == "admin":
@@ -122,7 +126,7 @@ def set_up(browser: Browser) -> None:
 
 def walk(browser: Browser, address: str, who: str, password: str, shown: list[str]) -> None:
     """Take some pages' pictures in every width and theme."""
-    pages = {**PAGES, **ADMIN_PAGES, **GUEST_PAGES}
+    pages = {**PAGES, **OBSERVATORY_PAGES, **ADMIN_PAGES, **GUEST_PAGES}
     for width, size in WIDTHS.items():
         for theme in THEMES:
             context = browser.new_context(
@@ -159,6 +163,29 @@ def wander(browser: Browser, address: str, password: str) -> None:
     page.goto(f"{address}/sites/agv/drive")
     page.get_by_role("button", name="Send").first.click()
     time.sleep(100)
+    page.close()
+
+
+def observe(browser: Browser, address: str, password: str) -> None:
+    """Open the dome, turn it, and point the telescope to where the Sun never is."""
+    page = browser.new_page()
+    sign_in(page, address, password)
+    part = "/sites/observatory/devices"
+    page.goto(f"{address}{part}/dome")
+    # Its rules have to have been safe for a minute.
+    page.locator("t-part-dome t-button:not([disabled])", has_text="Open").first.click(
+        timeout=180_000
+    )
+    page.locator("t-deeds t-dialog").get_by_role("button", name="Open").click()
+    page.get_by_label("Azimuth (°)").fill("215")
+    page.get_by_role("button", name="Send").click()
+    page.goto(f"{address}{part}/telescope")
+    page.get_by_role("button", name="Unpark").click()
+    page.wait_for_timeout(3000)
+    page.get_by_label("Altitude (°)").fill("60")
+    page.get_by_label("Azimuth (°)").fill("35")
+    page.get_by_role("button", name="Send").click()
+    page.wait_for_timeout(25_000)
     page.close()
 
 
@@ -234,6 +261,37 @@ def device(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(2500)
 
 
+def dome(page: Page, address: str, _password: str) -> None:
+    """Show the dome, open."""
+    page.goto(f"{address}/sites/observatory/devices/dome")
+    page.get_by_text("looking to").wait_for()
+    page.wait_for_timeout(2500)
+
+
+def telescope(page: Page, address: str, _password: str) -> None:
+    """Show the sky, and a galaxy through the night."""
+    page.goto(f"{address}/sites/observatory/devices/telescope")
+    page.locator("t-goto input[name=name]").fill("M31")
+    page.get_by_role("button", name="Find").click()
+    page.locator("t-night-curve svg").first.wait_for()
+    page.evaluate("scrollTo(0, 0)")
+    page.wait_for_timeout(1500)
+
+
+def weather(page: Page, address: str, _password: str) -> None:
+    """Show the verdict with the rules that decide."""
+    page.goto(f"{address}/sites/observatory/devices/weather")
+    page.get_by_role("heading", name="What closes the roof").wait_for()
+    page.wait_for_timeout(2500)
+
+
+def power(page: Page, address: str, _password: str) -> None:
+    """Show the outlets."""
+    page.goto(f"{address}/sites/observatory/devices/power")
+    page.get_by_role("heading", name="Outlets").wait_for()
+    page.wait_for_timeout(2500)
+
+
 def public(page: Page, address: str, _password: str) -> None:
     """Show the guest's page."""
     page.goto(f"{address}/public")
@@ -301,6 +359,7 @@ PAGES = {
     "login": login, "home": home, "live": live, "history": history, "drive": drive,
     "gallery": gallery, "devices": devices, "device": device,
 }  # fmt: skip
+OBSERVATORY_PAGES = {"dome": dome, "telescope": telescope, "weather": weather, "power": power}
 ADMIN_PAGES = {
     "account": account, "people": people_page, "roles": roles, "gateways": gateways,
     "storage": storage, "audit": audit,

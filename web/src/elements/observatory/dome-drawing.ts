@@ -2,7 +2,7 @@
 
 import { css, html, LitElement, nothing, svg, type PropertyValues, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
-import { formatAzimuth, turned, windOf } from "../../format/sexagesimal.js";
+import { formatAzimuth, turned } from "../../format/sexagesimal.js";
 import { base } from "../base.js";
 import { FLATNESS, onGround, SLIT, strip } from "./perspective.js";
 
@@ -176,7 +176,7 @@ export class DomeDrawing extends LitElement {
     const where = this.turns && !this.blind
       ? Number.isNaN(this.azimuth)
         ? "; where it looks is not known"
-        : `, looking ${windOf(this.azimuth)}, at azimuth ${formatAzimuth(this.azimuth, 0)}`
+        : `, looking to azimuth ${formatAzimuth(this.azimuth, 0)}`
       : "";
     const follows = Number.isNaN(this.telescope) ? "" : `; the telescope looks to azimuth ${formatAzimuth(this.telescope, 0)}`;
     return `${what} is ${WORDS[this.roof]}${where}${this.turning ? " and turning" : ""}${follows}${this.stale ? "; this is the last that was known" : ""}.`;

@@ -69,7 +69,7 @@ export class SkyChart extends LitElement {
       .star {
         fill: var(--t-star);
       }
-      .day {
+      .day circle {
         opacity: 0.5;
       }
       .name {
