@@ -21,6 +21,7 @@ ROBOT = (
     "tests/sim",
     "tests/system",
     "tests/cli",
+    "tests/configurator",
     "tests/docs",
     "tests/model",
     "tests/wire",

@@ -2,6 +2,8 @@
 
 Nothing here checks what `talaia check` checks: a description may be wrong while it is edited, and
 says so.
+
+Long, because each change that a page makes is one function, and they share what they add.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """The rows of a form, made from the model's shapes: label, kind, choices and help of each field.
 
 A row also turns its value to text and what was typed back to a value, so that a form only shows.
+
+Long, because the two directions of each kind of field stand together.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""The main window: steps at the left, a page each, problems below, the file above."""
+"""The main window: steps at the left, a page each, problems below, the file above.
+
+Long, because the file's life (new, open, save, ask, close) is the window's own.
+"""
 
 from __future__ import annotations
 
