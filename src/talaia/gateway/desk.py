@@ -1,4 +1,4 @@
-"""Where the hub's messages are acted on, and who keeps the time of what must be repeated."""
+"""Where the hub's messages are acted on."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from talaia.gateway.changing import Changing
     from talaia.gateway.commanding import Commanding
     from talaia.gateway.control import Control
+    from talaia.gateway.pacing import Pacer
     from talaia.gateway.ports import Adapter, Outcome
     from talaia.gateway.reach import Reach
     from talaia.gateway.recording.recorder import Recorder
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from talaia.gateway.uplink.pictures import Pictures
     from talaia.wire.frames import FromGateway, FromHub, Welcome
 
-__all__ = ["FrontDesk", "Pacer", "Voice"]
+__all__ = ["FrontDesk", "Voice"]
 
 log = logging.getLogger(__name__)
 # What is noted, and what it means to who records.
@@ -105,48 +106,6 @@ class Voice:
             good=good,
         )
         self._loop.call_soon_threadsafe(self._lanes.send, event)
-
-
-class Pacer:
-    """Calls `Control.step` when it is due. One timer; none while all rests."""
-
-    def __init__(self, loop: asyncio.AbstractEventLoop, clock: Clock, control: Control) -> None:
-        """Start at rest; `touch` after anything that may have changed what is due."""
-        self._loop = loop
-        self._clock = clock
-        self._control = control
-        self._timer: asyncio.TimerHandle | None = None
-        self._due_ns = 0
-        self._closed = False
-
-    def touch(self) -> None:
-        """Set the timer anew if what is due has changed."""
-        if self._closed:
-            return
-        due = self._control.due_ns()
-        if self._timer is not None:
-            if due == self._due_ns:
-                return
-            self._timer.cancel()
-            self._timer = None
-        if due is not None:
-            self._due_ns = due
-            wait_s = max(0.0, (due - self._clock.monotonic_ns()) / 1e9)
-            self._timer = self._loop.call_later(wait_s, self._ring)
-
-    def _ring(self) -> None:
-        self._timer = None
-        try:
-            self._control.step()
-        finally:
-            self.touch()
-
-    def close(self) -> None:
-        """Ring no more."""
-        self._closed = True
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
 
 
 class FrontDesk:

@@ -32,7 +32,7 @@ from talaia.gateway.changing import Changing
 from talaia.gateway.classic import Newest
 from talaia.gateway.commanding import Commanding, Journal
 from talaia.gateway.control import Control
-from talaia.gateway.desk import FrontDesk, Pacer, Voice
+from talaia.gateway.desk import FrontDesk, Voice
 from talaia.gateway.door import Door, keys_of
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.exchange import Exchange, Parts, catalogue_of, prepared
@@ -42,6 +42,7 @@ from talaia.gateway.frames.taking import FrameTaker
 from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.keep import Epochs, KeptStops, locked
 from talaia.gateway.own_copy import OwnCopy
+from talaia.gateway.pacing import Pacer
 from talaia.gateway.permitting import Accepts
 from talaia.gateway.pictures.looks import Looks
 from talaia.gateway.ports import Outlets

@@ -116,6 +116,7 @@ class Ros2Commands:
             self._node.destroy_client(client.entity)
             for done in client.pending.values():
                 done(Outcome(CommandPhase.UNKNOWN, _CUT))
+
     def cut(self, device: str) -> None:
         """End a device's calls that are under way as *unknown*: nobody will answer them."""
         for command_id in self._share.devices[device].commands:
