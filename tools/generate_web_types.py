@@ -19,6 +19,7 @@ from pydantic import BaseModel
 
 from talaia.hub.api import (
     alarm_shapes,
+    anomaly_shapes,
     archive_shapes,
     description_shapes,
     history_shapes,
@@ -53,6 +54,7 @@ SHAPES = (
     description_shapes,
     observatory_shapes,
     alarm_shapes,
+    anomaly_shapes,
     notify_shapes,
 )
 # Texts of the API that come from a closed list.

@@ -114,6 +114,20 @@ async def test_a_guest_sees_public_detectors_and_teaches_none(hub, watched) -> N
     assert (await client.post("/api/sites/agv/anomalies/forgiven", json=asked)).status_code == 403
 
 
+async def test_a_detector_that_fails_begins_anew_and_the_others_go_on(hub, watched) -> None:
+    watching = hub.hub._watching
+    live = hub.hub._sites.get("agv")
+    limits, broken = watching._watch(live).every()
+
+    def fail(_time_us: int, _value: float) -> float:
+        raise ValueError("broken on purpose")
+
+    broken.see = fail
+    await watched.samples(("base/speed", NOW, 9.0))
+    await until(lambda: limits.episodes.began_us == NOW)
+    await until(lambda: watching.of("agv")[1] is not broken)
+
+
 async def test_what_finds_no_room_is_skipped_and_counted(hub, watched) -> None:
     watching = hub.hub._watching
     watching._count = 20_000

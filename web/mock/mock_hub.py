@@ -23,7 +23,7 @@ from described import device_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
 from socket_side import Browser, media
-from world import World, events, history, statistics
+from world import World, anomalies, events, history, statistics
 
 from talaia.model.load import read_site
 
@@ -183,6 +183,14 @@ def build(site: Site) -> FastAPI:
         return {"devices": [row for row in rows if row["rights"] or row["public"]]}
 
     app.include_router(router(accounts))
+
+    @app.get("/api/sites/{name}/anomalies")
+    async def watched() -> dict[str, Any]:
+        return anomalies()
+
+    @app.post("/api/sites/{name}/anomalies/forgiven")
+    async def forgiven() -> dict[str, bool]:
+        return {"learned": True}
 
     @app.get("/api/sites/{name}/history")
     async def past(request: Request) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import { css } from "lit";
 
 export const control = css`
   select,
-  input:is([type="search"], [type="date"], [type="text"]) {
+  input:is([type="search"], [type="date"], [type="text"], [type="number"]) {
     min-inline-size: 0;
     min-block-size: var(--t-touch);
     padding: var(--t-space-2) var(--t-space-3);

@@ -31,7 +31,7 @@ export class OutlierTool extends LitElement {
         font-weight: var(--t-weight-strong);
       }
       input {
-        inline-size: 4.5rem;
+        inline-size: 5rem;
       }
     `,
   ];

@@ -14,7 +14,7 @@ export function outlierWords(found: Outliers, unit: string, decimals: number, ex
   if (Number.isNaN(low)) return `Too few ${of} for quartiles`;
   const what = count === 0 ? "No outliers" : count === 1 ? "1 outlier" : `${formatNumber(count, 0)} outliers`;
   const share = count === 0 ? "" : ` (${shareText(count / samples)})`;
-  const fences = `outside ${formatNumber(low, decimals)} to ${formatNumber(high, decimals)}${unit === "" ? "" : `\u202f${unit}`}`;
+  const fences = `${count === 0 ? "all within" : "outside"} ${formatNumber(low, decimals)} to ${formatNumber(high, decimals)}${unit === "" ? "" : `\u202f${unit}`}`;
   return `${what} of ${formatNumber(samples, 0)} ${of}${share}, ${fences}`;
 }
 

@@ -1,6 +1,8 @@
 /** Shapes of the hub's HTTP interface, by the names the pages use; they are made from the hub's. */
 
 export type {
+  AnomalyList,
+  AnomalyShape as AnomalyInfo,
   ArgumentShape as ArgumentInfo,
   CommandShape as CommandInfo,
   DeviceShape as DeviceInfo,

@@ -1,6 +1,8 @@
 /** The hub's HTTP interface as functions. */
 
-import type { DeviceRow, EventList, History, Person, SiteDetail, SiteRow, SkyList, StatisticsList, StoredInfo } from "./api.js";
+import type {
+  AnomalyList, DeviceRow, EventList, History, Person, SiteDetail, SiteRow, SkyList, StatisticsList, StoredInfo,
+} from "./api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -109,6 +111,17 @@ export class HubApi {
   async former(site: string): Promise<readonly StoredInfo[]> {
     const path = `/api/sites/${encodeURIComponent(site)}/stored?former=true`;
     return (await this.ask<{ channels: readonly StoredInfo[] }>("GET", path)).channels;
+  }
+
+  /** The anomaly detectors of a site, and what each says now. */
+  anomalies(site: string): Promise<AnomalyList> {
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/anomalies`);
+  }
+
+  /** Says that a detector's latest peak was no anomaly; gives whether it learned. */
+  async forgive(site: string, address: string, detector: string): Promise<boolean> {
+    const path = `/api/sites/${encodeURIComponent(site)}/anomalies/forgiven`;
+    return (await this.ask<{ learned: boolean }>("POST", path, { address, detector })).learned;
   }
 
   /** What happened in a window (µs), newest first. */

@@ -60,6 +60,6 @@ describe("outliers in words", () => {
   });
 
   it("say that there are none", () => {
-    expect(outlierWords(outliersOf(times, level(), SPAN, 1.5), "V", 1, true)).toBe("No outliers of 100 samples, outside 11.8 to 12.6\u202fV");
+    expect(outlierWords(outliersOf(times, level(), SPAN, 1.5), "V", 1, true)).toBe("No outliers of 100 samples, all within 11.8 to 12.6\u202fV");
   });
 });

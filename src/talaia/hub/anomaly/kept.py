@@ -21,7 +21,7 @@ _LARGEST = 1e150
 
 
 class Detector(msgspec.Struct, kw_only=True):
-    """Sees one sample at a time and scores it; knows nothing of what comes.
+    """Sees one sample at a time and scores it; knows nothing of what comes. By itself it sees none.
 
     Attributes:
         unit: of the values, for the words.
@@ -32,7 +32,7 @@ class Detector(msgspec.Struct, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Take the next sample (µs since the epoch, a finite number); score it, 0 to 1."""
-        raise NotImplementedError
+        return 0.0
 
     def idle(self, time_us: int) -> float:
         """Score that nothing has come up to now; most detectors have no opinion (0)."""
@@ -40,7 +40,7 @@ class Detector(msgspec.Struct, kw_only=True):
 
     def why(self) -> str:
         """Say in words what the newest score stands on."""
-        raise NotImplementedError
+        return "nothing is looked at"
 
     def forgive(self) -> bool:
         """Learn that the newest peak was not an anomaly; false where nothing can be learned."""
@@ -53,13 +53,13 @@ D = TypeVar("D", bound=Detector)
 def _encode(thing: object) -> object:
     if isinstance(thing, _NDARRAY):
         return thing.astype("<f8").tobytes()
-    raise NotImplementedError
+    raise TypeError(f"a detector holds a {type(thing).__name__}, which is not kept")
 
 
 def _decode(kind: type, raw: object) -> object:
     if (get_origin(kind) or kind) is _NDARRAY and isinstance(raw, bytes):
         return np.frombuffer(raw, "<f8").copy()
-    raise NotImplementedError
+    raise TypeError(f"a detector holds a {kind}, which is not kept")
 
 
 def keep(detector: Detector) -> bytes:

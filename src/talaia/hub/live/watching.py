@@ -110,7 +110,10 @@ class Watching:
     def put(self, live: LiveSite, columns: Columns) -> None:
         """Take what is watched out of a batch; never waits."""
         watch = self._watch(live)
-        if not watch.addresses:
+        if not watch.addresses or not len(columns):
+            return
+        # A link that is being replaced may still speak of another list of channels.
+        if int(columns.channel.max()) >= len(watch.addresses):
             return
         at = np.flatnonzero(watch.chosen[columns.channel])
         if not at.size:
@@ -176,8 +179,17 @@ class Watching:
             await self._wake(piece.live, watch)
         until = time.perf_counter() + _SLICE_S
         for address, time_us, value in zip(piece.addresses, piece.times, piece.values, strict=True):
-            for each in watch.watched.get(address, ()):
-                self._after(piece.live, each, each.see(time_us, value), time_us)
+            for place, each in enumerate(watch.watched.get(address, ())):
+                try:
+                    turn = each.see(time_us, value)
+                except (ArithmeticError, LookupError, ValueError):
+                    # One that fails must not end the others: it begins anew.
+                    _LOG.exception(
+                        "the detector %s of %s begins anew", each.watch.detector, address
+                    )
+                    watch.watched[address][place] = Watched(address, each.unit, each.watch)
+                    continue
+                self._after(piece.live, each, turn, time_us)
             if time.perf_counter() > until:
                 await asyncio.sleep(0)
                 until = time.perf_counter() + _SLICE_S

@@ -1,6 +1,7 @@
 """Every table but the history's; `metadata` holds them all.
 
-Times are microseconds since the epoch (UTC). Secrets are kept as hashes only.
+Times are microseconds since the epoch (UTC). Secrets are kept as hashes only. Long, because every
+table is to be found in one place.
 """
 
 from __future__ import annotations

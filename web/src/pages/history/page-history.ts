@@ -33,6 +33,7 @@ import { isBusy, pageWish } from "./window-keys.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
+import "./anomalies.js";
 import "./export-menu.js";
 import "./history-chart.js";
 import "./history-tools.js";
@@ -230,6 +231,17 @@ export class PageHistory extends LitElement {
             @t-reset=${this.back}
           ></t-history-chart>`,
       )}
+      <t-anomalies
+        site=${this.site}
+        .channels=${this.chosen()}
+        .span=${span}
+        .indent=${indent}
+        .painter=${painter}
+        .cursorUs=${cursorUs}
+        ?moving=${this.window.moving !== null}
+        width=${this.width}
+        zone=${detail.zone}
+      ></t-anomalies>
       <p class="hint">
         Drag to zoom in, double-click to go back. Click a chart, then turn the wheel. Keys: ← → move, + − zoom, Home its day,
         End now, Escape back; on a chart shift and ← → move the cursor.
