@@ -3,6 +3,8 @@
 Messages are acted on inside the call that brings them; what must be repeated waits for `step`,
 which a timer calls at `due_ns`. Only writing STOP to disk leaves the caller's thread, and it
 never stands before stopping.
+
+Long, because all that may end a hold (people, link, robot, another description) stands here.
 """
 
 from __future__ import annotations

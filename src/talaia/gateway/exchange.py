@@ -7,8 +7,7 @@ import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.errors import RosterFull
-from talaia.gateway.ports import Flexible
-from talaia.gateway.share import shares_of
+from talaia.gateway.share import Flexible, shares_of
 from talaia.gateway.spool.files import Head
 from talaia.model.change import renames, touched
 from talaia.model.load import dump_site
@@ -24,14 +23,12 @@ if TYPE_CHECKING:
     from talaia.gateway.classic import Newest
     from talaia.gateway.commanding import Commanding
     from talaia.gateway.control import Control
-    from talaia.gateway.door import Door
     from talaia.gateway.interlocks import Interlocks
     from talaia.gateway.pacing import Pacer
     from talaia.gateway.ports import Adapter
     from talaia.gateway.reach import Reach
     from talaia.gateway.recording.recorder import Recorder
     from talaia.gateway.roster import Roster
-    from talaia.gateway.sequences import Sequences
     from talaia.gateway.share import Share
     from talaia.gateway.spool.keeper import Keeper
     from talaia.model.site import Site
@@ -85,7 +82,14 @@ def prepared(site: Site, source: str) -> Prepared:
 
 
 class Parts(NamedTuple):
-    """All that a description is told to."""
+    """All that a description is told to.
+
+    Attributes:
+        touch: sets the timer of what is repeated anew.
+        running: names the sequences of commands that are under way.
+        followers: take the description when all others have.
+
+    """
 
     boot: str
     clock: Clock
@@ -98,12 +102,12 @@ class Parts(NamedTuple):
     make: Callable[[Share], tuple[Adapter, Post]]
     interlocks: Interlocks
     control: Control
-    pacer: Pacer
+    touch: Callable[[], None]
     commanding: Commanding
-    sequences: Sequences
+    running: Callable[[], tuple[str, ...]]
     newest: Newest | None
     recorder: Recorder | None
-    door: Door | None
+    followers: tuple[Callable[[Site], None], ...]
 
 
 class Exchange:
@@ -147,8 +151,8 @@ class Exchange:
 
     def hindrance(self, after: Site) -> str:
         """Name what is under way that a change must not disturb; empty when nothing is."""
-        if self._parts.sequences.running:
-            return f"{self._parts.sequences.running[0]} is under way"
+        for sequence in self._parts.running():
+            return f"{sequence} is under way"
         command = self._parts.commanding.busy_with(touched(self.now.site, after))
         return f"the command {command} is under way" if command else ""
 
@@ -159,7 +163,7 @@ class Exchange:
         """
         devices = frozenset() if after is None else touched(self.now.site, after)
         self._parts.control.leave(devices)
-        self._parts.pacer.touch()
+        self._parts.touch()
 
     def left(self, after: Site) -> bool:
         """Tell whether all that was moving has been told to stand, for as long as it is to be."""
@@ -200,9 +204,9 @@ class Exchange:
         parts.interlocks.redescribe(after, now_ns)
         parts.control.redescribe(after, devices)
         parts.commanding.redescribe(after)
-        if parts.door is not None:
-            parts.door.redescribe(after)
-        parts.pacer.touch()
+        for follow in parts.followers:
+            follow(after)
+        parts.touch()
 
     def _data(self, next_: Prepared) -> None:
         """From here on samples are numbered, kept and sent by the new list of channels."""

@@ -5,7 +5,7 @@ Long, because each promise is told whole, and in one place.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.gateway.share import Share
     from talaia.model.site import Device
     from talaia.wire.columns import Columns
     from talaia.wire.frames import CommandPhase, FromGateway, Picture
@@ -24,7 +23,6 @@ __all__ = [
     "Adapter",
     "CommandTarget",
     "EventSink",
-    "Flexible",
     "FrameSink",
     "Look",
     "Mouth",
@@ -342,18 +340,6 @@ class Adapter(CommandTarget, Readings, Protocol):
         ``done`` is called once, from any thread, within some seconds: *succeeded* when all of it
         is there, else *failed* with what is not.
         """
-        ...
-
-
-@runtime_checkable
-class Flexible(Protocol):
-    """An `Adapter` that takes another share of the site while it runs.
-
-    What is the same in both goes on without a break: none of its samples is lost or comes twice.
-    """
-
-    def redescribe(self, share: Share) -> None:
-        """Serve this from here on. Its connection is the one it has. Returns at once."""
         ...
 
 

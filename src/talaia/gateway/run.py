@@ -207,8 +207,9 @@ class Gateway:
         self.door = self._make_door(site)
         parts = Parts(
             self._boot, clock, roster, self._batcher, self._keeper, self._reach, self._adapter,
-            adapters, make, interlocks, self._control, self._pacer, self._commanding,
-            self._sequences, self._newest, self._recorder, self.door,
+            adapters, make, interlocks, self._control, self._pacer.touch, self._commanding,
+            lambda: self._sequences.running, self._newest, self._recorder,
+            () if self.door is None else (self.door.redescribe,),
         )  # fmt: skip
         self._exchange = Exchange(begun, parts, self._lanes.send, self._begin_again)
         self._changing = Changing(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from talaia.gateway.roster import Roster
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from talaia.model.connection import Connection
     from talaia.model.site import Device, Site
 
-__all__ = ["Share", "shares_of"]
+__all__ = ["Flexible", "Share", "shares_of"]
 
 
 class Share(NamedTuple):
@@ -32,6 +32,18 @@ class Share(NamedTuple):
     devices: Mapping[str, Device]
     channel: Mapping[str, int]
     guarded: frozenset[str]
+
+
+@runtime_checkable
+class Flexible(Protocol):
+    """An `Adapter` that takes another share of the site while it runs.
+
+    What is the same in both goes on without a break: none of its samples is lost or comes twice.
+    """
+
+    def redescribe(self, share: Share) -> None:
+        """Serve this from here on. Its connection is the one it has. Returns at once."""
+        ...
 
 
 def shares_of(site: Site, roster: Roster | None = None) -> list[Share]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from inspect import cleandoc
-from typing import Any
 
 import msgspec
 
@@ -43,13 +42,17 @@ def _structs(kind: object, found: dict[str, type]) -> dict[str, type]:
             _structs(kind.value_type, found)
         case msgspec.inspect.VarTupleType():
             _structs(kind.item_type, found)
+        case _:
+            pass
     return found
 
 
-def _explain(kind: type, part: dict[str, Any]) -> None:
+def _explain(kind: type, part: dict[str, object]) -> None:
     """Say of each attribute what the docstring does, where editors look for it."""
     _, _, attributes = cleandoc(kind.__doc__ or "").partition("Attributes:")
     properties = part.get("properties", {})
+    if not isinstance(properties, dict):
+        return
     for name, said in _ATTRIBUTE.findall(attributes):
         if name in properties:
             properties[name]["description"] = " ".join(said.replace("`", "").split())

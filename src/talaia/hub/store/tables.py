@@ -1,7 +1,8 @@
 """Every table but the history's; `metadata` holds them all.
 
-Times are microseconds since the epoch (UTC). Secrets are kept as hashes only. Long, because every
-table is to be found in one place.
+Times are microseconds since the epoch (UTC). Secrets are kept as hashes only.
+
+Long, because the tables of one database are read together.
 """
 
 from __future__ import annotations
