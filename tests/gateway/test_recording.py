@@ -315,6 +315,10 @@ async def test_the_robots_messages_around_stop_reach_the_hub_as_a_file_that_othe
         await hub.next(RecordState, lambda state: state.on and state.who == "ben")
         await hub.send(RecordAsk(on=False, who="ben"))
         await hub.until(lambda: hub.offers[-1].who == "ben", "another offer")
+        # Asked for by an alarm at the hub: it ends by itself.
+        await hub.send(RecordAsk(on=True, who="alarm", why="alarm Low: 10 V", alarm=True))
+        await hub.next(RecordState, lambda state: state.on and state.who == "alarm")
+        await hub.until(lambda: hub.offers[-1].who == "alarm", "the alarm's offer")
     path = tmp_path / "robot.mcap"
     path.write_bytes(body)
     assert numbers_in(path) == [float(at) for at in range(210)]

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from talaia.gateway.commanding import Commanding
     from talaia.gateway.control import Control
     from talaia.gateway.interlocks import Interlocks
-    from talaia.gateway.pacing import Pacer
     from talaia.gateway.ports import Adapter
     from talaia.gateway.reach import Reach
     from talaia.gateway.recording.recorder import Recorder

@@ -113,7 +113,8 @@ class Hub:
     Attributes:
         browsers: the pages that are connected now.
         fanout: who of them gets which live values.
-        alarms: every alarm of every site; it is the `DetectorNews` that detectors speak to.
+        alarms: every alarm of every site; it is the `AnomalySink` and `SightingSink`
+            that detectors speak to.
         setup_token: opens the set-up page; set after the start when there are no people yet.
 
     """

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Collection, Mapping, Sequence
@@ -17,71 +16,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
-__all__ = ["AnomalyNews", "AnomalySink", "DetectorNews", "History", "Sighting"]
-
-
-@dataclass(frozen=True, slots=True)
-class AnomalyNews:
-    """A detector says that a channel is unusual, or is so no more. Times are µs (UTC).
-
-    Attributes:
-        site: its short name.
-        channel: the signal's address, ``device/signal``.
-        began_us: when its first high score was; with site, channel and detector it names the
-            anomaly.
-        ended_us: None while it goes on; then when its last high score was.
-        score: 0 to 1; the greatest so far.
-        why: in words, with numbers and units.
-        detector: a word of `talaia.model.anomaly.DetectorKind`.
-
-    """
-
-    site: str
-    channel: str
-    began_us: int
-    ended_us: int | None
-    score: float
-    why: str
-    detector: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Sighting:
-    """A detector sees something, or sees it no more. Times are µs (UTC).
-
-    Attributes:
-        camera: address of the stream.
-        label: what is seen, by the detector's name for it.
-        count: so many at once, at most.
-        confidence: of the surest, 0 to 1.
-        began_us: with site, camera and label it names the sighting.
-        ended_us: None while it goes on; say it once more with the end when it is over.
-
-    """
-
-    site: str
-    camera: str
-    label: str
-    count: int
-    confidence: float
-    began_us: int
-    ended_us: int | None
-
-
-class AnomalySink(Protocol):
-    """Who wants to hear of anomalies; called on the event loop, in order."""
-
-    def anomaly(self, news: AnomalyNews) -> None:
-        """Hear of an anomaly when it begins and when it ends; must not wait and not raise."""
-        ...
-
-
-class DetectorNews(AnomalySink, Protocol):
-    """Whoever wants to hear what detectors of every kind find."""
-
-    def sighting(self, news: Sighting) -> None:
-        """Hear of a sighting: when it begins, when its count changes, and when it ends."""
-        ...
+__all__ = ["AnomalyNews", "AnomalySink", "History", "Sighting", "SightingSink"]
 
 
 class History(Protocol):
@@ -190,4 +125,68 @@ class History(Protocol):
         width: int = 0,
     ) -> AsyncIterator[bytes]:
         """Give a window as the bytes of a file, in pieces."""
+        ...
+
+
+class AnomalyNews(NamedTuple):
+    """An anomaly began, or ended.
+
+    Attributes:
+        site: its short name.
+        channel: the signal's address, ``device/signal``.
+        detector: a word of `DetectorKind`.
+        began_us: when its first high score was (µs, UTC); with ``channel`` and ``detector`` it
+            tells anomalies apart.
+        ended_us: when its last high score was (µs, UTC); None while it is on.
+        score: 0 to 1; the greatest so far.
+        why: in words, with numbers and units.
+
+    """
+
+    site: str
+    channel: str
+    detector: str
+    began_us: int
+    ended_us: int | None
+    score: float
+    why: str
+
+
+class AnomalySink(Protocol):
+    """Who wants to hear of anomalies."""
+
+    def anomaly(self, news: AnomalyNews) -> None:
+        """Take the news in order, on the event loop; must not wait and not raise."""
+        ...
+
+
+class Sighting(NamedTuple):
+    """A detector sees something, sees more or less of it, or sees it no more.
+
+    Attributes:
+        site: its short name.
+        camera: the stream's address, ``device/stream``.
+        label: what is seen, by the detector's name for it.
+        many: so many at once.
+        confidence: of the surest, 0 to 1.
+        began_us: when it was seen first (µs, UTC); with ``camera`` and ``label`` it tells
+            sightings apart.
+        ended_us: when it was seen last (µs, UTC); None while it is.
+
+    """
+
+    site: str
+    camera: str
+    label: str
+    many: int
+    confidence: float
+    began_us: int
+    ended_us: int | None
+
+
+class SightingSink(Protocol):
+    """Who wants to hear of sightings."""
+
+    def sighting(self, news: Sighting) -> None:
+        """Take the news in order, on the event loop; must not wait and not raise."""
         ...

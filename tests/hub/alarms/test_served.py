@@ -14,7 +14,7 @@ import time
 import pytest
 from aiosmtpd.smtp import SMTP
 
-from talaia.hub.ports import AnomalyNews, DetectorNews, Sighting
+from talaia.hub.ports import AnomalyNews, AnomalySink, Sighting, SightingSink
 from talaia.wire.browser import AlarmNews, EventNews
 from talaia.wire.frames import RecordAsk
 
@@ -247,8 +247,9 @@ async def test_an_alarm_made_in_the_page_works_and_one_that_does_not_fit_says_wh
     made = await admin.put("/api/sites/agv/alarms/fast", json=fast)
     assert made.status_code == 204, made.text
     await gateway.samples(("base/speed", now_us(), -2.0))
-    unknown = await page.hear(AlarmNews, lambda news: not news.known)
-    assert (unknown.phase, unknown.unknown_why) == ("normal", "Voltage has never been heard of")
+    why = "Voltage has never been heard of"
+    unknown = await page.hear(AlarmNews, lambda news: news.unknown_why == why)
+    assert (unknown.phase, unknown.known) == ("normal", False)
     await gateway.samples(("power/voltage", now_us(), 12.0))
     raised = await page.hear(AlarmNews, lambda news: news.phase == "active")
     # About two devices: of the whole site.
@@ -267,18 +268,19 @@ alarms:
     gateway = await hub.gateway()
     await gateway.hello(DESCRIPTION + described)
     page = await hub.page("operator")
-    detectors: DetectorNews = hub.hub.alarms
+    seeing: SightingSink = hub.hub.alarms
+    feeling: AnomalySink = hub.hub.alarms
     seen = Sighting("agv", "camera/front", "person", 1, 0.9, 1_000, None)
-    detectors.sighting(dataclasses.replace(seen, confidence=0.5))
-    detectors.sighting(seen)
+    seeing.sighting(seen._replace(confidence=0.5))
+    seeing.sighting(seen)
     raised = await page.hear(AlarmNews, lambda news: news.phase == "active")
     assert (raised.alarm, raised.why) == ("someone", "person seen (90% sure)")
-    detectors.sighting(dataclasses.replace(seen, ended_us=2_000))
+    seeing.sighting(seen._replace(ended_us=2_000))
     await page.hear(AlarmNews, lambda news: news.phase == "cleared")
     # Told only when it was over, it has been there all the same.
     await gateway.samples(("base/speed", now_us(), 0.1))
-    odd = AnomalyNews("agv", "base/speed", 5_000, 6_000, 0.9, "far from its median")
-    detectors.anomaly(dataclasses.replace(odd, score=0.2))
-    detectors.anomaly(odd)
+    odd = AnomalyNews("agv", "base/speed", "baseline", 5_000, 6_000, 0.9, "far from its median")
+    feeling.anomaly(odd._replace(score=0.2))
+    feeling.anomaly(odd)
     raised = await page.hear(AlarmNews, lambda news: news.alarm == "odd" and news.raised_us)
     assert "far from its median" in raised.why

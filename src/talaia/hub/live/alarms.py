@@ -93,7 +93,7 @@ class LiveAlarm:
     condition: Condition | None = None
     problem: str = ""
     undelivered: str = ""
-    shown_known: bool = True
+    shown_unknown: str = ""
 
 
 class _Ask(NamedTuple):
@@ -117,7 +117,7 @@ class _Site:
         # The newest value, its text and when it came (monotonic ns), by address.
         self.values: dict[str, tuple[float, str, int]] = {}
         # What goes on now, as detectors say, by whom and of what.
-        self.seen: dict[tuple[str, str], dict[int, Seen]] = {}
+        self.seen: dict[tuple[str, str], dict[tuple[int, str], Seen]] = {}
 
 
 class Alarms:
@@ -290,15 +290,17 @@ class Alarms:
                 self._judge(live, known, each, now)
 
     def anomaly(self, news: AnomalyNews) -> None:
-        """Take what a detector of anomalies says; see `talaia.hub.ports.DetectorNews`."""
+        """Take what a detector of anomalies says; see `talaia.hub.ports.AnomalySink`."""
         seen = Seen(score=news.score, why=news.why)
-        self._happens(news.site, (news.channel, ""), news.began_us, seen, over=bool(news.ended_us))
+        which, over = (news.began_us, news.detector), news.ended_us is not None
+        self._happens(news.site, (news.channel, ""), which, seen, over=over)
 
     def sighting(self, news: Sighting) -> None:
-        """Take what a detector of objects says."""
-        seen = Seen(many=news.count, confidence=news.confidence)
+        """Take what a detector of objects says; see `talaia.hub.ports.SightingSink`."""
+        seen = Seen(many=news.many, confidence=news.confidence)
         what = (news.camera, news.label)
-        self._happens(news.site, what, news.began_us, seen, over=bool(news.ended_us))
+        over = news.ended_us is not None
+        self._happens(news.site, what, (news.began_us, ""), seen, over=over)
 
     def look(self) -> None:
         """Hold what is known against every condition: values age, and delays end."""
@@ -314,7 +316,7 @@ class Alarms:
                     self._put(each, Unshelve(now_us))
 
     def _happens(
-        self, site: str, what: tuple[str, str], began_us: int, seen: Seen, *, over: bool
+        self, site: str, what: tuple[str, str], which: tuple[int, str], seen: Seen, *, over: bool
     ) -> None:
         known, live = self._of.get(site), self._sites.get(site)
         if known is None or live is None:
@@ -322,7 +324,7 @@ class Alarms:
         going = known.seen.setdefault(what, {})
         now = self._clock.monotonic_ns()
         # Told only when it was over, it has been there all the same.
-        going[began_us] = seen
+        going[which] = seen
         mine = [
             each
             for each in known.alarms.values()
@@ -331,7 +333,7 @@ class Alarms:
         for each in mine:
             self._judge(live, known, each, now)
         if over:
-            del going[began_us]
+            del going[which]
             for each in mine:
                 self._judge(live, known, each, now)
 
@@ -340,8 +342,10 @@ class Alarms:
         if edge is not None:
             kind = Raise if edge.turn is Turn.RAISE else Clear
             self._put(each, kind(self._now_us(), edge.why))
-        if each.watch.known is not each.shown_known:
-            each.shown_known = each.watch.known
+        # Of what is not known, without its age, which grows by itself.
+        unknown = "" if each.watch.known else each.watch.why.partition(" is ")[0]
+        if unknown != each.shown_unknown:
+            each.shown_unknown = unknown
             self._tell(each)
 
     @staticmethod
