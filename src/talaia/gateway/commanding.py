@@ -247,9 +247,14 @@ class Commanding:
         if guarded and self._hold(ask.device, ask.command) is not None:
             waiting = asyncio.ensure_future(self._wait(ask, command, fields, named))
             self._held[ask.id] = waiting
-            self._cancels[ask.id] = waiting.cancel
+            self._cancels[ask.id] = lambda: self._stop_waiting(ask.id)
             return
         self._begin(ask, command, fields)
+
+    def _stop_waiting(self, command_id: str) -> None:
+        waiting = self._held.get(command_id)
+        if waiting is not None:
+            waiting.cancel()
 
     async def _wait(
         self,

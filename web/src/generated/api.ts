@@ -936,6 +936,38 @@ export interface SpanShape {
   readonly why: string;
 }
 
+/** All detectors of a site that the person may see. */
+export interface AnomalyList {
+  readonly detectors: readonly AnomalyShape[];
+  readonly may_forgive: boolean;
+  readonly skipped: number;
+}
+
+/** One detector at work on a signal. */
+export interface AnomalyShape {
+  readonly address: string;
+  readonly detector: string;
+  readonly name: string;
+  readonly bar: number;
+  readonly score: number;
+  readonly scores: string;
+  readonly began_us: number;
+  readonly why: string;
+  readonly late: number;
+}
+
+/** What the detector made of it. */
+export interface ForgiveAnswer {
+  readonly learned: boolean;
+}
+
+/** Say that the latest peak of a detector's score was no anomaly. */
+export interface ForgiveAsk {
+  readonly address: string;
+  readonly detector: string;
+  readonly comment?: string;
+}
+
 /** A browser's subscription, as its Push API gives it. */
 export interface PushAsk {
   readonly endpoint: string;

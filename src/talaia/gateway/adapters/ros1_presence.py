@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.gateway.adapters.presence import LOOK_S, Offer, Presence
@@ -73,7 +74,7 @@ class Ros1Presence:
                 if node not in self._asking:
                     asked = loop.run_in_executor(None, self._master.lives, node)
                     self._asking[node] = asked
-                    asked.add_done_callback(lambda asked, node=node: self._take(node, asked))
+                    asked.add_done_callback(partial(self._take, node))
             await asyncio.sleep(LOOK_S)
 
     def _take(self, node: str, asked: asyncio.Future[bool]) -> None:

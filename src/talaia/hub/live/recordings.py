@@ -106,7 +106,7 @@ class GatewayFiles:
                 case ArchiveOffer():
                     offered = message
                     answer = await uploads.offered(site, message)
-                case FilePiece():
+                case _:
                     if offered is None or offered.id != message.id:
                         raise PeerError("a piece of a file that was not offered")
                     if isinstance(offered, FileOffer):

@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
-import logging
-import os
-import signal
 import sys
-import threading
 import time
-from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.sim.domain import environment, reserve
-from talaia.sim.errors import RosMissing, SimError
 from talaia.sim.observatory.ledger import Ledger
 from talaia.sim.observatory.servers import DEVICES, MONTSEC, make
+from talaia.sim.starting import Start, join_ros, needing_ros, run_robot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from talaia.sim.observatory.ros2_shell import Shells
 
 __all__ = ["arguments", "main"]
 
@@ -75,63 +66,23 @@ def main(argv: Sequence[str] | None = None) -> int:
         from talaia.sim.observatory.ros1_start import run_ros1
 
         return run_ros1("ros1_shell", [word for word in words if word != "--ros1"])
-    logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(name)s: %(message)s")
-    ended = threading.Event()
-    try:
-        with ExitStack() as stack:
-            for number in (signal.SIGINT, signal.SIGTERM):
-                before = signal.signal(number, lambda *_: ended.set())
-                stack.callback(signal.signal, number, before)
-            domain = options.domain
-            if domain is None:
-                domain = stack.enter_context(reserve()).domain
-            os.environ.update(environment(domain))
-            _run(options, domain, ended, stack)
-    except (SimError, OSError) as error:
-        sys.stderr.write(f"talaia sim observatory: {error}\n")
-        return 1
-    return 0
+    return run_robot("observatory", options.domain, lambda start: _run(options, start))
 
 
-def _run(
-    options: argparse.Namespace, domain: int, ended: threading.Event, stack: ExitStack
-) -> None:
+def _run(options: argparse.Namespace, start: Start) -> None:
     """Build every part, last built first ended."""
-    began = time.monotonic()
-    # Wheels of ROS need their library path before anything of ROS is imported; a ROS installation
-    # of the machine brings its own.
-    with suppress(ImportError):
-        import ros_wheels_bootstrapper  # noqa: F401
-    try:
-        import rclpy
-        from rclpy.signals import SignalHandlerOptions
-
+    with needing_ros():
         from talaia.sim.observatory.ros2_shell import Shells
-    except ImportError as error:
-        raise RosMissing(str(error)) from error
     names: list[str] = options.only or list(DEVICES)
     if options.fits is not None:
         options.fits.mkdir(parents=True, exist_ok=True)
     ledger = Ledger(options.log)
-    stack.callback(ledger.close)
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    stack.callback(rclpy.try_shutdown)
-    shells: Shells = Shells(options.fits, ledger, options.speed)
-    stack.callback(shells.close)
+    start.stack.callback(ledger.close)
+    join_ros(start.stack)
+    shells = Shells(options.fits, ledger, options.speed)
+    start.stack.callback(shells.close)
     place = MONTSEC._replace(longitude=options.longitude)
     for name in names:
         server = make(name, seed=options.seed, unix_s=time.time(), call=shells.call, place=place)
         shells.add(server)
-
-    def say_ready() -> None:
-        line = {
-            "ready": True,
-            "domain": domain,
-            "pid": os.getpid(),
-            "servers": names,
-            "seconds": round(time.monotonic() - began, 2),
-        }
-        sys.stdout.write(json.dumps(line) + "\n")
-        sys.stdout.flush()
-
-    shells.run(ended, say_ready)
+    shells.run(start.ended, lambda: start.say_ready(servers=names))
