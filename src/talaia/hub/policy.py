@@ -2,6 +2,8 @@
 
 What has no line is denied. Needs are about an object (a site, or one of its devices) and are
 checked for each message, after the object was looked up.
+
+Long, because all routes and messages are to be found in one list.
 """
 
 from __future__ import annotations
