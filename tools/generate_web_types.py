@@ -10,6 +10,7 @@ import argparse
 import json
 import sys
 import types
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -238,6 +239,10 @@ def api_text() -> str:
     classes: list[type[BaseModel]] = [
         getattr(module, name) for module in SHAPES for name in module.__all__
     ]
+    twice = [each for each, many in Counter(each.__name__ for each in classes).items() if many > 1]
+    if twice:
+        # TypeScript would put the two together into one.
+        raise NoTypeScript(f"two shapes of one name: {', '.join(twice)}")
     for shape_class in classes:
         name = shape_class.__name__
         lines = [f"/** {first_sentence(shape_class)} */", f"export interface {name} {{"]

@@ -1004,11 +1004,11 @@ export interface RuleAsk {
 
 /** Your rules. */
 export interface RuleList {
-  readonly rules: readonly RuleShape[];
+  readonly rules: readonly NoticeRuleShape[];
 }
 
 /** One of your rules. */
-export interface RuleShape {
+export interface NoticeRuleShape {
   readonly site: string;
   readonly way: string;
   readonly target?: string;

@@ -29,7 +29,7 @@ export type {
   PreviewShape,
   PushList,
   RuleAsk,
-  RuleShape,
+  NoticeRuleShape,
   WayAsk,
   WayChoice,
   WayShape,

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from talaia.configurator.qt.constants import keep_constants
 from talaia.configurator.qt.window import Window
 
 if TYPE_CHECKING:
@@ -24,7 +23,6 @@ _LOOK_MS = 300
 
 def application() -> QApplication:
     """Give the one Qt application, with the style that the colours are made for."""
-    keep_constants()
     there = QApplication.instance()
     made = there if isinstance(there, QApplication) else QApplication(sys.argv[:1])
     made.setApplicationName("talaia")

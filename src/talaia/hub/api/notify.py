@@ -18,7 +18,7 @@ from talaia.hub.api.notify_shapes import (
     PushList,
     RuleAsk,
     RuleList,
-    RuleShape,
+    NoticeRuleShape,
     WayAsk,
     WayChoice,
     WayChoiceList,
@@ -118,7 +118,7 @@ class NotifyPages:
         found = await self._store.rules(who_of(request).user)
         return RuleList(rules=[_rule_shape(rule) for rule in found])
 
-    async def add_rule(self, asked: RuleAsk, request: Request) -> RuleShape:
+    async def add_rule(self, asked: RuleAsk, request: Request) -> NoticeRuleShape:
         """Be told of alarms, of those that you may view."""
         who = who_of(request)
         found = await self._store.way(int(asked.way))
@@ -136,7 +136,7 @@ class NotifyPages:
         if number is None:
             raise ApiProblem(409, "too_many", "you have as many rules as one person may have")
         self._note(request, "rule of alarms added", f"{found[0].name} {asked.site}")
-        return RuleShape(id=str(number), **asked.model_dump())
+        return NoticeRuleShape(id=str(number), **asked.model_dump())
 
     async def remove_rule(self, rule: str, request: Request) -> None:
         """Be told by this rule no more."""
@@ -266,8 +266,8 @@ def _security(word: str) -> Literal["starttls", "tls", "none"]:
     return "none" if word == "none" else "starttls"
 
 
-def _rule_shape(rule: Rule) -> RuleShape:
-    return RuleShape(
+def _rule_shape(rule: Rule) -> NoticeRuleShape:
+    return NoticeRuleShape(
         id=str(rule.id), site=rule.site, way=str(rule.way), target=rule.target,
         least=rule.least.value, over=rule.over, quiet_from=rule.quiet_from,
         quiet_to=rule.quiet_to, quiet_least=rule.quiet_least.value, zone=rule.zone,

@@ -16,7 +16,7 @@ __all__ = [
     "PushList",
     "RuleAsk",
     "RuleList",
-    "RuleShape",
+    "NoticeRuleShape",
     "WayAsk",
     "WayChoice",
     "WayChoiceList",
@@ -128,7 +128,7 @@ class RuleAsk(Shape):
         return self
 
 
-class RuleShape(RuleAsk):
+class NoticeRuleShape(RuleAsk):
     """One of your rules."""
 
     id: str
@@ -137,7 +137,7 @@ class RuleShape(RuleAsk):
 class RuleList(Shape):
     """Your rules."""
 
-    rules: list[RuleShape]
+    rules: list[NoticeRuleShape]
 
 
 class WentShape(Shape):

@@ -12,7 +12,7 @@ import { base } from "../../elements/base.js";
 import { sheets } from "../../elements/sheets.js";
 import { adviceFor } from "../../format/problem.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import { NotifyApi, type PushList, type RuleAsk, type RuleShape, type WayChoice, type WentShape } from "../../wire/alarms.js";
+import { NotifyApi, type PushList, type RuleAsk, type NoticeRuleShape, type WayChoice, type WentShape } from "../../wire/alarms.js";
 import type { HubApi } from "../../wire/http.js";
 import { subscribe, whyNoPush } from "../../wire/push.js";
 import "../../elements/button.js";
@@ -23,7 +23,7 @@ import "../../elements/status.js";
 
 interface Known {
   readonly ways: readonly WayChoice[];
-  readonly rules: readonly RuleShape[];
+  readonly rules: readonly NoticeRuleShape[];
   readonly push: PushList;
 }
 
@@ -99,7 +99,7 @@ export class AccountRules extends LitElement {
       ${known.push.key === "" ? nothing : this.browsers(known.push)}`;
   }
 
-  private rule(rule: RuleShape, known: Known): TemplateResult {
+  private rule(rule: NoticeRuleShape, known: Known): TemplateResult {
     const way = known.ways.find(({ id }) => id === rule.way);
     const site = rule.site === "*" ? "every site" : (this.sites.store?.row(rule.site)?.name ?? rule.site);
     const quiet = rule.quiet_from === rule.quiet_to ? "" : `quiet ${clock(rule.quiet_from ?? 0)}–${clock(rule.quiet_to ?? 0)} (${rule.zone ?? "UTC"}) but for ${rule.quiet_least ?? "critical"}`;
