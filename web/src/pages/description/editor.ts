@@ -253,6 +253,8 @@ export class DescriptionEditor extends LitElement {
           ? renamedAt(described, edit.path, edit.name)
           : movedAt(described, edit.path, edit.by);
     if (wanted === described) return;
+    // What the hub says of the text before must not take this back.
+    this.abort?.abort();
     this.described = wanted;
     this.checked = null;
     void this.write(edits, wanted);
