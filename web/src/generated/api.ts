@@ -968,6 +968,21 @@ export interface ForgiveAsk {
   readonly comment?: string;
 }
 
+/** One of your rules. */
+export interface NoticeRuleShape {
+  readonly site: string;
+  readonly way: string;
+  readonly target?: string;
+  readonly least?: "info" | "warning" | "critical";
+  readonly over?: boolean;
+  readonly quiet_from?: number;
+  readonly quiet_to?: number;
+  readonly quiet_least?: "info" | "warning" | "critical";
+  readonly zone?: string;
+  readonly group_s?: number;
+  readonly id: string;
+}
+
 /** A browser's subscription, as its Push API gives it. */
 export interface PushAsk {
   readonly endpoint: string;
@@ -1005,21 +1020,6 @@ export interface RuleAsk {
 /** Your rules. */
 export interface RuleList {
   readonly rules: readonly NoticeRuleShape[];
-}
-
-/** One of your rules. */
-export interface NoticeRuleShape {
-  readonly site: string;
-  readonly way: string;
-  readonly target?: string;
-  readonly least?: "info" | "warning" | "critical";
-  readonly over?: boolean;
-  readonly quiet_from?: number;
-  readonly quiet_to?: number;
-  readonly quiet_least?: "info" | "warning" | "critical";
-  readonly zone?: string;
-  readonly group_s?: number;
-  readonly id: string;
 }
 
 /** A server that messages go to. */

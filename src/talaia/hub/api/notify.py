@@ -13,12 +13,12 @@ from fastapi import APIRouter, Request
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.api.access import address_of, number_of, who_of
 from talaia.hub.api.notify_shapes import (
+    NoticeRuleShape,
     PushAsk,
     PushBrowserShape,
     PushList,
     RuleAsk,
     RuleList,
-    NoticeRuleShape,
     WayAsk,
     WayChoice,
     WayChoiceList,

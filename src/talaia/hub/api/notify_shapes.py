@@ -11,12 +11,12 @@ from pydantic import Field, StringConstraints, model_validator
 from talaia.hub.api.shapes import Shape
 
 __all__ = [
+    "NoticeRuleShape",
     "PushAsk",
     "PushBrowserShape",
     "PushList",
     "RuleAsk",
     "RuleList",
-    "NoticeRuleShape",
     "WayAsk",
     "WayChoice",
     "WayChoiceList",
