@@ -103,8 +103,11 @@ def _vehicle(options: argparse.Namespace, data: Path) -> _Robot:
     words = ["sim", "vehicle", "--domain", str(world), "--seed", str(options.seed)]
     words += ["--log", str(data / "actuations.jsonl")]
     words += ["--no-camera"] if options.no_camera else []
+    # A copy: it may be changed from the page.
+    description = data / "agv.yaml"
+    description.write_text(example(VEHICLE).read_text())
     return _Robot(
-        VEHICLE, example(VEHICLE), "vehicle", words, "sim.log", world, domain.environment(world)
+        VEHICLE, description, "vehicle", words, "sim.log", world, domain.environment(world)
     )
 
 
@@ -131,5 +134,5 @@ async def _gateway(robot: _Robot, settings: Settings) -> list[str]:
     return [
         "gateway", str(robot.description), "--hub", f"ws://127.0.0.1:{settings.port}",
         "--key-file", str(key), "--allow-plain", "--data", str(settings.data / f"gateway{suffix}"),
-        "--ros-domain", str(robot.domain),
+        "--ros-domain", str(robot.domain), "--accept-changes", "all",
     ]  # fmt: skip

@@ -15,6 +15,7 @@ from talaia.cli.parts import Part, run_together, start
 from talaia.cli.places import DEFAULT_PORT, data_folder, free_port, has_screen, open_page
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.keyfile import KeyFile
+from talaia.gateway.permitting import Accepts
 from talaia.hub.settings import Settings, is_loopback
 from talaia.model.check import raise_first
 from talaia.model.load import read_site
@@ -73,6 +74,12 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument("--data", type=Path, help="folder of accounts and history")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    parser.add_argument(
+        "--accept-changes", type=Accepts, choices=list(Accepts), default=Accepts.READINGS,
+        metavar="{no,readings,all}",
+        help="what admins may change of the description in the dashboard: nothing, what is read "
+        "and shown, or also commands, driving and interlocks (default: readings)",
+    )  # fmt: skip
     return parser.parse_args(argv)
 
 
@@ -100,6 +107,7 @@ async def _start(options: argparse.Namespace, site: Site, data: Path, parts: lis
     gateway = [
         "gateway", str(options.site), "--key-file", str(key), "--data", str(data / "gateway"),
         "--hub", f"{'ws' if plain else 'wss'}://{shown_host}:{port}",
+        "--accept-changes", options.accept_changes,
     ]  # fmt: skip
     if plain:
         gateway.append("--allow-plain")

@@ -6,12 +6,12 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { styleMap } from "lit/directives/style-map.js";
 import { formatMs } from "../../format/duration.js";
 import { base } from "../base.js";
 import "../icon.js";
 import type { IconName } from "../icons.js";
 import "../loading.js";
+import { styled } from "../styled.js";
 import { MOST_ZOOM, moved, wheelFactor, WHOLE, zoomed, type Zoom } from "./zoom.js";
 
 /** What stands between the page and a picture; `open` when nothing does. */
@@ -261,7 +261,7 @@ export class CameraView extends LitElement {
       @dblclick=${this.whole}
       @keydown=${this.keyed}
     >
-      <canvas role="img" aria-label=${this.spoken(live)} style=${styleMap(style)}></canvas>
+      <canvas role="img" aria-label=${this.spoken(live)} ${styled(style)}></canvas>
     </div>`;
   }
 
