@@ -40,13 +40,13 @@ export class PageDevice extends LitElement {
     base,
     sheets,
     css`
-      .charts,
       .among {
         display: flex;
         flex-wrap: wrap;
         align-items: baseline;
         gap: var(--t-space-1) var(--t-space-4);
       }
+      .charts,
       .cameras {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(min(23rem, 100%), 1fr));
