@@ -1,0 +1,1 @@
+"""Seeing things on pictures: a detector's input and output, and what was seen from when to when."""

@@ -1,0 +1,168 @@
+"""Boxes around things: what a detector's numbers mean, and which of many boxes are one thing.
+
+Pure: arrays in, arrays out.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float32]
+
+__all__ = ["Box", "Frame", "centred", "corners", "distances", "fitted", "suppressed"]
+
+# Boxes of one class that share more of their area than this are one thing.
+SAME = 0.5
+# A picture that shows more than this is a picture of a crowd; the surest are told.
+MOST = 100
+
+
+class Box(NamedTuple):
+    """One thing on a picture; places are parts of its width and height, from the upper left."""
+
+    label: int
+    score: float
+    left: float
+    top: float
+    right: float
+    bottom: float
+
+
+class Frame(NamedTuple):
+    """Where a picture lies in the square that the detector is shown.
+
+    Attributes:
+        scale: the square's pixels for one of the picture's.
+        left, top: the square's pixels before the picture begins.
+        width, height: of the picture (px).
+
+    """
+
+    scale: float
+    left: int
+    top: int
+    width: int
+    height: int
+
+
+def fitted(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uint8], Frame]:
+    """Fit a picture into a square as wide as ``side``, grey around it, its shape kept.
+
+    Args:
+        picture: height × width × 3.
+        side: of the square (px).
+
+    Returns:
+        side × side × 3, and where the picture lies in it. Pixels are interpolated linearly, which
+        is what the detectors were trained on.
+
+    """
+    height, width = picture.shape[:2]
+    scale = side / max(width, height)
+    new_height, new_width = max(1, round(height * scale)), max(1, round(width * scale))
+    top, left = (side - new_height) // 2, (side - new_width) // 2
+    square = np.full((side, side, 3), 114, np.uint8)
+    rows = _weights(height, new_height)
+    columns = _weights(width, new_width)
+    upper = picture[rows[0]].astype(np.float32)
+    lines = upper + (picture[rows[1]] - upper) * rows[2][:, None, None]
+    first = lines[:, columns[0]]
+    shown = first + (lines[:, columns[1]] - first) * columns[2][None, :, None]
+    square[top : top + new_height, left : left + new_width] = np.rint(shown)
+    return square, Frame(scale, left, top, width, height)
+
+
+def _weights(old: int, new: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+    """Between which two pixels each new one lies, and how far; centres lie on centres."""
+    at = (np.arange(new) + 0.5) * old / new - 0.5
+    at = np.clip(at, 0, old - 1)
+    low = np.floor(at).astype(np.int64)
+    return low, np.minimum(low + 1, old - 1), (at - low).astype(np.float32)
+
+
+def distances(bins: Floats, side: int, step: int) -> Floats:
+    """Boxes of one of NanoDet's heads, each told by four distances from its cell's centre.
+
+    A distance is the mean of a distribution over whole steps (Li et al. 2020, "Generalized Focal
+    Loss", https://arxiv.org/abs/2006.04388, equation 4).
+
+    Args:
+        bins: cells × (4 · n), not yet through softmax.
+        side: of the detector's square (px).
+        step: from cell to cell (px).
+
+    Returns:
+        cells × 4: left, top, right, bottom (px of the square).
+
+    """
+    across = -(-side // step)
+    count = bins.shape[1] // 4
+    shaped = bins.reshape(-1, 4, count)
+    raised = np.exp(shaped - shaped.max(axis=2, keepdims=True))
+    mean = (raised @ np.arange(count, dtype=np.float32)) / raised.sum(axis=2) * step
+    cell = np.arange(across * across)
+    x, y = (cell % across + 0.5) * step, (cell // across + 0.5) * step
+    found = np.stack([x - mean[:, 0], y - mean[:, 1], x + mean[:, 2], y + mean[:, 3]], axis=1)
+    return found.astype(np.float32)
+
+
+def centred(boxes: Floats) -> Floats:
+    """Boxes told by centre, width and height, by their corners."""
+    half = boxes[:, 2:] / 2
+    return np.concatenate([boxes[:, :2] - half, boxes[:, :2] + half], axis=1)
+
+
+def suppressed(
+    boxes: Floats, scores: Floats, least: float, same: float = SAME, most: int = MOST
+) -> list[tuple[int, float, Floats]]:
+    """Of boxes that overlap, keep the surest of each class (non-maximum suppression).
+
+    Args:
+        boxes: n × 4, corners.
+        scores: n × classes, 0 to 1; NaN counts as 0.
+        least: boxes less sure than this are left out.
+        same: boxes of one class with a larger intersection over union are one thing.
+        most: so many are given, the surest first.
+
+    Returns:
+        Class, score and corners of each.
+
+    """
+    label = np.nan_to_num(scores, nan=0.0).argmax(axis=1)
+    sure = np.nan_to_num(scores, nan=0.0)[np.arange(len(label)), label]
+    fine = (sure >= least) & np.isfinite(boxes).all(axis=1)
+    found: list[tuple[int, float, Floats]] = []
+    # Before the costly part: what cannot be among the surest is of no use.
+    order = np.flatnonzero(fine)[np.argsort(-sure[fine], kind="stable")][: most * 10]
+    while order.size and len(found) < most:
+        best, order = order[0], order[1:]
+        found.append((int(label[best]), float(sure[best]), boxes[best]))
+        alike = (label[order] == label[best]) & (_shared(boxes[best], boxes[order]) > same)
+        order = order[~alike]
+    return found
+
+
+def _shared(box: Floats, others: Floats) -> Floats:
+    """Intersection over union of one box with others."""
+    low = np.maximum(box[:2], others[:, :2])
+    high = np.minimum(box[2:], others[:, 2:])
+    both = np.prod(np.maximum(high - low, 0), axis=1)
+    area = np.prod(np.maximum(box[2:] - box[:2], 0))
+    areas = np.prod(np.maximum(others[:, 2:] - others[:, :2], 0), axis=1)
+    return np.asarray(both / np.maximum(area + areas - both, 1e-9), np.float32)
+
+
+def corners(found: list[tuple[int, float, Floats]], frame: Frame) -> list[Box]:
+    """Give boxes as parts of the picture; those that lie beside it are left out."""
+    boxes = []
+    for label, score, box in found:
+        x = np.clip((box[[0, 2]] - frame.left) / (frame.scale * frame.width), 0, 1)
+        y = np.clip((box[[1, 3]] - frame.top) / (frame.scale * frame.height), 0, 1)
+        if x[1] > x[0] and y[1] > y[0]:
+            boxes.append(Box(label, score, float(x[0]), float(y[0]), float(x[1]), float(y[1])))
+    return boxes
