@@ -244,6 +244,13 @@ def people(browser: Browser, address: str, password: str) -> None:
         answer = page.request.post(f"{address}/api/{path}", data=body, headers={"Origin": address})
         if not answer.ok:
             print(path, answer.status, answer.text())
+    low = {"name": "Battery is low", "kind": "limit", "signal": "power/charge", "below": 99.9,
+           "severity": "warning", "advice": "Drive it to its charger."}  # fmt: skip
+    answer = page.request.put(
+        f"{address}/api/sites/agv/alarms/battery_low", data=low, headers={"Origin": address}
+    )
+    if not answer.ok:
+        print("alarm", answer.status, answer.text())
     page.close()
 
 
@@ -355,6 +362,31 @@ def audit(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(300)
 
 
+def alarms(page: Page, address: str, _password: str) -> None:
+    """Show an alarm that stands, and its bar."""
+    page.goto(f"{address}/alarms")
+    page.get_by_role("heading", name="Alarms").wait_for()
+    page.get_by_text("Battery is low").first.wait_for()
+    page.wait_for_timeout(500)
+
+
+def logbook(page: Page, address: str, _password: str) -> None:
+    """Show what happened at the vehicle."""
+    page.goto(f"{address}/sites/agv/logbook")
+    page.get_by_role("heading", name="Logbook").wait_for()
+    page.wait_for_timeout(800)
+
+
+def description(page: Page, address: str, _password: str) -> None:
+    """Open the form of the description at the battery's signals."""
+    page.goto(f"{address}/admin/description")
+    page.get_by_text("in use").first.wait_for()
+    page.get_by_text("Edit", exact=True).first.click()
+    page.get_by_text("nothing changed yet").wait_for()
+    page.get_by_text("Devices", exact=True).last.click()
+    page.wait_for_timeout(500)
+
+
 PAGES = {
     "login": login, "home": home, "live": live, "history": history, "drive": drive,
     "gallery": gallery, "devices": devices, "device": device,
@@ -362,7 +394,8 @@ PAGES = {
 OBSERVATORY_PAGES = {"dome": dome, "telescope": telescope, "weather": weather, "power": power}
 ADMIN_PAGES = {
     "account": account, "people": people_page, "roles": roles, "gateways": gateways,
-    "storage": storage, "audit": audit,
+    "alarms": alarms, "logbook": logbook, "description": description, "storage": storage,
+    "audit": audit,
 }  # fmt: skip
 GUEST_PAGES = {"public": public}
 
