@@ -365,7 +365,7 @@ def audit(page: Page, address: str, _password: str) -> None:
 def alarms(page: Page, address: str, _password: str) -> None:
     """Show an alarm that stands, and its bar."""
     page.goto(f"{address}/alarms")
-    page.get_by_role("heading", name="Alarms").wait_for()
+    page.get_by_role("heading", name="Alarms", exact=True).wait_for()
     page.get_by_text("Battery is low").first.wait_for()
     page.wait_for_timeout(500)
 
