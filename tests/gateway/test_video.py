@@ -66,7 +66,7 @@ async def until(condition: Callable[[], object], within: float = 20) -> None:
 
 @asynccontextmanager
 async def watched(
-    source: str, folder: Path, more: str = ""
+    source: str, folder: Path, more: str = ", here: true"
 ) -> AsyncIterator[tuple[Hall, Told, Video]]:
     site = raise_first(load_site(SITE % (more, source)))
     hall, told = Hall(Form.H264), Told()
@@ -116,7 +116,7 @@ async def test_a_camera_with_a_password_has_it_from_a_file_and_nobody_is_told_it
 ) -> None:
     (tmp_path / "word").write_text("s3cr:t/@\n")
     camera = RtspCamera(FILM, "viewer:s3cr:t/@")
-    more = ", user: viewer, password_file: word"
+    more = ", here: true, user: viewer, password_file: word"
     url = f"url: 'rtsp://127.0.0.1:{camera.port}/x'"
     async with watched(url, tmp_path, more) as (hall, told, video):
         video.watch(["gate/front"])
@@ -134,6 +134,20 @@ async def test_what_is_no_camera_is_told_on_the_tile_and_nothing_falls_over(tmp_
         assert [kind for kind, _ in told.events].count("camera") == 1
 
 
+async def test_a_camera_where_none_may_be_is_told_on_the_tile_with_the_key_to_set(
+    tmp_path: Path,
+) -> None:
+    camera = RtspCamera(FILM)
+    url = f"url: 'rtsp://localhost:{camera.port}/x'"
+    async with watched(url, tmp_path, "") as (hall, _, video):
+        video.watch(["gate/front"])
+        await until(lambda: hall.troubles)
+    assert "this computer itself" in hall.troubles[0]
+    assert "here: true" in hall.troubles[0]
+    assert camera.clients == 0
+    camera.close()
+
+
 @pytest.mark.parametrize(
     "source",
     [
@@ -141,6 +155,9 @@ async def test_what_is_no_camera_is_told_on_the_tile_and_nothing_falls_over(tmp_
         "url: 'http://169.254.169.254/latest'",
         "url: 'rtsp://me:word@camera/x'",
         "url: 'exec:rm'",
+        "url: 'rtsp://127.0.0.1/x'",
+        "url: 'rtsp://169.254.169.254/x'",
+        "url: 'rtsp://[::ffff:127.0.0.1]/x'",
         "file: /etc/passwd",
         "file: /dev/../etc/passwd",
         "file: '/dev/video0 -y'",
