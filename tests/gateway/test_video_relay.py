@@ -86,7 +86,8 @@ def test_a_name_is_looked_up_once_and_what_was_checked_is_opened(
 )
 @pytest.mark.parametrize("piece", [1, 100_000])
 def test_an_answer_that_leads_elsewhere_is_not_passed_on(answer: bytes, piece: int) -> None:
-    answers, passed = Answers("192.168.1.20"), []
+    answers = Answers("192.168.1.20")
+    passed: list[bytes] = []
     pieces = (answer[at : at + piece] for at in range(0, len(answer), piece))
     with pytest.raises(CameraRefused):
         passed.extend(map(answers.take, pieces))
