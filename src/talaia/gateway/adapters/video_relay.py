@@ -176,6 +176,8 @@ class Relay:
             near, _ = self._door.accept()
             self._door.close()
             near.settimeout(self._door.gettimeout())
+            # Pictures wait for no acknowledgement.
+            near.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, True)  # noqa: FBT003 - its shape
             with near:
                 try:
                     self._carry(near)
