@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
+import time
 from contextlib import asynccontextmanager
+from itertools import count
 from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
@@ -14,14 +16,26 @@ from talaia.gateway.run import Gateway
 from talaia.gateway.settings import HubAddress, Settings
 from talaia.model.check import raise_first
 from talaia.model.load import load_site
+from talaia.wire.frames import (
+    CommandAsk,
+    CommandPhase,
+    CommandState,
+    Drive,
+    LeaseAsk,
+    LeaseOp,
+    LeaseState,
+)
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
     from pathlib import Path
 
+    from fake_hub import FakeHub
+
     from talaia.wire.frames import Hello
 
 DEADLINE_S = 20.0
+SEQ = count()
 
 SITE = """
 talaia: 1
@@ -155,3 +169,31 @@ async def running(
     finally:
         ended.set()
         await asyncio.wait_for(task, DEADLINE_S)
+
+
+async def command(hub: FakeHub, name: str, command_id: str, **args: object) -> CommandState:
+    """Ask the device ``base`` for something, and wait for how it ends."""
+    ask = CommandAsk(id=command_id, device="base", command=name, args=args, ttl_ms=5000, who="Ada")
+    await hub.send(ask)
+    final = set(CommandPhase) - {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
+    return await hub.next(CommandState, lambda each: each.id == command_id and each.phase in final)
+
+
+async def take_lease(hub: FakeHub, device: str = "base") -> int:
+    """Take a device to drive it, and give the lease's epoch."""
+    await hub.send(LeaseAsk(device=device, session="tab", who="Ada", op=LeaseOp.TAKE))
+    state = await hub.next(LeaseState, lambda each: each.asked == "tab" and each.device == device)
+    await hub.until(lambda: hub.tick >= 0, "a tick")
+    return state.epoch
+
+
+async def drive(hub: FakeHub, epoch: int, linear: float = 0.2, device: str = "base") -> int:
+    """Send one frame, and give when (monotonic, ns)."""
+    sent = time.monotonic_ns()
+    await hub.send(
+        Drive(
+            device=device, session="tab", epoch=epoch, seq=next(SEQ), tick=hub.tick,
+            linear=linear, angular=0.0,
+        )
+    )  # fmt: skip
+    return sent

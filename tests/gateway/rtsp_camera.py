@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import re
 import socket
+import ssl
 import struct
 import threading
 from collections.abc import Iterator
@@ -21,8 +23,23 @@ CLOCK = 90_000
 class RtspCamera:
     """Serves one client after the other the same film, over and over, at 20 Hz."""
 
-    def __init__(self, pictures: list[np.ndarray], user: str = "") -> None:
-        """Take the film as RGB, and ``name:password`` to ask for, if any."""
+    def __init__(
+        self,
+        pictures: list[np.ndarray],
+        user: str = "",
+        *,
+        tls: ssl.SSLContext | None = None,
+        source: str = "",
+    ) -> None:
+        """Take the film as RGB, and ``name:password`` to ask for, if any.
+
+        Args:
+            pictures: the film.
+            user: whom it serves.
+            tls: encrypt with this.
+            source: where it says that packets come from, where they go by UDP.
+
+        """
         height, width = pictures[0].shape[:2]
         encoder = Encoder(width, height, 20, 4_000_000)
         self._film: list[list[bytes]] = []
@@ -31,6 +48,10 @@ class RtspCamera:
             assert made is not None
             self._film.append(list(units_of(made.data)))
         self._user = user
+        self._tls, self._source = tls, source
+        self.lossy = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.lossy.bind(("127.0.0.1", 0))
+        self._to: tuple[str, int] | None = None
         self._ended = threading.Event()
         self.clients = 0
         self._socket = socket.create_server(("127.0.0.1", 0))
@@ -45,6 +66,7 @@ class RtspCamera:
             socket.create_connection(("127.0.0.1", self.port)).close()
         self.drop()
         self._socket.close()
+        self.lossy.close()
 
     def drop(self) -> None:
         """Cut the connection there is."""
@@ -55,8 +77,11 @@ class RtspCamera:
     def _run(self) -> None:
         while not self._ended.is_set():
             client, _ = self._socket.accept()
-            self._now = client
-            with contextlib.suppress(OSError), client:
+            with contextlib.suppress(OSError), contextlib.ExitStack() as stack:
+                stack.enter_context(client)
+                if self._tls is not None and not self._ended.is_set():
+                    client = stack.enter_context(self._tls.wrap_socket(client, server_side=True))
+                self._now = client
                 self._serve(client)
 
     def _serve(self, client: socket.socket) -> None:
@@ -80,7 +105,7 @@ class RtspCamera:
                 )
                 more = "Content-Type: application/sdp\r\n"
             elif verb == "SETUP":
-                more = "Transport: RTP/AVP/TCP;unicast;interleaved=0-1\r\nSession: 1\r\n"
+                more = f"Transport: {self._transport(heads['transport'])}\r\nSession: 1\r\n"
             elif verb == "PLAY":
                 more = "Session: 1\r\n"
             client.sendall(
@@ -91,6 +116,14 @@ class RtspCamera:
                 self.clients += 1
                 self._play(client)
                 return
+
+    def _transport(self, wanted: str) -> str:
+        ports = re.search(r"client_port=([0-9]+)-([0-9]+)", wanted)
+        if ports is None:
+            return "RTP/AVP/TCP;unicast;interleaved=0-1"
+        self._to = ("127.0.0.1", int(ports[1]))
+        own = self.lossy.getsockname()[1]
+        return f"RTP/AVP;unicast;{ports[0]};server_port={own}-{own};source={self._source}"
 
     def _play(self, client: socket.socket) -> None:
         number = at = 0
@@ -103,7 +136,10 @@ class RtspCamera:
                         ">BBHII", 0x80, 96 | mark, number % 65536, at * CLOCK // 20, 7
                     )
                     packet = head + payload
-                    client.sendall(b"$\0" + struct.pack(">H", len(packet)) + packet)
+                    if self._to is None:
+                        client.sendall(b"$\0" + struct.pack(">H", len(packet)) + packet)
+                    else:
+                        self.lossy.sendto(packet, self._to)
                     number += 1
             at += 1
             self._ended.wait(0.05)

@@ -8,7 +8,6 @@ import struct
 import subprocess
 import time
 from contextlib import suppress
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,7 +15,7 @@ import pytest
 import ros1_bench
 import simplejpeg
 from fake_hub import FakeHub, fake_hub
-from gateway_bench import DEADLINE_S, Peer, addresses_of, running
+from gateway_bench import DEADLINE_S, Peer, addresses_of, command, drive, running, take_lease
 from hypothesis import given, strategies as st
 
 from talaia.cli.importing.decoding import decoder_of
@@ -30,10 +29,7 @@ from talaia.wire.frames import (
     CommandPhase,
     CommandState,
     DeviceState,
-    Drive,
     Event,
-    LeaseAsk,
-    LeaseOp,
     LeaseState,
     Reconnect,
     RecordAsk,
@@ -46,7 +42,6 @@ from talaia.wire.frames import (
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-SEQ = count()
 SCRIPT = Path(__file__).parents[2] / "src/talaia/gateway/adapters/ros1_bridge.py"
 
 SITE = """
@@ -177,18 +172,6 @@ async def robot(port: int, ros1_home: Path, tmp_path: Path) -> AsyncIterator[Rob
 pytestmark = pytest.mark.robot
 
 
-async def drive(hub: FakeHub, device: str, linear: float) -> None:
-    await hub.send(LeaseAsk(device=device, session="tab", who="Ada", op=LeaseOp.TAKE))
-    state = await hub.next(LeaseState, lambda x: x.asked == "tab" and x.device == device)
-    await hub.until(lambda: hub.tick >= 0, "a tick")
-    await hub.send(
-        Drive(
-            device=device, session="tab", epoch=state.epoch, seq=next(SEQ), tick=hub.tick,
-            linear=linear, angular=0.0,
-        )
-    )  # fmt: skip
-
-
 async def seen(hub: FakeHub, kind: type, which) -> object:
     """Wait for a message that fits; what else came stays to be looked at."""
 
@@ -197,13 +180,6 @@ async def seen(hub: FakeHub, kind: type, which) -> object:
 
     await hub.until(found, f"a {kind.__name__} that fits")
     return found()[0]
-
-
-async def command(hub: FakeHub, name: str, command_id: str, **args: object) -> CommandState:
-    ask = CommandAsk(id=command_id, device="base", command=name, args=args, ttl_ms=5000, who="Ada")
-    await hub.send(ask)
-    final = set(CommandPhase) - {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
-    return await hub.next(CommandState, lambda each: each.id == command_id and each.phase in final)
 
 
 async def test_raw_messages_are_recorded_with_the_definitions_that_came_with_them(
@@ -288,7 +264,7 @@ async def test_driving_reaches_each_kind_of_listener_and_ends_in_zeros(robot: Ro
         ("cart", "control", "w", "s"),
         ("lift", "stamped", None, [0.0, 0.0]),
     ):
-        await drive(hub, device, 0.2)
+        await drive(hub, await take_lease(hub, device), device=device)
         await peer.until(lambda key=key, still=still: still not in peer.heard(key)[:1])
         await peer.until(lambda key=key, still=still: still in peer.heard(key))
         first = peer.heard(key)[0]
@@ -409,7 +385,7 @@ async def test_a_restart_of_the_master_shows_unknown_at_once_and_all_is_back_by_
                 await gateway.__aenter__()
                 await hub.until(lambda: hub.hellos, "a hello")
                 await peer.until_heard_by(1)
-                await drive(hub, "base", 0.2)
+                await drive(hub, await take_lease(hub))
                 await peer.until(lambda: any(row[0] > 0 for row in peer.heard("cmd")))
                 ask = CommandAsk(id="s", device="base", command="slow", ttl_ms=5000, who="Ada")
                 await hub.send(ask)

@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-import time
 from contextlib import asynccontextmanager
-from itertools import count
 from typing import TYPE_CHECKING
 
 import pytest
 import simplejpeg
 from fake_hub import FakeHub, fake_hub
-from gateway_bench import Peer, addresses_of, running
+from gateway_bench import Peer, addresses_of, command, drive, running, take_lease
 
 from talaia.wire.frames import (
     CommandAsk,
     CommandCancel,
     CommandPhase,
     CommandState,
-    Drive,
     DriveState,
     Event,
-    LeaseAsk,
-    LeaseOp,
-    LeaseState,
     Reconnect,
     ResetAsk,
     ResetToken,
@@ -37,7 +31,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 pytestmark = pytest.mark.robot
-SEQ = count()
 
 
 @asynccontextmanager
@@ -52,36 +45,6 @@ async def hub(peer: Peer, tmp_path: Path) -> AsyncIterator[FakeHub]:
     async with linked(tmp_path) as one:
         await peer.until_heard_by(1)
         yield one
-
-
-async def take_lease(hub: FakeHub) -> int:
-    await hub.send(LeaseAsk(device="base", session="tab", who="Ada", op=LeaseOp.TAKE))
-    state = await hub.next(LeaseState, lambda each: each.asked == "tab")
-    await hub.until(lambda: hub.tick >= 0, "a tick")
-    return state.epoch
-
-
-async def drive(hub: FakeHub, epoch: int, linear: float = 0.2) -> int:
-    sent = time.monotonic_ns()
-    await hub.send(
-        Drive(
-            device="base",
-            session="tab",
-            epoch=epoch,
-            seq=next(SEQ),
-            tick=hub.tick,
-            linear=linear,
-            angular=0.0,
-        )
-    )
-    return sent
-
-
-async def command(hub: FakeHub, name: str, command_id: str, **args: object) -> CommandState:
-    ask = CommandAsk(id=command_id, device="base", command=name, args=args, ttl_ms=5000, who="Ada")
-    await hub.send(ask)
-    final = set(CommandPhase) - {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
-    return await hub.next(CommandState, lambda each: each.id == command_id and each.phase in final)
 
 
 async def test_samples_reach_the_hub_once_each_across_lost_links(hub: FakeHub, peer: Peer) -> None:

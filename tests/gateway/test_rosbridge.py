@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 import simplejpeg
-from fake_hub import FakeHub, fake_hub
-from gateway_bench import addresses_of, running
+from fake_hub import fake_hub
+from gateway_bench import addresses_of, command, drive, running, take_lease
 from hypothesis import given, strategies as st
 from rosbridge_bench import recording, replaying
 from websockets.asyncio.server import serve
@@ -46,10 +46,6 @@ from talaia.wire.frames import (
     CommandPhase,
     CommandState,
     DeviceState,
-    Drive,
-    LeaseAsk,
-    LeaseOp,
-    LeaseState,
     Watch,
 )
 
@@ -140,13 +136,6 @@ def robot(request: pytest.FixtureRequest) -> Peer | NoRobot:
     return request.getfixturevalue("peer") if REAL else NoRobot()
 
 
-async def command(hub: FakeHub, name: str, **args: object) -> CommandState:
-    ask = CommandAsk(id=name, device="base", command=name, args=args, ttl_ms=5000, who="Ada")
-    await hub.send(ask)
-    final = set(CommandPhase) - {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
-    return await hub.next(CommandState, lambda each: each.id == name and each.phase in final)
-
-
 @pytest.mark.parametrize("form", ["cbor", "json"])
 async def test_the_story_of_a_robot_behind_a_real_server(
     form: str, robot: Peer | NoRobot, tmp_path: Path, request: pytest.FixtureRequest
@@ -173,15 +162,15 @@ async def test_the_story_of_a_robot_behind_a_real_server(
             assert set(hub.values("base/pose.yaw")) == {0.0}
             assert hub.values("base/mode") == ["auto ✓"]
             assert hub.values("base/speed1") == [1.4]
-            done = await command(hub, "wander", active=True)
+            done = await command(hub, "wander", "wander", active=True)
             assert (done.phase, done.message) == (CommandPhase.SUCCEEDED, "wandering")
-            failed = await command(hub, "fail")
+            failed = await command(hub, "fail", "fail")
             assert (failed.phase, failed.message) == (CommandPhase.FAILED, "the wheel is off")
-            absent = await command(hub, "absent")
+            absent = await command(hub, "absent", "absent")
             assert absent.phase is CommandPhase.REFUSED
             assert absent.message == "Service /absent does not exist"
-            assert (await command(hub, "horn", tune="la")).phase is CommandPhase.SUCCEEDED
-            counted = await command(hub, "count", order=3)
+            assert (await command(hub, "horn", "horn", tune="la")).phase is CommandPhase.SUCCEEDED
+            counted = await command(hub, "count", "count", order=3)
             assert counted.phase is CommandPhase.SUCCEEDED
             await hub.send(Watch(streams=["base/front"]))
             async with asyncio.timeout(15):
@@ -191,7 +180,7 @@ async def test_the_story_of_a_robot_behind_a_real_server(
             red, green, blue = simplejpeg.decode_jpeg(hub.pictures[-1].data)[24, 32]
             assert red > 200
             assert max(green, blue) < 60
-            await drive(hub)
+            await drive(hub, await take_lease(hub))
             if far.replay is not None:
                 driven = far.replay.driven
                 await hub.until(lambda: any(speed(one) > 0 for one in driven), "a velocity")
@@ -206,17 +195,6 @@ async def test_the_story_of_a_robot_behind_a_real_server(
 
 def speed(said: dict) -> float:
     return said["msg"].get("linear", {}).get("x", 0.0)
-
-
-async def drive(hub: FakeHub) -> None:
-    await hub.send(LeaseAsk(device="base", session="tab", who="Ada", op=LeaseOp.TAKE))
-    state = await hub.next(LeaseState, lambda each: each.asked == "tab")
-    await hub.until(lambda: hub.tick >= 0, "a tick")
-    frame = Drive(
-        device="base", session="tab", epoch=state.epoch, seq=1, tick=hub.tick, linear=0.2,
-        angular=0.0,
-    )  # fmt: skip
-    await hub.send(frame)
 
 
 async def test_a_server_that_goes_away_shows_unknown_within_two_seconds_and_is_found_again(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import socket
+import ssl
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -15,6 +17,7 @@ pytest.importorskip("av")
 from talaia.clock import SystemClock
 from talaia.gateway.adapters.video import Video, address_of
 from talaia.gateway.ports import Outlets
+from talaia.gateway.selfsigned import self_signed
 from talaia.gateway.share import shares_of
 from talaia.model.check import raise_first
 from talaia.model.connection import VideoConnection
@@ -66,7 +69,7 @@ async def until(condition: Callable[[], object], within: float = 20) -> None:
 
 @asynccontextmanager
 async def watched(
-    source: str, folder: Path, more: str = ""
+    source: str, folder: Path, more: str = ", here: true"
 ) -> AsyncIterator[tuple[Hall, Told, Video]]:
     site = raise_first(load_site(SITE % (more, source)))
     hall, told = Hall(Form.H264), Told()
@@ -116,7 +119,7 @@ async def test_a_camera_with_a_password_has_it_from_a_file_and_nobody_is_told_it
 ) -> None:
     (tmp_path / "word").write_text("s3cr:t/@\n")
     camera = RtspCamera(FILM, "viewer:s3cr:t/@")
-    more = ", user: viewer, password_file: word"
+    more = ", here: true, user: viewer, password_file: word"
     url = f"url: 'rtsp://127.0.0.1:{camera.port}/x'"
     async with watched(url, tmp_path, more) as (hall, told, video):
         video.watch(["gate/front"])
@@ -124,6 +127,37 @@ async def test_a_camera_with_a_password_has_it_from_a_file_and_nobody_is_told_it
         camera.close()
         await until(lambda: hall.troubles)
     assert "s3cr" not in repr((told.events, hall.troubles))
+
+
+async def test_a_camera_whose_line_is_encrypted_is_read(tmp_path: Path) -> None:
+    certificate, key = self_signed()
+    (tmp_path / "both.pem").write_bytes(certificate + key)
+    tls = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    tls.load_cert_chain(tmp_path / "both.pem")
+    camera = RtspCamera(FILM, tls=tls)
+    async with watched(f"url: 'rtsps://127.0.0.1:{camera.port}/x'", tmp_path) as (hall, _, video):
+        video.watch(["gate/front"])
+        await until(lambda: len(hall.got) >= 5)
+    camera.close()
+
+
+async def test_a_camera_that_sends_by_udp_gets_our_packets_and_nobody_it_names(
+    tmp_path: Path,
+) -> None:
+    named = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    named.settimeout(0)
+    camera = RtspCamera(FILM, source="127.0.0.9")
+    named.bind(("127.0.0.9", camera.lossy.getsockname()[1]))
+    camera.lossy.settimeout(0)
+    url = f"url: 'rtsp://127.0.0.1:{camera.port}/x'"
+    async with watched(url, tmp_path, ", here: true, udp: true") as (hall, _, video):
+        video.watch(["gate/front"])
+        await until(lambda: len(hall.got) >= 5)
+        assert camera.lossy.recv(4096)
+        with pytest.raises(BlockingIOError):
+            named.recv(4096)
+    camera.close()
+    named.close()
 
 
 async def test_what_is_no_camera_is_told_on_the_tile_and_nothing_falls_over(tmp_path: Path) -> None:
@@ -134,6 +168,20 @@ async def test_what_is_no_camera_is_told_on_the_tile_and_nothing_falls_over(tmp_
         assert [kind for kind, _ in told.events].count("camera") == 1
 
 
+async def test_a_camera_where_none_may_be_is_told_on_the_tile_with_the_key_to_set(
+    tmp_path: Path,
+) -> None:
+    camera = RtspCamera(FILM)
+    url = f"url: 'rtsp://localhost:{camera.port}/x'"
+    async with watched(url, tmp_path, "") as (hall, _, video):
+        video.watch(["gate/front"])
+        await until(lambda: hall.troubles)
+    assert "this computer itself" in hall.troubles[0]
+    assert "here: true" in hall.troubles[0]
+    assert camera.clients == 0
+    camera.close()
+
+
 @pytest.mark.parametrize(
     "source",
     [
@@ -141,6 +189,9 @@ async def test_what_is_no_camera_is_told_on_the_tile_and_nothing_falls_over(tmp_
         "url: 'http://169.254.169.254/latest'",
         "url: 'rtsp://me:word@camera/x'",
         "url: 'exec:rm'",
+        "url: 'rtsp://127.0.0.1/x'",
+        "url: 'rtsp://169.254.169.254/x'",
+        "url: 'rtsp://[::ffff:127.0.0.1]/x'",
         "file: /etc/passwd",
         "file: /dev/../etc/passwd",
         "file: '/dev/video0 -y'",

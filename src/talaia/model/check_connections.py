@@ -10,6 +10,7 @@ import shlex
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+from talaia.model.camera_places import NO_ADDRESS, remedy_for, why_no_camera
 from talaia.model.connection import (
     ROS_KINDS,
     ConnectionKind,
@@ -246,8 +247,8 @@ def stream_source_fits(where: str, stream: Stream, link: Connection) -> Iterator
         yield from _ros_source(where, source)
     elif kind is ConnectionKind.INDI:
         yield from _indi_word_fits(f"{where}.property", source.property, "INDI property")
-    elif kind is ConnectionKind.VIDEO:
-        yield from _camera_fits(where, source)
+    elif isinstance(link, VideoConnection):
+        yield from _camera_fits(where, source, link)
     else:
         yield Finding(where, "commands give no pictures", "reach the camera otherwise")
 
@@ -265,14 +266,20 @@ def _keys_fit(where: str, source: Source, kind: ConnectionKind) -> Iterator[Find
             yield Finding(f"{where}.{key}", problem, f"write as: {_EXAMPLES[kind]}")
 
 
-def _camera_fits(where: str, source: Source) -> Iterator[Finding]:
+def _camera_fits(where: str, source: Source, link: VideoConnection) -> Iterator[Finding]:
     if bool(source.url) == bool(source.file):
         yield Finding(where, "where is the camera?", f"write {_EXAMPLES[ConnectionKind.VIDEO]}")
     elif source.url:
-        yield from _url_fits(
+        findings = [*_url_fits(
             f"{where}.url", source.url, ("rtsp", "rtsps"), "camera.local/stream",
             "write user and password_file at the connection",
-        )  # fmt: skip
+        )]  # fmt: skip
+        yield from findings
+        host = "" if findings else urlsplit(source.url).hostname or ""
+        # A name is looked up, and checked likewise, when the camera is opened.
+        why = why_no_camera(host, here=link.here)
+        if why and why != NO_ADDRESS:
+            yield Finding(f"{where}.url", f"a camera may not be at {host}, {why}", remedy_for(why))
     elif not _CAMERA_FILE.match(source.file):
         problem = f"{source.file[:80]!r} is not a camera's device file"
         yield Finding(f"{where}.file", problem, "write it as /dev/video0")

@@ -146,12 +146,15 @@ class VideoConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="v
         user: whom a camera's server asks for; empty for nobody.
         password_file: a file that holds that user's password; empty for none.
         udp: let the network drop what is late, where a camera can do no TCP.
+        here: cameras' servers may run on the gateway's own computer (``127.0.0.1``), which is
+            refused otherwise.
 
     """
 
     user: str = ""
     password_file: str = ""
     udp: bool = False
+    here: bool = False
 
 
 Connection = (

@@ -7,6 +7,7 @@ while it works; one that fails is tried again, and its tile says why.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import threading
 from typing import TYPE_CHECKING, cast
@@ -15,6 +16,7 @@ from urllib.parse import quote, urlsplit, urlunsplit
 import av
 import numpy as np
 
+from talaia.gateway.adapters.video_relay import CameraRefused, Relay
 from talaia.gateway.errors import FieldError
 from talaia.gateway.pictures.camera import PictureStream
 from talaia.gateway.pictures.pixels import Pixels
@@ -24,7 +26,7 @@ from talaia.model.connection import VideoConnection
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Iterator
     from pathlib import Path
 
     from av.container import InputContainer
@@ -40,7 +42,7 @@ log = logging.getLogger(__name__)
 OPEN_S, SILENT_S = 5.0, 3.0
 AGAIN_S = 2.0
 # What a camera may lead us to: no file, no other protocol.
-_PROTOCOLS = "rtsp,rtsps,rtp,tcp,udp,tls"
+_PROTOCOLS, _LOSSY_PROTOCOLS = "rtsp,tcp", "rtsp,tcp,rtp,udp"
 
 
 class Video:
@@ -149,29 +151,39 @@ class _Camera:
             try:
                 with self._open() as container:
                     self._play(container)
-            except (av.FFmpegError, OSError, ValueError, FieldError) as error:
+            except CameraRefused as error:
                 self._lost(str(error))
+            except (av.FFmpegError, OSError, ValueError, FieldError) as error:
+                # The codec's own words may repeat the address, with the password in it.
+                self._lost(str(error).split(":")[0])
             else:
                 if not self._ended.is_set():
                     self._lost("the camera has ended its stream")
             self._ended.wait(AGAIN_S)
 
-    def _open(self) -> InputContainer:
-        source = self._stream.source
-        timeout = (OPEN_S, SILENT_S)
+    @contextlib.contextmanager
+    def _open(self) -> Iterator[InputContainer]:
+        source, timeout = self._stream.source, (OPEN_S, SILENT_S)
         if source.file:
-            opened = av.open(source.file, format="v4l2", timeout=timeout)
-        else:
-            options = {
-                "rtsp_transport": "udp" if self._settings.udp else "tcp",
-                "fflags": "nobuffer",
-                "probesize": "200000",
-                "analyzeduration": "500000",
-                "protocol_whitelist": _PROTOCOLS,
-            }
-            url = address_of(source.url, self._settings, self._outlets.folder)
-            opened = av.open(url, format="rtsp", options=options, timeout=timeout)
-        return opened
+            with av.open(source.file, format="v4l2", timeout=timeout) as container:
+                yield container
+            return
+        options = {
+            "rtsp_transport": "udp" if self._settings.udp else "tcp",
+            "fflags": "nobuffer",
+            "probesize": "200000",
+            "analyzeduration": "500000",
+            "protocol_whitelist": _LOSSY_PROTOCOLS if self._settings.udp else _PROTOCOLS,
+        }
+        with Relay(source.url, here=self._settings.here, timeout=OPEN_S) as relay:
+            url = address_of(relay.url, self._settings, self._outlets.folder)
+            try:
+                with av.open(url, format="rtsp", options=options, timeout=timeout) as container:
+                    yield container
+            except av.FFmpegError:
+                if relay.refusal is not None:
+                    raise relay.refusal from None
+                raise
 
     def _play(self, container: InputContainer) -> None:
         if not container.streams.video:
@@ -190,9 +202,8 @@ class _Camera:
             self._worker.offer(self._taker, frame)
 
     def _lost(self, why: str) -> None:
-        # The codec's own words may repeat the address, with the password in it.
         where = self._stream.source.url or self._stream.source.file
-        said = f"{where}: {why.split(':')[0]}"
+        said = f"{where}: {why}"
         if self._well:
             self._well = False
             log.warning("%s: %s", self._address, said)
