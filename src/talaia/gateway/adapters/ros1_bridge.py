@@ -152,7 +152,7 @@ class Topic:
         if len(raw) + STAMP.size < MAX_FRAME:
             self._out.write(MESSAGE, STAMP.pack(self._number, at_us) + raw)
         else:
-            problem = "a message of %d bytes is too large, and is left out" % len(raw)
+            problem = f"a message of {len(raw)} bytes is too large, and is left out"
             self._out.say(op="complaint", id=self._name, problem=problem)
 
     def close(self) -> None:
