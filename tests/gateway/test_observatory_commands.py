@@ -31,7 +31,9 @@ from talaia.model.classic import site_of
 from talaia.model.load import dump_site, read_site
 from talaia.model.site import Argument, ArgumentType, Command, CommandKind
 from talaia.sim import domain
-from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, DeviceState
+from talaia.wire.frames import (
+    CommandAsk, CommandPhase, CommandState, DeviceState, Event, Reconnect,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -258,6 +260,31 @@ async def test_a_picture_comes_into_the_archive_once_and_astropy_finds_nothing_w
             assert header["OBJECT"] == target.get("target", "unknown")
             assert (header["ORIGIN"], header["TALAIADV"]) == ("Talaia", "camera")
             assert header["SITELAT"] == pytest.approx(site.place.latitude, abs=1.0)
+
+
+@pytest.mark.parametrize("ros", ["ros2"], indirect=True)
+async def test_where_files_come_from_may_be_described_while_the_gateway_runs(
+    ros: str, ledger: Path, tmp_path: Path
+) -> None:
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={})
+    camera = replace(site.devices["camera"], frames=None)
+    without = replace(site, devices={**site.devices, "camera": camera})
+    file = tmp_path / "site.yaml"
+    async with (
+        fake_hub(addresses_of) as hub,
+        running(hub.url, tmp_path / "data", dump_site(without), file=file),
+    ):
+        await seen(hub, lambda: hub.values("camera/state"), "the camera")
+        assert (await do(hub, "camera", "dark", seconds=0.1)).phase == "succeeded"
+        assert hub.offers == []
+        file.write_text(dump_site(site))  # noqa: ASYNC240 - as a person would
+        await seen(hub, lambda: len(whole(hub)) == 1, "the file that is latched")
+        # Connected anew it comes again, before the next one.
+        await hub.send(Reconnect(device="camera", who="Ada"))
+        await hub.next(Event, lambda each: each.kind == "device reconnected")
+        assert (await do(hub, "camera", "dark", seconds=0.1)).phase == "succeeded"
+        await seen(hub, lambda: len(whole(hub)) >= 2, "the second file")
+        assert len(whole(hub)) == len({offer.digest for offer in hub.offers}) == 2
 
 
 def whole(hub: FakeHub) -> list[bytes]:

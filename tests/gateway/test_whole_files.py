@@ -78,7 +78,7 @@ def test_without_its_memory_a_file_becomes_the_same_bytes_so_that_the_hub_knows_
 
 def test_the_header_gets_site_and_camera_and_keeps_what_the_camera_wrote(tmp_path: Path) -> None:
     # Some programs leave the last block short.
-    data = picture(7, OBJECT="M 31", SITELAT=41.0, INSTRUME="ST-7")
+    data = picture(7, OBJECT="M 31", SITEELEV=20.0, INSTRUME="ST-7")
     assert taken(tmp_path, data[: 2880 + 24]).problems == []
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -86,9 +86,16 @@ def test_the_header_gets_site_and_camera_and_keeps_what_the_camera_wrote(tmp_pat
             hdus.verify("exception")
             header = hdus[0].header
             assert (hdus[0].data == 7).all()
-    assert (header["OBJECT"], header["SITELAT"], header["INSTRUME"]) == ("M 31", 41.0, "ST-7")
-    assert (header["SITELONG"], header["SITEELEV"], header["TALAIADV"]) == (-16.5, 2390, "camera")
+    assert (header["OBJECT"], header["SITEELEV"], header["INSTRUME"]) == ("M 31", 20.0, "ST-7")
+    assert (header["SITELAT"], header["SITELONG"], header["TALAIADV"]) == (28.3, -16.5, "camera")
     assert (header["ORIGIN"], header["OBSERVAT"]) == ("Talaia", "Iza?a")
+
+
+def test_a_place_that_the_camera_wrote_is_not_mixed_with_the_sites(tmp_path: Path) -> None:
+    taken(tmp_path, picture(SITELAT=41.0))
+    header = fits.getheader(io.BytesIO(waiting(tmp_path)[0]))
+    assert header["SITELAT"] == 41.0
+    assert "SITELONG" not in header
 
 
 def test_what_is_no_fits_is_told_once_until_a_picture_comes(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ way to reach ROS.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import msgspec
 import numpy as np
@@ -218,9 +218,9 @@ def file_in(message: object) -> bytes:
         FieldError: it has none.
 
     """
-    data = _DATA(message)
+    data, offset = cast("bytes", _DATA(message)), cast("int", _OFFSET(message))
     try:
-        return bytes(memoryview(data)[int(_OFFSET(message)) :])  # type: ignore[arg-type]
+        return bytes(memoryview(data)[offset:])
     except (TypeError, ValueError) as error:
         raise FieldError("data", f"it is not a file: {error}") from error
 

@@ -49,13 +49,14 @@ def completed(header: bytes, site: str, device: str, place: Place | None) -> byt
         Card("OBSERVAT", site, "observatory"),
         Card("INSTRUME", device, "camera"),
     ]
-    if place is not None:
+    known = values_of(header)
+    # All of the place or nothing: half of the camera's and half of ours would be nowhere.
+    if place is not None and not known.keys() & {"SITELAT", "SITELONG"}:
         cards += [
             Card("SITELAT", place.latitude, "[deg] latitude of the site"),
             Card("SITELONG", place.longitude, "[deg] longitude of the site, east positive"),
             Card("SITEELEV", place.elevation, "[m] height of the site"),
         ]
-    known = values_of(header)
     ours = [
         Card("ORIGIN", "Talaia", "control room that kept this file"),
         Card("TALAIADV", device, "site and device of the camera"),
