@@ -32,7 +32,12 @@ from talaia.model.load import dump_site, read_site
 from talaia.model.site import Argument, ArgumentType, Command, CommandKind
 from talaia.sim import domain
 from talaia.wire.frames import (
-    CommandAsk, CommandPhase, CommandState, DeviceState, Event, Reconnect,
+    CommandAsk,
+    CommandPhase,
+    CommandState,
+    DeviceState,
+    Event,
+    Reconnect,
 )  # fmt: skip
 
 if TYPE_CHECKING:
@@ -151,7 +156,8 @@ async def test_the_command_file_opens_and_closes_a_real_dome(
         assert (await do(hub, "telescope", "goto", ra=25.0, dec=0.0)).phase == "refused"
         closed = await do(hub, "dome", "close")
         assert (closed.phase, closed.message) == ("succeeded", "the dome is closed")
-        await hub.until(lambda: hub.values("telescope/altitude"), "the telescope")
+        for address in ("telescope/altitude", "dome/rt", "weather/status"):
+            await seen(hub, lambda address=address: hub.values(address), address)
         assert hub.values("telescope/altitude")[0] == 10.0
         assert hub.values("dome/rt")[0] == "Invalid dome action"
         assert str(hub.values("weather/status")[0]).startswith("['Cl")
@@ -277,7 +283,7 @@ async def test_where_files_come_from_may_be_described_while_the_gateway_runs(
         await seen(hub, lambda: hub.values("camera/state"), "the camera")
         assert (await do(hub, "camera", "dark", seconds=0.1)).phase == "succeeded"
         assert hub.offers == []
-        file.write_text(dump_site(site))  # noqa: ASYNC240 - as a person would
+        file.write_text(dump_site(site))
         await seen(hub, lambda: len(whole(hub)) == 1, "the file that is latched")
         # Connected anew it comes again, before the next one.
         await hub.send(Reconnect(device="camera", who="Ada"))
