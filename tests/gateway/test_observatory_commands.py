@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import importlib.util
+import io
 import json
 import math
 import os
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from astropy.io import fits
 from fake_hub import fake_hub
 from gateway_bench import addresses_of, running
 from msgspec.structs import replace
@@ -27,8 +29,16 @@ from observatory_site import as_ros1
 import talaia
 from talaia.model.classic import site_of
 from talaia.model.load import dump_site, read_site
+from talaia.model.site import Argument, ArgumentType, Command, CommandKind
 from talaia.sim import domain
-from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, DeviceState
+from talaia.wire.frames import (
+    CommandAsk,
+    CommandPhase,
+    CommandState,
+    DeviceState,
+    Event,
+    Reconnect,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -146,7 +156,8 @@ async def test_the_command_file_opens_and_closes_a_real_dome(
         assert (await do(hub, "telescope", "goto", ra=25.0, dec=0.0)).phase == "refused"
         closed = await do(hub, "dome", "close")
         assert (closed.phase, closed.message) == ("succeeded", "the dome is closed")
-        await hub.until(lambda: hub.values("telescope/altitude"), "the telescope")
+        for address in ("telescope/altitude", "dome/rt", "weather/status"):
+            await seen(hub, lambda address=address: hub.values(address), address)
         assert hub.values("telescope/altitude")[0] == 10.0
         assert hub.values("dome/rt")[0] == "Invalid dome action"
         assert str(hub.values("weather/status")[0]).startswith("['Cl")
@@ -206,6 +217,86 @@ async def test_an_exposure_begins_when_telescope_and_dome_are_in_place(
                   and row[2] == "done")  # fmt: skip
     exposed = next(i for i, row in enumerate(rows) if row[0] == "camera")
     assert turned < exposed
+
+
+async def test_a_picture_comes_into_the_archive_once_and_astropy_finds_nothing_wrong(
+    ros: str, ledger: Path, tmp_path: Path
+) -> None:
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={})
+    if ros == "ros1":
+        # The simulator takes an exposure's length from a topic there.
+        site = as_ros1(site)
+        seconds = Argument(type=ArgumentType.NUMBER, field="data")
+        expose = Command(
+            name="Expose", kind=CommandKind.TOPIC, target="/camera/expose",
+            type="std_msgs/msg/Float64", arguments={"seconds": seconds},
+        )  # fmt: skip
+        camera = replace(site.devices["camera"], commands={"expose": expose})
+        site = replace(site, devices={**site.devices, "camera": camera})
+    text, target = dump_site(site), {"target": "M 31"} if ros == "ros2" else {}
+
+    async def expose_one(hub: FakeHub, files: int) -> None:
+        before = len(hub.values("camera/state"))
+        await seen(hub, lambda: len(hub.hellos) == files, "the gateway")
+        await seen(hub, lambda: len(hub.values("camera/state")) > before, "the camera")
+        deadline = time.monotonic() + 30
+        while True:
+            taken = await do(hub, "camera", "expose", seconds=0.1, **target)
+            # The gateway has just begun and may not have found what takes exposures.
+            if taken.phase != "refused" or time.monotonic() > deadline:
+                break
+        assert taken.phase == "succeeded", taken.message
+        await seen(hub, lambda: len(whole(hub)) >= files, f"file {files}")
+
+    async with fake_hub(addresses_of) as hub:
+        async with running(hub.url, tmp_path / "data", text):
+            await expose_one(hub, 1)
+        # The topic is latched: after a restart its newest file comes again.
+        async with running(hub.url, tmp_path / "data", text):
+            await expose_one(hub, 2)
+        assert len(whole(hub)) == len({offer.digest for offer in hub.offers}) == 2
+        assert {offer.device for offer in hub.offers} == {"camera"}
+        for data in whole(hub):
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                with fits.open(io.BytesIO(data)) as hdus:
+                    hdus.verify("exception")
+                    header = hdus[0].header
+                    assert hdus[0].data.shape == (header["NAXIS2"], header["NAXIS1"])
+            assert header["OBJECT"] == target.get("target", "unknown")
+            assert (header["ORIGIN"], header["TALAIADV"]) == ("Talaia", "camera")
+            assert header["SITELAT"] == pytest.approx(site.place.latitude, abs=1.0)
+
+
+@pytest.mark.parametrize("ros", ["ros2"], indirect=True)
+async def test_where_files_come_from_may_be_described_while_the_gateway_runs(
+    ros: str, ledger: Path, tmp_path: Path
+) -> None:
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={})
+    camera = replace(site.devices["camera"], frames=None)
+    without = replace(site, devices={**site.devices, "camera": camera})
+    file = tmp_path / "site.yaml"
+    async with (
+        fake_hub(addresses_of) as hub,
+        running(hub.url, tmp_path / "data", dump_site(without), file=file),
+    ):
+        await seen(hub, lambda: hub.values("camera/state"), "the camera")
+        assert (await do(hub, "camera", "dark", seconds=0.1)).phase == "succeeded"
+        assert hub.offers == []
+        file.write_text(dump_site(site))
+        await seen(hub, lambda: len(whole(hub)) == 1, "the file that is latched")
+        # Connected anew it comes again, before the next one.
+        await hub.send(Reconnect(device="camera", who="Ada"))
+        await hub.next(Event, lambda each: each.kind == "device reconnected")
+        assert (await do(hub, "camera", "dark", seconds=0.1)).phase == "succeeded"
+        await seen(hub, lambda: len(whole(hub)) >= 2, "the second file")
+        assert len(whole(hub)) == len({offer.digest for offer in hub.offers}) == 2
+
+
+def whole(hub: FakeHub) -> list[bytes]:
+    """Give the files that the hub has all of."""
+    sizes = {offer.id: offer.size for offer in hub.offers}
+    return [data for name, data in hub.files.items() if len(data) == sizes[name]]
 
 
 def simulator(ros: str, log: Path, *more: str) -> subprocess.Popen[str]:

@@ -312,6 +312,11 @@ devices:
       speed: {name: Speed, source: {topic: /odom, type: nav_msgs/msg/Odometry, field: "a.b[0]"}}
       gain: {name: Gain, source: {parameter: /rover/gain}}
     drive: {topic: /cmd_vel, max_speed: 1, max_turn: 1}
+  chip:
+    name: Chip
+    kind: camera
+    connection: old
+    frames: {topic: /fits, type: std_msgs/msg/UInt8MultiArray}
 """
 
 OF_CONNECTIONS = [
@@ -341,6 +346,24 @@ OF_CONNECTIONS = [
     ),
     ("turn --az={az}", "turn {az}", "turn.arguments.azimuth.field", "{az}", "own word"),
     ("turn {az} {alt}", "turn {az}", "turn.target", "{alt}", "argument"),
+    ("kind: other", "kind: camera", "$.devices.chip.frames", "only a camera", "kind: camera"),
+    ("{topic: fits, ", "{topic: /fits, ", "$.devices.chip.frames.topic", "'fits'", ""),
+    ("{topic: /fits, field: data, ", "{topic: /fits, ", "frames.field", "whole message", "out"),
+    ("msg/Image", "msg/UInt8MultiArray", "chip.frames.type", "msg/Image", "type: std_msgs/msg/UI"),
+    (
+        "connection: sky\n    frames",
+        "connection: old\n    frames",
+        "$.devices.chip.frames",
+        "by themselves",
+        "out",
+    ),
+    (
+        "connection: far\n    frames",
+        "connection: old\n    frames",
+        "$.devices.chip.frames",
+        "rosbridge gives no FITS",
+        "ros2, ros1 or indi",
+    ),
     ("parameter: rover", "parameter: /rover/gain", "gain.source.parameter", "'rover'", "/node/"),
 ]
 

@@ -337,7 +337,7 @@ def without(site: Site, paths: Iterable[Path]) -> Site:
     for word in {path[1]: None for path in paths if len(path) > 2 and path[0] == "devices"}:
         device = site.devices.get(word)
         bare = device and not (device.signals or device.streams or device.commands or device.indi)
-        if bare and device and device.drive is None:
+        if bare and device and device.drive is None and device.frames is None:
             site = take_out(site, ("devices", word))
     return site
 

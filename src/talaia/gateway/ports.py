@@ -23,6 +23,7 @@ __all__ = [
     "Adapter",
     "CommandTarget",
     "EventSink",
+    "FileSink",
     "FrameSink",
     "Look",
     "Mouth",
@@ -241,6 +242,7 @@ class Outlets(NamedTuple):
         answers: where the commands of a process connection leave what they printed, by the
             signal's address; none where nobody asks for it.
         frames: takes pictures for the archive; none where nobody keeps them.
+        files: takes pictures for the archive that come whole; none as with ``frames``.
         raw: takes messages as they came, to record them; none where nothing is recorded.
 
     """
@@ -253,8 +255,24 @@ class Outlets(NamedTuple):
     domain: int | None = None
     answers: dict[str, str] | None = None
     frames: FrameSink | None = None
+    files: FileSink | None = None
     site: str = ""
     raw: RawSink | None = None
+
+
+class FileSink(Protocol):
+    """Takes pictures for the archive that come as whole FITS files."""
+
+    def take(self, device: str, read: Callable[[], bytes]) -> None:
+        """Keep a file, unless it is one that came before. From any thread; returns at once.
+
+        Args:
+            device: the camera's, in the description.
+            read: gives the file's bytes; called later, on another thread. What it raises as
+                `FieldError` is the file's problem.
+
+        """
+        ...
 
 
 class FrameSink(Protocol):

@@ -39,6 +39,7 @@ from talaia.gateway.exchange import Exchange, Parts, catalogue_of, prepared
 from talaia.gateway.found import joined, keep_found, kept_of, with_kept
 from talaia.gateway.frames.outbox import Outbox
 from talaia.gateway.frames.taking import FrameTaker
+from talaia.gateway.frames.whole import WholeFiles
 from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.keep import Epochs, KeptStops, locked
 from talaia.gateway.own_copy import OwnCopy
@@ -260,6 +261,10 @@ class Gateway:
             self._settings.folder, self._settings.domain, self._answers, raw=self._recorder,
             frames=FrameTaker(
                 self._settings.data / "taking", self._outbox, self._voice, self._clock, self._files
+            ),
+            files=WholeFiles(
+                self._settings.data / "taking", self._outbox, self._voice, self._clock,
+                self._files, site.name, site.place,
             ),
             site=site.name,
         )  # fmt: skip

@@ -12,6 +12,7 @@ from talaia.model.check_anomalies import anomaly_findings
 from talaia.model.check_connections import (
     command_fits,
     connection_findings,
+    frames_fit,
     link_of,
     signal_source_fits,
     stream_source_fits,
@@ -147,6 +148,8 @@ def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
         yield from _command(f"{where}.commands.{command_id}", command)
         if link is not None:
             yield from command_fits(f"{where}.commands.{command_id}", command, link)
+    if link is not None:
+        yield from frames_fit(f"{where}.frames", device, link)
     if device.drive is not None:
         yield from _drive(site, f"{where}.drive", device.drive)
 

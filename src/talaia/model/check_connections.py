@@ -23,7 +23,7 @@ from talaia.model.connection import (
     kind_of,
 )
 from talaia.model.errors import UnknownWord
-from talaia.model.site import CommandKind, SignalType
+from talaia.model.site import CommandKind, DeviceKind, SignalType
 from talaia.model.words import Finding, above, field_fits, id_fits, topic_fits, type_fits
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ __all__ = [
     "PLACEHOLDER",
     "command_fits",
     "connection_findings",
+    "frames_fit",
     "link_of",
     "signal_source_fits",
     "stream_source_fits",
@@ -43,6 +44,8 @@ __all__ = [
 
 # A word of a command line that stands for an argument: `{ra}`.
 PLACEHOLDER = re.compile(r"\{([A-Za-z][A-Za-z0-9_]*)\}")
+# A whole FITS file, as a message.
+_FILES = "std_msgs/msg/UInt8MultiArray"
 _NODE = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 _PARAMETER = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+/?[A-Za-z_][A-Za-z0-9_.]*\Z")
 _MAX_INDI = 64
@@ -173,7 +176,7 @@ def link_of(site: Site, where: str, device: Device) -> tuple[Connection | None, 
             return None, [Finding(word.where, word.problem, word.remedy)]
         if link is not None:
             return link, _fits_link(where, device, link)
-    needs = device.signals or device.streams or device.commands
+    needs = device.signals or device.streams or device.commands or device.frames
     if not links:
         if not needs:
             return None, []
@@ -251,6 +254,31 @@ def stream_source_fits(where: str, stream: Stream, link: Connection) -> Iterator
         yield from _camera_fits(where, source, link)
     else:
         yield Finding(where, "commands give no pictures", "reach the camera otherwise")
+
+
+def frames_fit(where: str, device: Device, link: Connection) -> Iterator[Finding]:
+    """List what is wrong with where a camera's FITS files come from."""
+    kind, source = kind_of(link), device.frames
+    if source is None:
+        return
+    if device.kind is not DeviceKind.CAMERA:
+        problem = f"only a camera has FITS files, and this is of kind {device.kind}"
+        yield Finding(where, problem, "write at the device: kind: camera")
+    if kind is ConnectionKind.INDI:
+        yield Finding(where, "FITS files of an INDI camera come by themselves", "leave it out")
+        return
+    if kind not in (ConnectionKind.ROS2, ConnectionKind.ROS1):
+        problem = f"a connection of kind {kind} gives no FITS files"
+        yield Finding(where, problem, "reach the camera by ros2, ros1 or indi")
+        return
+    yield from _keys_fit(where, source, kind)
+    yield from topic_fits(f"{where}.topic", source.topic)
+    if source.type != _FILES:
+        problem = f"expected {_FILES}, found {source.type or 'nothing'}"
+        yield Finding(f"{where}.type", problem, f"write: type: {_FILES}")
+    for key in ("field", "name", "parameter"):
+        if getattr(source, key):
+            yield Finding(f"{where}.{key}", "the whole message is the file", "leave it out")
 
 
 def _keys_fit(where: str, source: Source, kind: ConnectionKind) -> Iterator[Finding]:

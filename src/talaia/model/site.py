@@ -341,6 +341,9 @@ class Device(Shape, frozen=True, kw_only=True):
         connection: by which connection it is reached; may be left out where there is only one.
         indi: the name of the device at the INDI server.
         link_loss: what is done with it when the hub is out of reach, beside `Drive.link_loss`.
+        frames: of a camera that is reached by ROS: the topic of its whole FITS files, of type
+            ``std_msgs/msg/UInt8MultiArray``; each goes into the archive. An INDI camera's come
+            by themselves.
         pointing: where it may not point, see `Pointing`.
 
     """
@@ -351,6 +354,7 @@ class Device(Shape, frozen=True, kw_only=True):
     indi: str = ""
     signals: dict[str, Signal] = {}
     streams: dict[str, Stream] = {}
+    frames: Source | None = None
     commands: dict[str, Command] = {}
     drive: Drive | None = None
     link_loss: LinkLossPolicy | None = None

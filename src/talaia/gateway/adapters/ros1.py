@@ -24,7 +24,7 @@ from talaia.gateway.adapters.ros1_frames import Heard
 from talaia.gateway.adapters.ros1_master import Master
 from talaia.gateway.adapters.ros1_node import NodeProcess
 from talaia.gateway.adapters.ros1_presence import Ros1Presence
-from talaia.gateway.adapters.topics import Gathered, parameter_plans_of, plans_of
+from talaia.gateway.adapters.topics import Gathered, file_in, parameter_plans_of, plans_of
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
 from talaia.gateway.pictures.camera import PictureStream
@@ -37,7 +37,7 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from talaia.gateway.ports import Outlets, Reading, Status
+    from talaia.gateway.ports import FileSink, Outlets, Reading, Status
     from talaia.gateway.share import Share
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
@@ -78,7 +78,7 @@ class Ros1:
         self._clock = outlets.clock
         self._samples, self._events = outlets.samples, outlets.events
         self._pictures = outlets.pictures
-        self._raw = outlets.raw
+        self._raw, self._files = outlets.raw, outlets.files
         # By number: the type and its definition, as the publisher told them.
         self._told: dict[int, tuple[str, str]] = {}
         self._recorded: list[int] = []
@@ -90,6 +90,8 @@ class Ros1:
         self._parameters = parameter_plans_of(share, self._latest, self._complain)
         self._wanted: dict[int, _Wanted] = {}
         self._streams: dict[str, int] = {}
+        # By device: where its FITS files come.
+        self._frames: dict[str, int] = {}
         self._decoders: dict[int, Callable[[bytes], object]] = {}
         self._watched: frozenset[str] = frozenset()
         self._complained: set[str] = set()
@@ -237,12 +239,16 @@ class Ros1:
         sources = {each.source.topic for each in described.signals.values()}
         topics = {each for each in sources if each}
         for number, wanted in self._wanted.items():
-            if wanted.topic in topics and number not in self._streams.values():
+            apart = (*self._streams.values(), *self._frames.values())
+            if wanted.topic in topics and number not in apart:
                 self._listen(node, number)
         for address in sorted(self._watched & self._streams.keys()):
             if address.startswith(f"{device}/"):
                 topics.add(self._wanted[self._streams[address]].topic)
                 self._listen(node, self._streams[address])
+        if device in self._frames:
+            topics.add(self._wanted[self._frames[device]].topic)
+            self._listen(node, self._frames[device])
         for name, command in described.commands.items():
             self._offer(node, f"{device}/{name}", command)
         task = asyncio.ensure_future(self._rejoin(topics, list(described.commands.values()), done))
@@ -322,6 +328,7 @@ class Ros1:
                 rate = stream.max_rate * 1.5
                 self._wanted[number] = _Wanted(source.topic, source.type, take_picture, rate)
 
+        self._plan_frames()
         self._recorded = []
         heard = {plan.topic for plan in self._plans}
         for topic in sorted(self._raw.topics - heard) if self._raw is not None else ():
@@ -332,6 +339,23 @@ class Ros1:
 
             self._wanted[number] = _Wanted(topic, "", record)
             self._recorded.append(number)
+
+    def _plan_frames(self) -> None:
+        self._frames.clear()
+        for device_id, device in self._share.devices.items():
+            if device.frames is None or self._files is None:
+                continue
+            number, files = len(self._wanted), self._files
+
+            def take(
+                heard: Heard, number: int = number, device: str = device_id, files: FileSink = files
+            ) -> None:
+                decode = self._decoders.get(number)
+                if decode is not None:
+                    files.take(device, lambda: file_in(decode(heard.raw)))
+
+            self._frames[device_id] = number
+            self._wanted[number] = _Wanted(device.frames.topic, device.frames.type, take)
 
     def _record(self, heard: Heard, number: int) -> None:
         """Give a message to who records, if it is one of those and its type is known."""
@@ -357,7 +381,7 @@ class Ros1:
                 self._offer(node, f"{device_id}/{name}", command)
         for number, _ in enumerate(self._plans):
             self._listen(node, number)
-        for number in self._recorded:
+        for number in (*self._frames.values(), *self._recorded):
             self._listen(node, number)
         for address in sorted(self._watched & self._streams.keys()):
             self._listen(node, self._streams[address])

@@ -122,7 +122,7 @@ class Topic:
     def __init__(self, out: Out, number: int, name: str, rate: float, deep: int) -> None:
         """Subscribe; with ``rate`` (Hz) messages that come sooner are left."""
         self._out = out
-        self._number = number
+        self._number, self._name = number, name
         self._period = 1.0 / rate if rate else 0.0
         self._due = 0.0
         self._known = ""
@@ -151,6 +151,9 @@ class Topic:
         raw = message._buff  # noqa: SLF001
         if len(raw) + STAMP.size < MAX_FRAME:
             self._out.write(MESSAGE, STAMP.pack(self._number, at_us) + raw)
+        else:
+            problem = f"a message of {len(raw)} bytes is too large, and is left out"
+            self._out.say(op="complaint", id=self._name, problem=problem)
 
     def close(self) -> None:
         """Unsubscribe."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 # Where ROS comes from Python wheels, this finds their libraries, starting the process anew
@@ -34,7 +35,7 @@ from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
 from talaia.gateway.adapters.ros2_requests import class_of
 from talaia.gateway.adapters.ros2_services import Ros2Commands
 from talaia.gateway.adapters.ros2_waitset import WaitThread
-from talaia.gateway.adapters.topics import Gathered, TopicPlan, plans_of
+from talaia.gateway.adapters.topics import Gathered, TopicPlan, file_in, plans_of
 from talaia.gateway.errors import AdapterLost, TypeMissing
 from talaia.gateway.pictures.camera import PictureStream
 from talaia.gateway.pictures.worker import PictureWorker
@@ -45,9 +46,9 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from talaia.gateway.ports import Outlets, RawSink, Reading, Status
+    from talaia.gateway.ports import FileSink, Outlets, RawSink, Reading, Status
     from talaia.gateway.share import Share
-    from talaia.model.site import Stream
+    from talaia.model.site import Source, Stream
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros2"]
@@ -58,6 +59,12 @@ log = logging.getLogger(__name__)
 # without a trace. Memory is taken only as it is needed.
 DEPTH = 5_000
 PICTURE_DEPTH = 1
+# A file may have many megabytes, and a camera takes its time for each.
+FILE_DEPTH = 4
+
+
+# What is listened to under these does not also record.
+_APART = ("stream ", "frames ")
 
 
 class _Listening:
@@ -98,6 +105,7 @@ class Ros2:
         self._domain = settings.domain if outlets.domain is None else outlets.domain
         self._node_name = settings.node
         self._raw = outlets.raw
+        self._files = outlets.files
         self._latest: dict[str, Reading] = {}
         self._gathered = Gathered()
         self._plans = plans_of(share, self._latest, self._complain)
@@ -255,6 +263,9 @@ class Ros2:
             device, _, stream = key.removeprefix("stream ").partition("/")
             if _stream_of(before, device, stream) != _stream_of(share, device, stream):
                 self._end_listening(key)
+        for device in [each for each in before.devices if _frames_of(before, each)]:
+            if _frames_of(before, device) != _frames_of(share, device):
+                self._end_listening(f"frames {device}")
         for address in [each for each in self._latest if _moved(before, share, each)]:
             del self._latest[address]
         if self._commands is not None:
@@ -355,8 +366,8 @@ class Ros2:
         for plan in self._plans:
             if _key(plan.topic, plan.type_name) in wanted - self._listening.keys():
                 self._plan(plan)
-        streams = {f"stream {device}/{stream}" for stream in described.streams}
-        wanted |= streams & self._listening.keys()
+        others = {f"stream {device}/{stream}" for stream in described.streams}
+        wanted |= (others | {f"frames {device}"}) & self._listening.keys()
         for key in wanted & self._listening.keys():
             self._drop(self._listening[key])
         commands.rejoin(device)
@@ -381,6 +392,7 @@ class Ros2:
     def _look(self, *, everything: bool = True) -> None:
         """Bring subscriptions in line with what is wanted and with what publishers offer."""
         self._look_at_streams()
+        self._look_at_frames()
         if self._raw is not None:
             self._look_at_recorded(self._raw)
         for listening in self._listening.values():
@@ -411,9 +423,31 @@ class Ros2:
 
         self._listening[key] = _Listening(stream.source.topic, kind, PICTURE_DEPTH, take)
 
+    def _look_at_frames(self) -> None:
+        files = self._files
+        for device_id in self._share.devices if files is not None else ():
+            source, key = _frames_of(self._share, device_id), f"frames {device_id}"
+            if source is None or key in self._listening or files is None:
+                continue
+            kind = self._class(source.type, source.topic)
+            if kind is None:
+                continue
+            decode = decoder_for(source.type, partial(deserialize_message, message_type=kind))
+
+            def take(
+                raw: bytes,
+                _: Any,  # noqa: ANN401
+                device: str = device_id,
+                files: FileSink = files,
+                decode: Callable[[bytes], object] = decode,
+            ) -> None:
+                files.take(device, lambda: file_in(decode(raw)))
+
+            self._listening[key] = _Listening(source.topic, kind, FILE_DEPTH, take)
+
     def _look_at_recorded(self, sink: RawSink) -> None:
         """Hear topics that are recorded and that nothing else reads; the graph tells their type."""
-        heard = {each.topic for key, each in self._listening.items() if key[:7] != "stream "}
+        heard = {each.topic for key, each in self._listening.items() if key[:7] not in _APART}
         for topic in sink.topics - heard:
             offered = [each.topic_type for each in self._node.get_publishers_info_by_topic(topic)]
             kind = self._class(offered[0], topic) if offered else None
@@ -467,6 +501,11 @@ class Ros2:
             self._thread.remove_subscription(listening.subscription.handle)
             self._node.destroy_subscription(listening.subscription)
         listening.subscription, listening.quality = None, None
+
+
+def _frames_of(share: Share, device: str) -> Source | None:
+    described = share.devices.get(device)
+    return None if described is None else described.frames
 
 
 def _stream_of(share: Share, device: str, stream: str) -> Stream | None:

@@ -7,7 +7,7 @@ way to reach ROS.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import msgspec
 import numpy as np
@@ -26,7 +26,10 @@ if TYPE_CHECKING:
     from talaia.gateway.share import Share
     from talaia.model.site import Signal
 
-__all__ = ["Gathered", "TopicPlan", "parameter_plans_of", "plans_of"]
+__all__ = ["Gathered", "TopicPlan", "file_in", "parameter_plans_of", "plans_of"]
+
+
+_DATA, _OFFSET = getter("data"), getter("layout.data_offset")
 
 
 class Gathered:
@@ -206,6 +209,20 @@ class TopicPlan:
             turn_us = sampler.turn_us
             for part, value in enumerate(sampler.due(turn_us) or ()):
                 into.add(row.channel + part, turn_us, value)
+
+
+def file_in(message: object) -> bytes:
+    """Give the bytes of a decoded ``std_msgs/msg/UInt8MultiArray``.
+
+    Raises:
+        FieldError: it has none.
+
+    """
+    data, offset = cast("bytes", _DATA(message)), cast("int", _OFFSET(message))
+    try:
+        return bytes(memoryview(data)[offset:])
+    except (TypeError, ValueError) as error:
+        raise FieldError("data", f"it is not a file: {error}") from error
 
 
 def plans_of(
