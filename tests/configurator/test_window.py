@@ -7,9 +7,11 @@ from typing import Any
 
 import pytest
 
+from talaia.configurator.edits import with_services
 from talaia.configurator.places import at
 from talaia.model.check import check
 from talaia.model.load import load_site, read_site
+from talaia.model.services import AiServices
 
 from .conftest import answer, choose, settle, type_file
 
@@ -63,6 +65,18 @@ def test_the_keyboard_alone_makes_a_robot_that_runs(window: Any) -> None:
         press(window, Qt.Key.Key_Z, CTRL)
     assert window.editor.site.devices == {}
     assert not window.editor.document.is_changed
+
+
+def test_object_detection_is_promised_to_nobody_and_can_be_taken_out(window: Any) -> None:
+    switch = window.ai.objects
+    assert not switch.isEnabled()
+    assert switch.accessibleDescription().startswith("Not yet")
+    asked = AiServices(object_detection=True)
+    window.editor.apply("ask for it", lambda site: with_services(site, asked))
+    assert switch.isEnabled()
+    switch.click()
+    assert not switch.isEnabled()
+    assert window.editor.site.services in (None, AiServices())
 
 
 def test_a_sensor_of_ones_own_has_the_name_number_and_unit_that_were_written(window: Any) -> None:

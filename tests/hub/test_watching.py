@@ -134,3 +134,56 @@ async def test_what_finds_no_room_is_skipped_and_counted(hub, watched) -> None:
     await watched.samples(("base/speed", NOW, 9.0))
     await until(lambda: watching.skipped == 1)
     watching._count = 0
+
+
+SERVED = WATCHED + "\nservices: {anomaly_detection: true}\n"
+
+
+@pytest.fixture
+async def served(hub):
+    gateway = await hub.gateway()
+    await gateway.hello(SERVED)
+    yield gateway
+    await gateway.close()
+
+
+async def test_service_watches_primary_numbers_that_have_no_detector_of_their_own(
+    hub, served
+) -> None:
+    found = {}
+    for each in hub.hub._watching.of("agv"):
+        found.setdefault(each.address, []).append(str(each.watch.detector))
+    assert found["base/speed"] == ["limits", "iqr"]
+    assert found["power/voltage"] == ["together"]
+    # A state, a position, and a number that is not on the first page.
+    assert not {"base/wandering", "base/pose", "base/pose.x", "sensors/speed1"} & set(found)
+
+
+async def test_without_the_service_nothing_but_the_described_is_watched(hub, watched) -> None:
+    assert {each.address for each in hub.hub._watching.of("agv")} == {"base/speed"}
+
+
+async def test_service_looks_at_one_sample_a_second_of_a_fast_signal(hub, served) -> None:
+    looked = {"base/turn_rate": [], "base/speed": []}
+    for each in hub.hub._watching.of("agv"):
+        if each.address in looked and each.watch.detector != "iqr":
+            each.see = lambda time_us, _value, seen=looked[each.address]: seen.append(time_us)
+    rows = [("base/turn_rate", NOW + at * SECOND // 100, 0.1) for at in range(300)]
+    for at in range(0, 300, 5):
+        await served.samples(*rows[at : at + 5])
+    # What is described itself is looked at as it comes.
+    await served.samples(*[("base/speed", NOW + at * SECOND // 100, 0.5) for at in range(50)])
+    await until(lambda: len(looked["base/speed"]) == 50)
+    assert [each - NOW for each in looked["base/turn_rate"]] == [0, 900_000, 1_800_000, 2_700_000]
+
+
+async def test_service_tells_what_it_finds(hub, served) -> None:
+    page = await hub.page("operator")
+    rows = [("power/voltage", NOW + at * SECOND, 12.0 + 0.01 * (at % 7)) for at in range(400)]
+    await served.samples(*rows)
+    await served.samples(
+        *[("power/voltage", NOW + (400 + at) * SECOND, 9.0 + 0.01 * (at % 7)) for at in range(30)]
+    )
+    began = await page.hear(EventNews, lambda news: news.kind == "anomaly began")
+    assert began.device == "power"
+    assert began.time_us >= NOW + 400 * SECOND

@@ -11,8 +11,9 @@ class AiServices(Shape, frozen=True, kw_only=True):
     """What the hub works out from a site's data. Visualization is always on.
 
     Attributes:
-        anomaly_detection: readings that are out of the ordinary are marked.
-        object_detection: what the cameras see is named and framed.
+        anomaly_detection: every number of the first page without detectors of its own is watched
+            by ``together``, at most one sample a second.
+        object_detection: what the cameras see is to be named and framed; nothing does it yet.
 
     """
 

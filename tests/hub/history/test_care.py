@@ -65,6 +65,27 @@ async def test_a_signal_is_kept_as_long_as_its_description_says(url) -> None:
         assert series.time_us.tolist() == brief.time_us.tolist()
 
 
+async def test_scores_of_a_detector_go_with_their_signal(url) -> None:
+    clock = HandClock()
+    store = HistoryStore(url, clock, LIMITS)
+    await store.create_tables()
+    await store.open()
+    await store.describe(site_of(brief=1.0, long=0.0))
+    start = clock.wall_ns() // 1000 - 2 * DAY
+    addresses = ["base/brief~together", "base/long~together"]
+    for at in range(0, 4_000, 500):
+        for channel in (0, 1):
+            times = start + np.arange(at, at + 500) * 43 * SECOND
+            scores = Columns(np.full(500, channel, np.uint16), times, np.zeros(500), {})
+            await store.append("agv", f"scores-{channel}", at, addresses, scores)
+    assert await store.tidy() > 0
+    brief, long = await store.read("agv", addresses, *ALL, 10_000)
+    assert long.time_us.size == 4_000
+    assert start < brief.time_us[0] <= start + DAY
+    assert [store.kept_us("agv", each) for each in addresses] == [DAY, 0]
+    await store.close()
+
+
 async def test_the_oldest_go_when_all_is_too_much(url) -> None:
     async with opened(url, LIMITS._replace(bytes=30_000)) as store:
         for channel in (0, 1):

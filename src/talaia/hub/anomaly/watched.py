@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from talaia.hub.anomaly.kept import Detector
     from talaia.model.anomaly import Watch
 
-__all__ = ["SCORES", "Began", "Ended", "Watched", "detector_of", "score_address"]
+__all__ = ["SCORES", "Began", "Ended", "Watched", "detector_of", "score_address", "signal_of"]
 
 # Between a signal's address and the detector; no other address holds it.
 SCORES = "~"
@@ -29,6 +29,11 @@ _EVERY_US = 60_000_000
 def score_address(address: str, detector: str) -> str:
     """Name the channel on which a detector's scores are kept, beside the signal's own."""
     return f"{address}{SCORES}{detector}"
+
+
+def signal_of(address: str) -> str:
+    """Give the signal's address for a channel of scores; every other address as it is."""
+    return address.partition(SCORES)[0]
 
 
 def detector_of(watch: Watch, unit: str) -> Detector:

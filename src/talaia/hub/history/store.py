@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy.exc import SQLAlchemyError
 
+from talaia.hub.anomaly.watched import signal_of
 from talaia.hub.history.channels import stored_channels
 from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_engine
 from talaia.hub.history.errors import HistoryBusy, HistoryError
@@ -256,9 +257,9 @@ class HistoryStore:
         now_us = self._clock.wall_ns() // 1000
         channels = self._ledger.names.channels
         before_us = {
-            channels[key]: now_us - kept_us
-            for key, kept_us in self._kept_us.items()
-            if key in channels
+            channel: now_us - kept_us
+            for (site, address), channel in channels.items()
+            if (kept_us := self.kept_us(site, address))
         }
         dropped = 0
         while doomed := await self._in_thread(too_old, self._reading, before_us):
@@ -293,8 +294,8 @@ class HistoryStore:
         return self._limits.bytes
 
     def kept_us(self, site: str, address: str) -> int:
-        """Give how long a channel is kept (µs); 0 is for good."""
-        return self._kept_us.get((site, address), 0)
+        """Give how long a channel is kept (µs), scores as long as their signal; 0 is for good."""
+        return self._kept_us.get((site, signal_of(address)), 0)
 
     def knows(self, site: str, address: str) -> bool:
         """Tell whether a channel has ever had a sample."""

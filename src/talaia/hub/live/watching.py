@@ -23,7 +23,10 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
 from talaia.hub.anomaly.watched import Began, Ended, Watched, score_address
+from talaia.hub.live.thinning import Thinning
 from talaia.hub.ports import AnomalyNews
+from talaia.model.anomaly import DetectorKind, Watch
+from talaia.model.site import SignalType
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
@@ -33,7 +36,6 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalySink, History
     from talaia.hub.store.learned import Learned
-    from talaia.model.anomaly import Watch
     from talaia.model.site import Site
 
 __all__ = ["Watching"]
@@ -49,6 +51,10 @@ _SAVES_A_TICK = 4
 _SAVE_EVERY_S = 900.0
 # Scores that may wait for a database that does not answer.
 _MOST_SCORES = 100_000
+# What `services.anomaly_detection` of a site sets to work, on how many of its signals at the most:
+# each takes 96 kB, and up to a hundred microseconds a second.
+_BY_DEFAULT = (Watch(detector=DetectorKind.TOGETHER),)
+_MOST_BY_DEFAULT = 1_000
 _FAILS = (SQLAlchemyError, TalaiaError, OSError)
 
 
@@ -71,6 +77,7 @@ class _SiteWatch:
         # Place in the list of channels to whether it is watched; and the addresses.
         self.chosen = np.zeros(0, bool)
         self.addresses: list[str] = []
+        self.thinning = Thinning(np.zeros(0, bool))
 
     def every(self) -> list[Watched]:
         """List all detectors."""
@@ -116,6 +123,7 @@ class Watching:
         if int(columns.channel.max()) >= len(watch.addresses):
             return
         at = np.flatnonzero(watch.chosen[columns.channel])
+        at = watch.thinning.pick(columns, at)
         if not at.size:
             return
         if self._count + at.size > _MOST_WAITING:
@@ -212,18 +220,18 @@ class Watching:
             {} if watch is None else {(each.address, each.watch): each for each in watch.every()}
         )
         fresh = self._of[live.name] = _SiteWatch(live.description)
-        for device_id, device in live.description.devices.items():
-            for signal_id, signal in device.signals.items():
-                address = f"{device_id}/{signal_id}"
-                made = [
-                    _again(before, address, each) or Watched(address, signal.unit, each)
-                    for each in signal.anomalies
-                ]
-                if made:
-                    fresh.watched[address] = made
+        thin = set()
+        for wish in _wanted(live.description):
+            fresh.watched[wish.address] = [
+                _again(before, wish.address, each) or Watched(wish.address, wish.unit, each)
+                for each in wish.watches
+            ]
+            if wish.thin:
+                thin.add(wish.address)
         fresh.ready = not fresh.watched or (watch is not None and watch.ready)
         fresh.addresses = [each.address for each in live.channels] if fresh.watched else []
         fresh.chosen = np.array([each in fresh.watched for each in fresh.addresses], bool)
+        fresh.thinning = Thinning(np.array([each in thin for each in fresh.addresses], bool))
         for each in before.values():
             if (ended := each.end()) is not None:
                 self._tell(live, each, ended)
@@ -328,3 +336,34 @@ def _again(before: dict[tuple[str, Watch], Watched], address: str, watch: Watch)
     """Take a detector over from the description of before, if it is asked for alike."""
     key = (address, watch)
     return before.pop(key) if key in before else None
+
+
+class _Wish(NamedTuple):
+    """What watches a signal; ``thin`` where only a sample a second is looked at."""
+
+    address: str
+    unit: str
+    watches: Sequence[Watch]
+    thin: bool
+
+
+def _wanted(site: Site) -> list[_Wish]:
+    """List what is described at signals, and what `services.anomaly_detection` adds to it."""
+    own, more = [], []
+    for device_id, device in site.devices.items():
+        for signal_id, signal in device.signals.items():
+            address = f"{device_id}/{signal_id}"
+            if signal.anomalies:
+                own.append(_Wish(address, signal.unit, signal.anomalies, thin=False))
+            elif signal.primary and signal.type is SignalType.NUMBER:
+                more.append(_Wish(address, signal.unit, _BY_DEFAULT, thin=True))
+    if site.services is None or not site.services.anomaly_detection:
+        return own
+    if len(more) > _MOST_BY_DEFAULT:
+        _LOG.warning(
+            "anomaly detection of %s: the first %d of %d signals are watched",
+            site.site,
+            _MOST_BY_DEFAULT,
+            len(more),
+        )
+    return own + more[:_MOST_BY_DEFAULT]
