@@ -30,7 +30,7 @@ async def test_whoever_may_view_the_site_is_told_where_it_is(hub, observatory) -
 
 async def test_a_rule_comes_with_its_numbers(hub, observatory) -> None:
     rules = {each["id"]: each for each in (await described(hub, "operator"))["rules"]}
-    assert set(rules) == {"rain", "weather", "on_site"}
+    assert set(rules) == {"rain", "weather", "on_site", "daylight"}
     wind = rules["weather"]["conditions"][0]
     assert wind["lasting"] == 2
     assert wind["limits"][0]["signal"] == "weather/wind"
@@ -60,7 +60,7 @@ async def test_a_roof_says_by_which_sensors_it_is_closed(hub, observatory) -> No
     assert (roof["close"], roof["stop"], roof["unsafe"]) == (
         "dome/close",
         "dome/stop",
-        ["rain", "weather"],
+        ["rain", "weather", "daylight"],
     )
     # One of its sensors is not public: who sees only half of the proof is told of none.
     assert (await described(hub, "guest"))["enclosures"] == []
