@@ -22,9 +22,6 @@ ROBOT = (
     "tests/system",
     "tests/cli",
     "tests/configurator",
-    "tests/docs",
-    "tests/model",
-    "tests/wire",
 )
 
 

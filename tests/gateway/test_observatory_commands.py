@@ -171,7 +171,7 @@ async def test_the_command_file_opens_and_closes_a_real_dome(
 async def test_bad_input_is_refused_with_a_reason_and_nothing_is_asked_of_a_server(
     ros: str, ledger: Path, tmp_path: Path
 ) -> None:
-    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={})
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={}, alarms={})
     async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", dump_site(site)):
         await seen(hub, lambda: hub.values("dome/shutter"), "the dome")
         for device, command, args, said in (
@@ -222,7 +222,7 @@ async def test_an_exposure_begins_when_telescope_and_dome_are_in_place(
 async def test_a_picture_comes_into_the_archive_once_and_astropy_finds_nothing_wrong(
     ros: str, ledger: Path, tmp_path: Path
 ) -> None:
-    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={})
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={}, alarms={})
     if ros == "ros1":
         # The simulator takes an exposure's length from a topic there.
         site = as_ros1(site)
@@ -272,7 +272,7 @@ async def test_a_picture_comes_into_the_archive_once_and_astropy_finds_nothing_w
 async def test_where_files_come_from_may_be_described_while_the_gateway_runs(
     ros: str, ledger: Path, tmp_path: Path
 ) -> None:
-    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={})
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={}, alarms={})
     camera = replace(site.devices["camera"], frames=None)
     without = replace(site, devices={**site.devices, "camera": camera})
     file = tmp_path / "site.yaml"
@@ -320,7 +320,7 @@ async def test_a_server_killed_in_mid_slew_is_unknown_within_two_seconds_and_bac
     }
     telescope = replace(site.devices["telescope"], signals=patient)
     devices = {**site.devices, "telescope": telescope}
-    site = replace(site, devices=devices, interlocks={}, enclosures={})
+    site = replace(site, devices=devices, interlocks={}, enclosures={}, alarms={})
     started: list[subprocess.Popen[str]] = []
 
     def start(*devices: str) -> subprocess.Popen[str]:

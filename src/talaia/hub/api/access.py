@@ -25,7 +25,16 @@ if TYPE_CHECKING:
     from talaia.hub.store.sites import GatewayKey, SiteRegistry
     from talaia.hub.store.tokens import ApiTokens
 
-__all__ = ["Access", "address_of", "alive_of", "deny", "live_of", "number_of", "who_of"]
+__all__ = [
+    "Access",
+    "address_of",
+    "alive_of",
+    "deny",
+    "known_live_of",
+    "live_of",
+    "number_of",
+    "who_of",
+]
 
 # A page that asks by itself, and not because a person did something, says so with this header.
 _BACKGROUND = "talaia-background"
@@ -188,6 +197,19 @@ def address_of(connection: HTTPConnection) -> str:
 def live_of(request: Request) -> LiveSite:
     """Give the site the guard has let pass."""
     live: LiveSite = request.state.live
+    return live
+
+
+def known_live_of(request: Request) -> LiveSite:
+    """Give the site of a request that an admin may make about any name, known or not.
+
+    Raises:
+        ApiProblem: 404, there is no such site.
+
+    """
+    live: LiveSite | None = request.state.live
+    if live is None:
+        raise ApiProblem(404, "unknown", "there is no such site")
     return live
 
 

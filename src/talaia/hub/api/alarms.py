@@ -19,7 +19,7 @@ from talaia.hub.alarms.machine import (
     Unshelve,
 )
 from talaia.hub.alarms.preview import Track, preview
-from talaia.hub.api.access import address_of, live_of, who_of
+from talaia.hub.api.access import address_of, known_live_of, who_of
 from talaia.hub.api.alarm_shapes import (
     ActAsk,
     AlarmDefinition,
@@ -142,7 +142,7 @@ class AlarmPages:
 
     async def define(self, site: str, alarm: str, asked: AlarmDefinition, request: Request) -> None:
         """Make an alarm, or change one that was made here."""
-        live = live_of(request)
+        live = known_live_of(request)
         if not _ID.match(alarm):
             raise ApiProblem(
                 422, "invalid", "the short name takes small letters, digits and _, 63 at most"
@@ -163,7 +163,7 @@ class AlarmPages:
 
     async def remove(self, site: str, alarm: str, request: Request) -> None:
         """Remove an alarm that was made here."""
-        live = live_of(request)
+        live = known_live_of(request)
         known = self._alarms.find(site, alarm)
         if known is not None and not known.made:
             raise ApiProblem(409, "described", "the site description has it; remove it there")
@@ -173,7 +173,7 @@ class AlarmPages:
 
     async def preview(self, site: str, asked: PreviewAsk, request: Request) -> PreviewShape:
         """Try an alarm on what has been."""
-        described, alarm = Addresses(live_of(request).description), _alarm(asked.definition)
+        described, alarm = Addresses(known_live_of(request).description), _alarm(asked.definition)
         finding = next(iter(alarm_findings(described, "$", alarm)), None)
         if finding is not None:
             where = finding.where.removeprefix("$").removeprefix(".")
@@ -234,7 +234,7 @@ class AlarmPages:
         grants = who_of(request).grants
         found = self._alarms.find(site, alarm)
         device = (found.about.device or ANY) if found else ANY
-        described = live_of(request).description
+        described = known_live_of(request).description
         if found is not None and grants.may(right, site, device):
             return found
         if found is None or not (

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import msgspec
 from fastapi import APIRouter, Query, Request
 
-from talaia.hub.api.access import address_of, live_of, number_of, who_of
+from talaia.hub.api.access import address_of, known_live_of, number_of, who_of
 from talaia.hub.api.description_shapes import (
     ChangeAnswer,
     CheckAnswer,
@@ -88,7 +88,7 @@ class DescriptionPages:
         self, site: str, request: Request, below: _Number = 2**53
     ) -> DescriptionList:
         """List the versions, the newest first, and say whether another can be sent."""
-        live = _live(request)
+        live = known_live_of(request)
         found = await self._versions.of(site, below, _PAGE + 1)
         newest = found[0].number if below == 2**53 and found else 0
         problem = live.problem
@@ -131,7 +131,7 @@ class DescriptionPages:
 
     async def check(self, site: str, asked: CheckAsk, request: Request) -> CheckAnswer:
         """Say what does not fit in a text, as ``talaia check`` does."""
-        _live(request)
+        known_live_of(request)
         findings = await self._read(_check, asked.text)
         parts, lines = [], []
         if asked.against:
@@ -146,7 +146,7 @@ class DescriptionPages:
 
     async def edit(self, asked: EditAsk, request: Request) -> EditAnswer:
         """Write a change into a text: comments, order and spelling of the rest survive."""
-        _live(request)
+        known_live_of(request)
         made: EditAnswer = await self._read(_edit, asked.text, asked.site)
         return made
 
@@ -166,7 +166,7 @@ class DescriptionPages:
         return site_schema()
 
     async def _send(self, text: str, base: str, note: str, request: Request) -> ChangeAnswer:
-        live, name = _live(request), who_of(request).name
+        live, name = known_live_of(request), who_of(request).name
         if len(text.encode()) > MAX_TEXT:
             raise ApiProblem(413, "too_large", "a description has 4 MiB at the most")
         if live.link is None:
@@ -207,19 +207,6 @@ class DescriptionPages:
     def _note(self, request: Request, live: LiveSite, kind: str, message: str) -> None:
         name, address = who_of(request).name, address_of(request)
         self._audit.note(kind, who=name, address=address, site=live.name, message=message)
-
-
-def _live(request: Request) -> LiveSite:
-    """Give the site that is asked about.
-
-    Raises:
-        ApiProblem: 404, the hub knows no such site; only an admin of all gets so far.
-
-    """
-    live: LiveSite | None = live_of(request)
-    if live is None:
-        raise ApiProblem(404, "unknown", "there is no such site")
-    return live
 
 
 def _check(text: str) -> list[FindingShape]:

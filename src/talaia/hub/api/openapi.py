@@ -74,6 +74,13 @@ _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/gateways/{gateway}/reconnect"): frozenset({409}),
     ("POST", "/api/sites/{site}/descriptions"): frozenset({409}),
     ("POST", "/api/sites/{site}/descriptions/{number}/restore"): frozenset({409}),
+    ("POST", "/api/sites/{site}/alarms/{alarm}/act"): frozenset({409}),
+    ("PUT", "/api/sites/{site}/alarms/{alarm}"): frozenset({409}),
+    ("DELETE", "/api/sites/{site}/alarms/{alarm}"): frozenset({409}),
+    ("POST", "/api/me/rules"): frozenset({409}),
+    ("POST", "/api/me/push"): frozenset({409}),
+    ("POST", "/api/ways"): frozenset({409}),
+    ("PUT", "/api/ways/{way}"): frozenset({409}),
 }
 
 
