@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 KEY = "test-key"
 M = TypeVar("M")
-DEADLINE_S = 15.0
+DEADLINE_S = 30.0
 
 
 class FakeHub:
