@@ -244,10 +244,10 @@ def people(browser: Browser, address: str, password: str) -> None:
         answer = page.request.post(f"{address}/api/{path}", data=body, headers={"Origin": address})
         if not answer.ok:
             print(path, answer.status, answer.text())
-    low = {"name": "Battery is low", "kind": "limit", "signal": "power/charge", "below": 99.9,
+    low = {"name": "Battery is not full", "kind": "limit", "signal": "power/charge", "below": 99.9,
            "severity": "warning", "advice": "Drive it to its charger."}  # fmt: skip
     answer = page.request.put(
-        f"{address}/api/sites/agv/alarms/battery_low", data=low, headers={"Origin": address}
+        f"{address}/api/sites/agv/alarms/to_the_charger", data=low, headers={"Origin": address}
     )
     if not answer.ok:
         print("alarm", answer.status, answer.text())
@@ -366,7 +366,7 @@ def alarms(page: Page, address: str, _password: str) -> None:
     """Show an alarm that stands, and its bar."""
     page.goto(f"{address}/alarms")
     page.get_by_role("heading", name="Alarms", exact=True).wait_for()
-    page.get_by_text("Battery is low").first.wait_for()
+    page.get_by_text("Battery is not full").first.wait_for()
     page.wait_for_timeout(500)
 
 
@@ -378,12 +378,11 @@ def logbook(page: Page, address: str, _password: str) -> None:
 
 
 def description(page: Page, address: str, _password: str) -> None:
-    """Open the form of the description at the battery's signals."""
+    """Open the form of the description."""
     page.goto(f"{address}/admin/description")
     page.get_by_text("in use").first.wait_for()
     page.get_by_text("Edit", exact=True).first.click()
     page.get_by_text("nothing changed yet").wait_for()
-    page.get_by_text("Devices", exact=True).last.click()
     page.wait_for_timeout(500)
 
 
