@@ -1,5 +1,5 @@
-# One word for each thing a developer or a user wants. `tools/setup.py` makes .venv and the pages
-# when they are missing or out of date, and takes no time when they are not.
+# One word for each thing a developer or a user wants. `tools/setup.py` makes .venv, the object
+# detector and the pages when they are missing or out of date, and takes no time when they are not.
 PYTHON ?= python3
 VENV := .venv/bin
 .DEFAULT_GOAL := help
@@ -52,4 +52,4 @@ pages: setup  ## build the pages
 	$(VENV)/python tools/node.py run build
 
 clean:  ## remove what `setup` made
-	rm -rf .venv web/node_modules src/talaia/web/static
+	rm -rf .venv web/node_modules src/talaia/web/static src/talaia/objects/models

@@ -281,6 +281,7 @@ def on_large(folder: str, days: int) -> int:
         (f"chart of all {per_signal:.0f} M samples of a signal", found.widest_ms, 40, "ms"),
         (f"slowest window of 60 (of {found.slowest_s:.0f} s)", found.slowest_ms, 40, "ms"),
         ("ten signals over a week", found.week_of_all_ms, 100, "ms"),
+        (f"exact outliers of {found.outliers_of / 1e6:.0f} M samples", found.outliers_s, 5, "s"),
         ("chart of a day", found.day_ms, 40, "ms"),
         (f"beside {small.day_ms:.1f} ms with 8.64 M in the store", found.day_ms / small.day_ms, 2,
          "times"),

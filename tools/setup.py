@@ -1,4 +1,4 @@
-"""Make .venv and the built pages, or see at once that both are up to date.
+"""Make .venv, the object detector and the built pages, or see at once that all are up to date.
 
     python3 tools/setup.py demo     what `make demo` needs
     python3 tools/setup.py dev      what `make test` and the checks need besides
@@ -47,6 +47,7 @@ TESTED_WITH = {
     "libgl1": "/usr/share/doc/libgl1",
     "libxkbcommon0": "/usr/share/doc/libxkbcommon0",
     "libdbus-1-3": "/usr/share/doc/libdbus-1-3",
+    "dbus": "/usr/bin/dbus-daemon",
     "libfontconfig1": "/usr/share/doc/libfontconfig1",
 }
 
@@ -62,6 +63,7 @@ def main(wanted: str) -> int:
         return 1
     if python_packages(wanted):
         return 1
+    detector()
     return pages(wanted)
 
 
@@ -142,6 +144,17 @@ def python_packages(wanted: str) -> int:
         return fail("this tree could not be installed into .venv", "see pip's message above")
     stamp.write_text(state)
     return 0
+
+
+def detector() -> None:
+    """Make the file that sees objects on pictures; without it all the rest works."""
+    make = [str(VENV / "bin" / "python"), str(ROOT / "tools" / "make_detector.py")]
+    if subprocess.run(make, cwd=ROOT, check=False).returncode:
+        fail(
+            "nothing sees objects on cameras' pictures; all the rest works",
+            f"once there is a network, run: {Path(make[0]).relative_to(ROOT)} "
+            "tools/make_detector.py",
+        )
 
 
 def pages(wanted: str) -> int:

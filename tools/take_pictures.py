@@ -8,6 +8,7 @@ docs/pictures/<page>-<width>-<theme>.png.
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import secrets
@@ -35,8 +36,9 @@ FLAGS = [
 
 def main(wanted: list[str]) -> int:
     """Take them all, or those that are named."""
+    folder = tempfile.mkdtemp(prefix="talaia-pictures-")
     process = subprocess.Popen(
-        [sys.executable, "-m", "talaia", "demo", "--no-browser"],
+        [sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", folder],
         stdout=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
     alarm = threading.Timer(60, process.kill)
@@ -53,10 +55,13 @@ def main(wanted: list[str]) -> int:
         if address is None or len(passwords) < 3:
             print(said)
             return 1
+        if not wanted or "storage" in wanted:
+            past_week(Path(folder))
         take(address[1], passwords, wanted)
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(20)
+        shutil.rmtree(folder, ignore_errors=True)
     return 0
 
 
@@ -69,13 +74,18 @@ def take(address: str, passwords: dict[str, str], wanted: list[str]) -> None:
         browser = play.chromium.launch(executable_path=path, args=FLAGS, env=clean)
         if not wanted or "setup" in wanted:
             set_up(browser)
+        if not wanted or {*wanted} & SEEING:
+            # From where it starts the vehicle sees somebody.
+            shown = [each for each in ("objects", "sightings") if not wanted or each in wanted]
+            walk(browser, address, "operator", passwords["operator"], shown)
         for name in ("drive", "wander", "others"):
             if name == "wander":
-                if not wanted or {*wanted} & {*PAGES} - {"drive", "login", "gallery"}:
+                if not wanted or {*wanted} & MOVING:
                     wander(browser, address, passwords["operator"])
                 continue
             shown = [each for each in PAGES if (each == "drive") == (name == "drive")]
             shown = [each for each in shown if not wanted or each in wanted]
+            shown = [each for each in shown if each not in SEEING]
             walk(browser, address, "operator", passwords["operator"], shown)
         shown = [each for each in OBSERVATORY_PAGES if not wanted or each in wanted]
         if shown:
@@ -88,6 +98,25 @@ def take(address: str, passwords: dict[str, str], wanted: list[str]) -> None:
             if shown:
                 walk(browser, address, who, passwords[who], shown)
         browser.close()
+
+
+def past_week(folder: Path) -> None:
+    """Import a week of some signals: what each takes is known once there is much of it."""
+    table = folder / "week.csv"
+    now, step_s = time.time(), 10
+    with table.open("w") as lines:
+        lines.write("time,power/charge,power/voltage,sensors/temperature\n")
+        for age_s in range(7 * 86_400, 600, -step_s):
+            turn = 2 * math.pi * age_s / 86_400
+            charge, warm = 60 + 35 * math.cos(turn), 21 + 3 * math.sin(turn) + age_s % 7 / 20
+            lines.write(
+                f"{round((now - age_s) * 1000)},{charge:.2f},{11 + charge / 70:.3f},{warm:.2f}\n"
+            )
+    subprocess.run(
+        [sys.executable, "-m", "talaia", "import", str(table), "--site", "agv",
+         "--data", str(folder)],
+        check=True, stdout=subprocess.DEVNULL,
+    )  # fmt: skip
 
 
 def set_up(browser: Browser) -> None:
@@ -161,8 +190,13 @@ def wander(browser: Browser, address: str, password: str) -> None:
     page = browser.new_page()
     sign_in(page, address, password)
     page.goto(f"{address}/sites/agv/drive")
+    film = page.locator("t-film-button button")
+    film.click()
     page.get_by_role("button", name="Send").first.click()
     time.sleep(100)
+    film.click()
+    # It goes to the hub behind everything else.
+    time.sleep(30)
     page.close()
 
 
@@ -221,6 +255,32 @@ def drive(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(2500)
     page.keyboard.down("w")
     page.wait_for_timeout(1500)
+
+
+def objects(page: Page, address: str, _password: str) -> None:
+    """Show what the camera sees, each in its frame."""
+    page.goto(f"{address}/sites/agv/devices/camera")
+    page.locator("t-camera .box").first.wait_for(timeout=60_000)
+    page.wait_for_timeout(2500)
+
+
+def sightings(page: Page, address: str, _password: str) -> None:
+    """Show what was seen."""
+    page.goto(f"{address}/sites/agv/sightings")
+    page.locator("t-sighting").first.wait_for()
+    page.wait_for_timeout(1500)
+
+
+def films(page: Page, address: str, _password: str) -> None:
+    """Show a film at the cursor of the charts."""
+    made = page.request.get(f"{address}/api/sites/agv/films").json()["films"]
+    begin_us, end_us = made[0]["begin_us"], made[0]["end_us"]
+    at_us = begin_us + (end_us - begin_us) // 3
+    page.goto(
+        f"{address}/sites/agv/history?c=base/speed&c=base/turn_rate"
+        f"&from={begin_us - 5_000_000}&to={end_us + 5_000_000}&at={at_us}"
+    )
+    page.wait_for_timeout(6000)
 
 
 def gallery(page: Page, address: str, _password: str) -> None:
@@ -343,14 +403,9 @@ def gateways(page: Page, address: str, _password: str) -> None:
 
 
 def storage(page: Page, address: str, _password: str) -> None:
-    """Show what each signal takes, once a signal has its first block."""
-    table = page.locator("t-storage-table")
-    for _ in range(100):
-        page.goto(f"{address}/admin/storage")
-        page.get_by_role("heading", name="How long it is kept").wait_for()
-        if table.count():
-            break
-        time.sleep(3)
+    """Show what each signal takes."""
+    page.goto(f"{address}/admin/storage")
+    page.locator("t-storage-table").wait_for()
     page.wait_for_timeout(300)
 
 
@@ -388,7 +443,8 @@ def description(page: Page, address: str, _password: str) -> None:
 
 PAGES = {
     "login": login, "home": home, "live": live, "history": history, "drive": drive,
-    "gallery": gallery, "devices": devices, "device": device,
+    "gallery": gallery, "devices": devices, "device": device, "objects": objects,
+    "sightings": sightings, "films": films,
 }  # fmt: skip
 OBSERVATORY_PAGES = {"dome": dome, "telescope": telescope, "weather": weather, "power": power}
 ADMIN_PAGES = {
@@ -396,6 +452,9 @@ ADMIN_PAGES = {
     "alarms": alarms, "logbook": logbook, "description": description, "storage": storage,
     "audit": audit,
 }  # fmt: skip
+# Of these the vehicle should have driven about before.
+MOVING = {"home", "live", "history", "devices", "device", "films"}
+SEEING = {"objects", "sightings"}
 GUEST_PAGES = {"public": public}
 
 

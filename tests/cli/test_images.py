@@ -6,11 +6,13 @@ pip are run as they stand. `wheels/` and the environment's own ``pip`` stand for
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -28,6 +30,7 @@ connections: {old: {kind: ros1}}
 devices: {a: {name: A}}
 recording: {topics: [/odom]}
 """
+IMAGE = "sensor_msgs/msg/Image"
 CLEAN = {
     key: value
     for key, value in os.environ.items()
@@ -56,6 +59,22 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder, ROOT)
     (made,) = folder.glob("*.whl")
     return made
+
+
+def test_the_wheel_carries_what_is_made_and_whose_work_it_is(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as packed:
+        names = packed.namelist()
+        (notice,) = (
+            packed.read(each).decode()
+            for each in names
+            if each.endswith(".dist-info/licenses/src/talaia/objects/CREDITS.md")
+        )
+        carried = hashlib.sha256(packed.read("talaia/objects/models/nanodet.onnx")).hexdigest()
+    assert f'SHA256 = "{carried}"' in (ROOT / "tools/make_detector.py").read_text()
+    assert "talaia/web/static/index.html" in names
+    for each in ("Copyright 2020-2021 RangiLyu", "Apache License", "(c) 2021 Vladimir Mandic"):
+        assert each in notice
+    assert [each for each in names if "/node_modules/" in each or each.endswith(".new")] == []
 
 
 @pytest.mark.timeout(400)
@@ -92,5 +111,21 @@ def test_a_gateways_image_has_what_its_connections_need(tmp_path: Path) -> None:
     assert "python3-rospy" in recipe
     assert main(["generate", str(EXAMPLE), "--to", str(tmp_path / "new")]) == 0
     recipe = (tmp_path / "new/gateway.Dockerfile").read_text()
-    assert "ros2" in steps(recipe)[0][-1]
+    # It has a camera, and whether objects are seen on its pictures may be chosen later.
+    assert steps(recipe)[0][-1] == f"talaia[gateway,ros2,objects]=={__version__}"
     assert "apt-get" not in recipe
+
+
+@pytest.mark.parametrize(("at", "extras"), [("hub", "hub,objects"), ("gateway", "hub")])
+def test_a_hubs_image_sees_objects_where_a_camera_wants_it_to(
+    at: str, extras: str, tmp_path: Path
+) -> None:
+    site = tmp_path / "site.yaml"
+    stream = (
+        f"{{front: {{name: Front, source: {{topic: /i, type: {IMAGE}}}, detect: {{at: {at}}}}}}}"
+    )
+    site.write_text(OLD.replace("{name: A}", f"{{name: A, streams: {stream}}}"))
+    words = ["generate", str(site), "--to", str(tmp_path / "to"), "--database", "sqlite"]
+    assert main(words) == 0
+    recipe = (tmp_path / "to/hub.Dockerfile").read_text()
+    assert steps(recipe)[0][-1] == f"talaia[{extras}]=={__version__}"

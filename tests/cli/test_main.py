@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from talaia.cli.main import WORDS, main
+from talaia.objects import here
 
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
 
@@ -55,6 +56,31 @@ def test_check_names_the_file_and_the_place_of_every_mistake(
     assert len(said) == 3
     assert all(line.startswith(f"{path}: $.devices.") for line in said)
     assert any("did you mean 'm/s'?" in line for line in said)
+
+
+def test_check_tells_whether_this_machine_could_see_objects(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "site.yaml"
+    source = "source: {topic: /i, type: sensor_msgs/msg/Image}"
+    path.write_text(
+        "talaia: 1\nsite: eyes\nname: Eyes\nros2: {}\n"
+        "object_models: {ours: {file: ours.onnx, kind: yolo, classes: [nut]}}\n"
+        f"devices: {{c: {{name: C, streams: {{one: {{name: One, {source}, "
+        f"detect: {{classes: [dog]}}}}, two: {{name: Two, {source}, "
+        "detect: {classes: [nut], model: ours}}}}}\n"
+    )
+    own = tmp_path / "nanodet.onnx"
+    monkeypatch.setattr(here, "OWN_FILE", own)
+    assert main(["check", str(path)]) == 0
+    said = capsys.readouterr().out
+    assert f"c/one: objects cannot be seen on this machine: {own} is missing; make it:" in said
+    assert f"c/two: objects cannot be seen on this machine: {tmp_path / 'ours.onnx'} is" in said
+    own.touch()
+    assert main(["check", str(path)]) == 0
+    assert "c/one: objects can be seen on this machine (dog; at the gateway)" in (
+        capsys.readouterr().out
+    )
 
 
 def test_schema_is_json_schema_and_the_example_uses_only_its_keys(

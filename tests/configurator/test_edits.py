@@ -76,7 +76,11 @@ def test_what_is_taken_out_leaves_no_reference_and_no_empty_device() -> None:
 def test_a_device_that_goes_takes_the_references_to_it_along() -> None:
     site = load_site((EXAMPLES / "agv/site.yaml").read_text())
     site = edits.without(site, [("devices", "camera"), ("devices", "base", "signals", "speed")])
-    assert check(site) == []
+    # What guards and what tells people never goes by itself: a person is told, and decides.
+    assert [each.where for each in check(site)] == [
+        "$.interlocks.person_ahead.when[0].signal",
+        "$.alarms.person_in_the_way.signal",
+    ]
     drive = site.devices["base"].drive
     assert drive is not None
     assert drive.stop.confirmed_by == ("base/turn_rate",)

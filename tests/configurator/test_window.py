@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from talaia.configurator.edits import with_services
 from talaia.configurator.places import at
 from talaia.model.check import check
 from talaia.model.load import load_site, read_site
@@ -43,6 +42,15 @@ def typed(widget: Any, text: str) -> None:
     settle(QApplication.instance())
 
 
+def typed_lines(widget: Any, text: str) -> None:
+    widget.window().activateWindow()
+    settle(QApplication.instance())
+    widget.setFocus()
+    widget.setPlainText(text)
+    QTest.keyClick(widget, Qt.Key.Key_Tab)
+    settle(QApplication.instance())
+
+
 def test_the_keyboard_alone_makes_a_robot_that_runs(window: Any) -> None:
     press(window, Qt.Key.Key_1, CTRL)
     assert QApplication.focusWidget() is window.ai.anomalies
@@ -67,16 +75,39 @@ def test_the_keyboard_alone_makes_a_robot_that_runs(window: Any) -> None:
     assert not window.editor.document.is_changed
 
 
-def test_object_detection_is_promised_to_nobody_and_can_be_taken_out(window: Any) -> None:
+def test_object_detection_is_switched_on_and_off(window: Any) -> None:
     switch = window.ai.objects
-    assert not switch.isEnabled()
-    assert switch.accessibleDescription().startswith("Not yet")
-    asked = AiServices(object_detection=True)
-    window.editor.apply("ask for it", lambda site: with_services(site, asked))
-    assert switch.isEnabled()
     switch.click()
-    assert not switch.isEnabled()
+    assert window.editor.site.services == AiServices(object_detection=True)
+    assert switch.isChecked()
+    switch.click()
     assert window.editor.site.services in (None, AiServices())
+
+
+def test_a_camera_looks_for_what_is_written_and_is_saved_so(window: Any, tmp_path: Path) -> None:
+    file = tmp_path / "site.yaml"
+    file.write_text(AGV.read_text())
+    window.open_file(file)
+    window.show_page(3)
+    camera = ("devices", "camera", "streams", "front")
+    before = at(window.editor.site, (*camera, "detect"))
+    window.devices.select(camera)
+    form = window.devices.form
+    if before is None:
+        form.field("detect").click()
+    assert form.field("detect").isChecked()
+    typed_lines(form.field("detect.classes"), "person\nforklift")
+    assert "forklift" in str(window.editor.document.problems[0])
+    assert form.field("detect.classes").property("wrong") is True
+    typed_lines(form.field("detect.classes"), "person\ntruck")
+    typed(form.field("detect.confidence"), "0.6")
+    assert window.editor.document.problems == ()
+    assert window.save()
+    saved = load_site(file.read_text()).devices["camera"].streams["front"].detect
+    assert saved is not None
+    assert (saved.classes, saved.confidence) == (("person", "truck"), 0.6)
+    form.field("detect").click()
+    assert at(window.editor.site, (*camera, "detect")) is None
 
 
 def test_a_sensor_of_ones_own_has_the_name_number_and_unit_that_were_written(window: Any) -> None:

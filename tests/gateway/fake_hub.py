@@ -27,10 +27,12 @@ from talaia.wire.frames import (
     ArchiveOffer,
     Beat,
     BeatReply,
+    Boxes,
     Described,
     FileHave,
     FileOffer,
     FilePiece,
+    FilmOffer,
     Gap,
     Hello,
     Picture,
@@ -60,6 +62,8 @@ class FakeHub:
         self.hellos: list[Hello] = []
         self.messages: list[FromGateway] = []
         self.pictures: list[Picture] = []
+        self.boxes: list[Boxes] = []
+        self.takes: list[str] = []
         self.samples: dict[str, dict[int, tuple[str, int, float | str]]] = defaultdict(dict)
         self.doubles = 0
         self.old_batches = 0
@@ -69,7 +73,7 @@ class FakeHub:
         self.key = KEY
         self.requests = 0
         self.links: list[ServerConnection] = []
-        self.offers: list[FileOffer | ArchiveOffer] = []
+        self.offers: list[FileOffer | FilmOffer | ArchiveOffer] = []
         self.pieces = 0
         self.knows_pictures = True
         self.finds_damage = False
@@ -170,6 +174,8 @@ class FakeHub:
                 await socket.send(MEDIA_FROM_HUB.encode(reply))
             elif isinstance(message, Picture):
                 self.pictures.append(message)
+            elif isinstance(message, Boxes):
+                self.boxes.append(message)
             self._changed.set()
 
     async def _take_files(self, socket: ServerConnection) -> None:
@@ -202,7 +208,7 @@ class FakeHub:
         assert isinstance(hello, Hello)
         self._boot = hello.boot
         self._lists[hello.catalogue] = self.catalogue(hello)
-        welcome = Welcome(acked=self.below(hello.boot))
+        welcome = Welcome(acked=self.below(hello.boot), takes=self.takes)
         await socket.send(LINK_FROM_HUB.encode(welcome))
         self.hellos.append(hello)
         self.links.append(socket)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import time
 from contextlib import asynccontextmanager
 from itertools import count
 from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
+from talaia.gateway.app import Gateway
 from talaia.gateway.own_copy import OwnCopy
 from talaia.gateway.permitting import Accepts
-from talaia.gateway.run import Gateway
 from talaia.gateway.settings import HubAddress, Settings
 from talaia.model.check import raise_first
 from talaia.model.load import load_site
@@ -97,6 +98,19 @@ devices:
       max_turn: 2
       stop: {topic: /stop, confirmed_by: [base/speed]}
 """
+_SAID = {
+    each[1]: each[0] for each in re.finditer(r"^ {6}(\w+):.*\n(?: {7,}.*\n)*", SITE, re.MULTILINE)
+}
+
+
+def filled(text: str) -> str:
+    """Put lines of `SITE` where ``text`` names them: ``<number, speed>``."""
+    return re.sub(
+        r"^ {6}<(.+)>\n",
+        lambda found: "".join(_SAID[name] for name in found[1].split(", ")),
+        text,
+        flags=re.MULTILINE,
+    )
 
 
 def addresses_of(hello: Hello) -> list[str]:
@@ -131,12 +145,15 @@ class Peer:
                 self._changed.clear()
                 await self._changed.wait()
 
-    async def until_heard_by(self, listeners: int) -> None:
-        """Wait until so many subscribe to /number: then discovery is over."""
+    async def until_heard_by(self, listeners: int, **more: object) -> None:
+        """Wait until so many subscribe to /number: then discovery is over.
+
+        ``more`` is asked of the peer with it.
+        """
         async with asyncio.timeout(DEADLINE_S):
             while True:
                 count = len(self.heard("listeners"))
-                await self.do("listeners")
+                await self.do("listeners", **more)
                 await self.until(lambda count=count: len(self.heard("listeners")) > count)
                 if self.heard("listeners")[-1] == listeners:
                     return

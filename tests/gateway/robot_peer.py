@@ -6,10 +6,12 @@ monotonic time (the same clock as the test's, on one machine).
 
 from __future__ import annotations
 
+import array
 import json
 import sys
 import threading
 import time
+from pathlib import Path
 
 import rclpy
 from geometry_msgs.msg import Twist
@@ -106,6 +108,8 @@ class Peer:
                 self.mode.publish(String(data=str(order["text"])))
             case "image":
                 self.picture(str(order["encoding"]))
+            case "show":
+                self.show(order)
             case "listeners":
                 say(listeners=self.number.get_subscription_count())
 
@@ -117,6 +121,17 @@ class Peer:
             if wait > 0:
                 time.sleep(wait)
         say(counted=last)
+
+    def show(self, order: dict[str, object]) -> None:
+        """Publish the picture in a file of bytes (RGB) for so long, so often."""
+        height, width = order["height"], order["width"]
+        message = Image(height=height, width=width, encoding="rgb8", step=width * 3)
+        message.data = array.array("B", Path(str(order["file"])).read_bytes())
+        until = time.monotonic() + float(order["seconds"])
+        while time.monotonic() < until:
+            self.image.publish(message)
+            time.sleep(1 / float(order["hz"]))
+        say(shown=order["file"])
 
     def picture(self, encoding: str) -> None:
         depth = 1 if encoding == "mono8" else 3

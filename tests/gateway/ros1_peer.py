@@ -140,8 +140,11 @@ class Peer:
     def do_jpeg(self, asked: dict) -> None:
         self.jpeg_.publish(CompressedImage(format="jpeg", data=bytes.fromhex(asked["hex"])))
 
-    def do_listeners(self, _asked: dict) -> None:
-        say(listeners=self.number.get_num_connections())
+    def do_listeners(self, asked: dict) -> None:
+        """Say who listens to /number, or, where it is asked for, to each of all kinds."""
+        kinds = [self.odom_, self.metric_, self.mode_, self.scan_, self.odd_]
+        heard = [self.number, *(kinds if asked.get("to_all") else [])]
+        say(listeners=min(each.get_num_connections() for each in heard))
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 from fake_hub import fake_hub
-from gateway_bench import DEADLINE_S, Peer, addresses_of, running
+from gateway_bench import DEADLINE_S, Peer, addresses_of, filled, running
 
 from talaia.clock import SystemClock
 from talaia.gateway.adapters.many import Many, Post
@@ -25,7 +25,7 @@ from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, DeviceSta
 if TYPE_CHECKING:
     from pathlib import Path
 
-TWO = """
+TWO = filled("""
 talaia: 1
 site: two
 name: Two robots
@@ -39,19 +39,15 @@ devices:
     signals:
       pose: {name: P, type: position, source: {topic: /odom, type: nav_msgs/msg/Odometry,
              field: pose.pose.position}}
-      number: {name: N, source: {topic: /number, type: std_msgs/msg/Float64, field: data}}
+      <number>
   b:
     name: B
     connection: right
     signals:
-      number: {name: N, source: {topic: /number, type: std_msgs/msg/Float64, field: data}}
+      <number>
     commands:
-      wander:
-        name: Wander
-        target: /wander
-        type: std_srvs/srv/SetBool
-        arguments: {active: {type: boolean, field: data}}
-"""
+      <wander>
+""")
 
 
 @pytest.mark.robot

@@ -17,9 +17,9 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from talaia.clock import SystemClock
+from talaia.gateway.app import Gateway
 from talaia.gateway.arguments import parsed
 from talaia.gateway.classic import AskWrong, read_message
-from talaia.gateway.run import Gateway
 from talaia.gateway.settings import DoorSettings, HubAddress, Settings
 from talaia.model.classic import site_of
 

@@ -66,6 +66,18 @@ interlocks:
     dwell: 30
 """
 )
+# As the camera of a vehicle that counts people ahead.
+SLOW = structs.replace(
+    SITE,
+    interlocks={
+        "people": Interlock(
+            name="Somebody ahead",
+            when=(Condition(signal="weather/wind", above=0),),
+            slow={"base/drive": 0.25},
+            dwell=1.0,
+        )
+    },
+)
 GOOD = {"weather/wind": 3.0, "weather/rain": 0.0}
 
 
@@ -219,6 +231,67 @@ def test_driving_ends_with_zero_when_it_becomes_unsafe_and_needs_a_new_press(saf
     safe.pass_time(50 * MS)
     safe.drive()
     assert safe.robot.driven[-1][1] > 0
+
+
+@pytest.fixture
+def slowed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Bench:
+    """A vehicle that drives at its full speed of 0.2 m/s, with nobody ahead."""
+    monkeypatch.setattr(sys.modules[__name__], "SITE", SLOW)
+    one = Bench(tmp_path)
+    one.world.values = {"weather/wind": 0.0, "weather/rain": 0.0}
+    one.pass_time(2 * SECOND)
+    one.lease()
+    hold(one, 1000 * MS)
+    assert one.robot.driven[-1][1] == pytest.approx(0.2)
+    assert one.robot.last(DriveState).cap == 1.0
+    return one
+
+
+def hold(bench: Bench, ns: int) -> None:
+    for _ in range(ns // (50 * MS)):
+        bench.lease(op=LeaseOp.RENEW)
+        bench.drive(linear=0.2)
+        bench.pass_time(50 * MS)
+
+
+def test_what_slows_down_caps_whoever_drives_and_lets_go_after_the_dwell_time(
+    slowed: Bench,
+) -> None:
+    slowed.world.values["weather/wind"] = 1.0
+    slowed.drive(linear=0.2)
+    slowed.pass_time(100 * MS)
+    assert slowed.robot.driven[-1][1] == pytest.approx(0.05)
+    hold(slowed, 500 * MS)
+    moved = len(slowed.robot.driven)
+    hold(slowed, 500 * MS)
+    # Slower, and not ended: nobody needs to press anew.
+    told = [each[1] for each in slowed.robot.driven[moved:]]
+    assert told == [pytest.approx(0.05)] * len(told)
+    assert slowed.robot.last(DriveState).cap == 0.25
+    assert slowed.robot.last(DriveState).why == ""
+    slowed.world.values["weather/wind"] = 0.0
+    hold(slowed, 900 * MS)
+    assert slowed.robot.driven[-1][1] == pytest.approx(0.05)
+    hold(slowed, 1200 * MS)
+    assert slowed.robot.driven[-1][1] == pytest.approx(0.2)
+
+
+def test_a_held_drive_is_slowed_without_its_next_frame(slowed: Bench) -> None:
+    slowed.drive(linear=0.2)
+    slowed.world.values["weather/wind"] = 1.0
+    slowed.pass_time(150 * MS)
+    assert slowed.robot.driven[-1][1] == pytest.approx(0.05)
+
+
+def test_what_is_unknown_slows_down_too_and_an_override_does_not(slowed: Bench) -> None:
+    slowed.world.values["weather/wind"] = float("nan")
+    hold(slowed, 200 * MS)
+    assert slowed.robot.driven[-1][1] == pytest.approx(0.05)
+    ask = OverrideAsk(interlock="people", who="Ada", reason="the camera is dirty", seconds=60)
+    slowed.control.override(ask)
+    hold(slowed, 500 * MS)
+    assert slowed.robot.driven[-1][1] == pytest.approx(0.2)
+    assert slowed.refusal("base", "drive") == ""
 
 
 def test_no_hub_is_needed_for_any_of_it(safe: Bench) -> None:

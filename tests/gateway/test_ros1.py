@@ -15,7 +15,16 @@ import pytest
 import ros1_bench
 import simplejpeg
 from fake_hub import FakeHub, fake_hub
-from gateway_bench import DEADLINE_S, Peer, addresses_of, command, drive, running, take_lease
+from gateway_bench import (
+    DEADLINE_S,
+    Peer,
+    addresses_of,
+    command,
+    drive,
+    filled,
+    running,
+    take_lease,
+)
 from hypothesis import given, strategies as st
 
 from talaia.cli.importing.decoding import decoder_of
@@ -30,6 +39,7 @@ from talaia.wire.frames import (
     CommandState,
     DeviceState,
     Event,
+    FileOffer,
     LeaseState,
     Reconnect,
     RecordAsk,
@@ -44,7 +54,7 @@ if TYPE_CHECKING:
 
 SCRIPT = Path(__file__).parents[2] / "src/talaia/gateway/adapters/ros1_bridge.py"
 
-SITE = """
+SITE = filled("""
 talaia: 1
 site: old
 name: ROS 1 robot
@@ -54,18 +64,7 @@ devices:
   base:
     name: Base
     signals:
-      number: {name: N, source: {topic: /number, type: std_msgs/msg/Float64, field: data}}
-      speed:
-        name: Speed
-        unit: m/s
-        max_age: 1
-        source: {topic: /odom, type: nav_msgs/msg/Odometry, field: twist.twist.linear.x}
-      pose:
-        name: Pose
-        type: position
-        yaw_from: pose.pose.orientation
-        source: {topic: /odom, type: nav_msgs/msg/Odometry, field: pose.pose.position}
-      mode: {name: M, type: text, source: {topic: /mode, type: std_msgs/msg/String, field: data}}
+      <number, speed, pose, mode>
       state:
         name: State
         type: state
@@ -81,17 +80,11 @@ devices:
       gain: {name: G, source: {parameter: /base/gain}}
       wrong: {name: X, source: {topic: /stop, type: std_msgs/msg/Float64, field: data}}
     streams:
-      front: {name: Front, source: {topic: /images, type: sensor_msgs/msg/Image}}
+      <front>
       small: {name: S, source: {topic: /images/compressed, type: sensor_msgs/msg/CompressedImage}}
     commands:
-      wander:
-        name: Wander
-        target: /wander
-        type: std_srvs/srv/SetBool
-        arguments: {active: {type: boolean, field: data}}
-      fail: {name: Fail, target: /fail, type: std_srvs/srv/Trigger}
+      <wander, fail, absent, horn>
       slow: {name: Slow, target: /slow, type: std_srvs/srv/Trigger, timeout: 60}
-      absent: {name: Absent, target: /absent, type: std_srvs/srv/Trigger}
       odd: {name: Odd, target: /odd, type: nowhere_msgs/srv/Odd}
       count:
         name: Count
@@ -101,12 +94,6 @@ devices:
         progress: feedback
         progress_end: 10
         arguments: {to: {type: integer, field: goal, minimum: 0, maximum: 100}}
-      horn:
-        name: Horn
-        kind: topic
-        target: /horn
-        type: std_msgs/msg/String
-        arguments: {tune: {type: text, field: data}}
       tune:
         name: Tune
         kind: parameter
@@ -128,7 +115,7 @@ devices:
     name: Stamped
     drive: {topic: /cmd_vel_stamped, message: geometry_msgs/msg/TwistStamped, max_speed: 1,
             max_turn: 1}
-"""
+""")
 
 
 class Robot(NamedTuple):
@@ -165,7 +152,7 @@ async def robot(port: int, ros1_home: Path, tmp_path: Path) -> AsyncIterator[Rob
         running(hub.url, tmp_path / "data", SITE % port),
     ):
         await hub.until(lambda: hub.hellos, "a hello")
-        await peer.until_heard_by(1)
+        await peer.until_heard_by(1, to_all=True)
         yield Robot(hub, peer, port, ros1_home)
 
 
@@ -194,7 +181,7 @@ async def test_raw_messages_are_recorded_with_the_definitions_that_came_with_the
     ):
         await hub.until(lambda: hub.hellos, "a hello")
         await peer.until_heard_by(1)
-        ring = gateway._recorder._ring
+        ring = gateway.taping.recorder._ring
         await peer.do("count", **{"from": 0, "to": 20, "hz": 400})
         async with asyncio.timeout(DEADLINE_S):
             while {raw.topic for raw in list(ring._held)} != {"/number", "/odd", "/images"}:
@@ -206,8 +193,13 @@ async def test_raw_messages_are_recorded_with_the_definitions_that_came_with_the
         await hub.send(RecordAsk(on=True, who="Ada"))
         await hub.next(RecordState, lambda state: state.on)
         await hub.send(RecordAsk(on=False, who="Ada"))
-        await hub.until(lambda: hub.offers, "an offer")
-        offer = hub.offers[-1]
+
+        def offers() -> list[FileOffer]:
+            # Of the camera there is a film beside it.
+            return [each for each in hub.offers if isinstance(each, FileOffer)]
+
+        await hub.until(offers, "an offer")
+        offer = offers()[-1]
         await hub.until(lambda: len(hub.files[offer.id]) == offer.size, "the whole file")
     path = tmp_path / "robot.mcap"
     path.write_bytes(hub.files[offer.id])

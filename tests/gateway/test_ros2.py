@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 import simplejpeg
 from fake_hub import FakeHub, fake_hub
-from gateway_bench import Peer, addresses_of, command, drive, running, take_lease
+from gateway_bench import Peer, addresses_of, command, drive, filled, running, take_lease
 
 from talaia.wire.frames import (
     CommandAsk,
@@ -129,6 +129,17 @@ async def test_lost_link_stops_the_robot_and_needs_a_new_lease(hub: FakeHub, pee
     state = await hub.next(DriveState, lambda each: each.refused > 0)
     assert state.linear == 0
     assert peer.heard("cmd")[-1] == [0.0, 0.0]
+
+
+async def test_a_gateway_that_ends_while_somebody_drives_leaves_the_robot_at_rest(
+    peer: Peer, tmp_path: Path
+) -> None:
+    async with linked(tmp_path) as hub:
+        await peer.until_heard_by(1)
+        epoch = await take_lease(hub)
+        await drive(hub, epoch)
+        await peer.until(lambda: any(row[0] > 0 for row in peer.heard("cmd")))
+    await peer.until(lambda: peer.heard("cmd")[-1] == [0.0, 0.0])
 
 
 async def test_stop_latches_over_a_restart_and_is_reset_in_two_steps(
@@ -307,7 +318,7 @@ async def test_reconnecting_a_device_leaves_driving_alone(hub: FakeHub, peer: Pe
 
 
 async def test_device_with_all_of_it_there_is_connected_anew(peer: Peer, tmp_path: Path) -> None:
-    text = """
+    text = filled("""
 talaia: 1
 site: test
 name: Test robot
@@ -316,15 +327,11 @@ devices:
   base:
     name: Base
     signals:
-      number: {name: N, source: {topic: /number, type: std_msgs/msg/Float64, field: data}}
+      <number>
     commands:
-      wander:
-        name: Wander
-        target: /wander
-        type: std_srvs/srv/SetBool
-        arguments: {active: {type: boolean, field: data}}
+      <wander>
   spare: {name: Spare}
-"""
+""")
     async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path, text):
         await hub.until(lambda: hub.hellos, "a hello")
         await peer.until_heard_by(1)

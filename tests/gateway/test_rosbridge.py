@@ -25,7 +25,7 @@ import numpy as np
 import pytest
 import simplejpeg
 from fake_hub import fake_hub
-from gateway_bench import addresses_of, command, drive, running, take_lease
+from gateway_bench import addresses_of, command, drive, filled, running, take_lease
 from hypothesis import given, strategies as st
 from rosbridge_bench import recording, replaying
 from websockets.asyncio.server import serve
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 RECORDED = Path(__file__).parent / "recorded"
 REAL = os.environ.get("TALAIA_ROSBRIDGE", "")
 
-SITE = """
+SITE = filled("""
 talaia: 1
 site: far
 name: Far robot
@@ -67,36 +67,15 @@ devices:
   base:
     name: Base
     signals:
-      number: {name: N, source: {topic: /number, type: std_msgs/msg/Float64, field: data}}
-      speed:
-        name: Speed
-        source: {topic: /odom, type: nav_msgs/msg/Odometry, field: twist.twist.linear.x}
+      <number, speed>
       spread:
         name: C
         source: {topic: /odom, type: nav_msgs/msg/Odometry, field: "pose.covariance[1]"}
-      pose:
-        name: Pose
-        type: position
-        yaw_from: pose.pose.orientation
-        source: {topic: /odom, type: nav_msgs/msg/Odometry, field: pose.pose.position}
-      mode: {name: M, type: text, source: {topic: /mode, type: std_msgs/msg/String, field: data}}
-      speed1: {name: M, source: {topic: /metric, type: std_msgs/msg/String, name: speed1}}
+      <pose, mode, speed1>
     streams:
-      front: {name: Front, source: {topic: /images, type: sensor_msgs/msg/Image}}
+      <front>
     commands:
-      wander:
-        name: Wander
-        target: /wander
-        type: std_srvs/srv/SetBool
-        arguments: {active: {type: boolean, field: data}}
-      fail: {name: Fail, target: /fail, type: std_srvs/srv/Trigger}
-      absent: {name: Absent, target: /absent, type: std_srvs/srv/Trigger}
-      horn:
-        name: Horn
-        kind: topic
-        target: /horn
-        type: std_msgs/msg/String
-        arguments: {tune: {type: text, field: data}}
+      <wander, fail, absent, horn>
       count:
         name: Count
         kind: action
@@ -106,7 +85,7 @@ devices:
         progress_end: 100
         arguments: {order: {type: integer, field: order}}
     drive: {topic: /cmd_vel, max_speed: 0.2, max_turn: 2, stop: {topic: /stop}}
-"""
+""")
 
 
 class NoRobot:

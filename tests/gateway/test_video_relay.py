@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import select
 import socket
+import ssl
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
 from talaia.gateway.adapters.video_relay import Answers, CameraRefused, Relay, addresses_of
+from talaia.gateway.selfsigned import self_signed
 
 
 @pytest.mark.parametrize(
@@ -150,3 +154,52 @@ def test_a_relay_that_nobody_uses_ends_at_once() -> None:
         with Relay(f"rtsp://127.0.0.1:{server.getsockname()[1]}/x", here=True, timeout=60):
             pass
         assert time.monotonic() - begun < 10
+
+
+def test_an_encrypted_camera_that_has_said_half_a_word_still_hears_the_client(
+    tmp_path: Path,
+) -> None:
+    certificate, key = self_signed()
+    (tmp_path / "both.pem").write_bytes(certificate + key)
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(tmp_path / "both.pem")
+    got, sent = ssl.MemoryBIO(), ssl.MemoryBIO()
+    line = context.wrap_bio(got, sent, server_side=True)
+    answer, said, heard = b"RTSP/1.0 200 OK\r\nCSeq: 1\r\n\r\n", threading.Event(), []
+
+    def listened(client: socket.socket) -> bytes:
+        while True:
+            try:
+                return line.read(4096)
+            except ssl.SSLWantReadError:
+                client.sendall(sent.read())
+                got.write(client.recv(4096))
+
+    def serve() -> None:
+        client, _ = server.accept()
+        with client:
+            heard.append(listened(client))
+            client.sendall(sent.read())
+            line.write(answer)
+            record = sent.read()
+            client.sendall(record[:7])
+            said.set()
+            heard.append(listened(client))
+            client.sendall(record[7:])
+            client.recv(4096)
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        serving = threading.Thread(target=serve, daemon=True)
+        serving.start()
+        port = server.getsockname()[1]
+        with Relay(f"rtsps://127.0.0.1:{port}/x", here=True, timeout=5) as relay:
+            door = int(relay.url.split(":")[2].split("/")[0])
+            with socket.create_connection(("127.0.0.1", door), 20) as near:
+                near.sendall(b"OPTIONS x RTSP/1.0\r\n\r\n")
+                assert said.wait(20)
+                while select.select([relay._far.fileno()], [], [], 0)[0]:
+                    pass
+                near.sendall(b"DESCRIBE x RTSP/1.0\r\n\r\n")
+                assert near.recv(4096) == answer
+        serving.join(20)
+    assert [each.split()[0] for each in heard] == [b"OPTIONS", b"DESCRIBE"]

@@ -38,12 +38,12 @@ from talaia.wire.frames import (
     Welcome,
 )
 
+from .chromium import PASSWORD, chromium  # noqa: F401 - a fixture of every test of the hub
 from .databases import database, database_url  # noqa: F401 - fixtures of every test of the hub
 
 EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
 # Less what watches it: each test says for itself what is watched.
 DESCRIPTION = re.sub(r"\n +anomalies:(\n +- .*)+", "", EXAMPLE.partition("\nalarms:\n")[0])
-PASSWORD = "a password for tests"  # noqa: S105
 DEADLINE_S = 10.0
 
 

@@ -6,16 +6,18 @@ import pytest
 
 from talaia.wire import browser as page_wire, frames
 
-GUARDED = (
-    (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
-    + """
+EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
+GUARDED = EXAMPLE.replace(
+    "\ninterlocks:\n",
+    """
 interlocks:
   slope:
     name: Too steep
     when: [{signal: base/speed, above: 1}]
-    refuse: [base/drive, base/wander]
+    refuse: [base/wander]
+    slow: {base/drive: 0.4}
     longest_override: 600
-"""
+""",
 )
 
 
@@ -42,7 +44,8 @@ async def test_every_change_reaches_every_page_and_one_that_comes_later(hub, gua
     await guarded.say(state(why="Speed is above 1 m/s", for_ms=60_000))
     news = await page.hear(page_wire.InterlockNews, lambda news: "above" in news.why)
     assert (news.name, news.locked, news.unsafe) == ("Too steep", True, True)
-    assert news.refuses == ["Vehicle base: driving", "Vehicle base: Wander about"]
+    assert (news.refuses, news.targets) == (["Vehicle base: Wander about"], ["base/wander"])
+    assert (news.slows, news.slowed) == (["Vehicle base: driving to 40\u202f%"], ["base/drive"])
     assert news.longest_s == 0
     later = await (await hub.page("admin")).hear(page_wire.InterlockNews)
     assert later.why == news.why

@@ -21,6 +21,7 @@ from talaia.wire.frames import (
     FileHave,
     FileOffer,
     FilePiece,
+    FilmOffer,
     RecordAsk,
     RecordState,
 )
@@ -30,6 +31,7 @@ from .conftest import DESCRIPTION, RunningHub
 RECORDED = DESCRIPTION + "\nrecording: {before: 20}\n"
 BODY = os.urandom(3 * PIECE + 1234)
 AT = "/api/sites/agv/recordings"
+CAMERA, FORMER = "camera/front", "base/former"
 
 
 def offer(body=BODY, name="20260101T120000Z-abcdef", **more):
@@ -270,3 +272,121 @@ async def test_the_words_beside_a_file_say_what_its_row_says(recorded_hub, tmp_p
     )
     assert about["why"] == "STOP (software)"
     assert about["digest"] == hashlib.sha256(BODY).hexdigest()
+
+
+def film(body=BODY, name="20260101T120000Z-f00001", stream=CAMERA, **more):
+    digest = hashlib.sha256(body).hexdigest()
+    told = {"begin_us": 1_767_268_800_000_000, "end_us": 1_767_268_860_000_000, **more}
+    return FilmOffer(
+        id=name, stream=stream, size=len(body), digest=digest, why="STOP (software)", who="ada",
+        pictures=9, **told,
+    )  # fmt: skip
+
+
+async def bring_film(hub, **more):
+    bringing = await files(hub)
+    has = await bringing.ask(film(**more))
+    while not has.done and not has.refused:
+        has = await bringing.ask(piece(has.have, name=film(**more).id))
+    await bringing.connection.close()
+    return has
+
+
+FILMS = "/api/sites/agv/films"
+
+
+async def test_a_film_comes_in_and_is_shown_in_ranges_to_those_who_see_its_camera(
+    recorded_hub, tmp_path
+) -> None:
+    hub = recorded_hub
+    assert (await bring_film(hub)).done
+    assert (await bring_film(hub, name="20260101T120000Z-f00002", stream=FORMER)).done
+    operator = await hub.client("operator")
+    found = (await operator.get(FILMS)).json()
+    assert [each["stream"] for each in found["films"]] == [CAMERA, FORMER]
+    assert (found["films"][0]["pictures"], found["films"][0]["state"]) == (9, "complete")
+    at = f"{FILMS}/20260101T120000Z-f00001/file"
+    some = await operator.get(at, headers={"Range": "bytes=100-299"})
+    assert (some.status_code, some.content) == (206, BODY[100:300])
+    assert some.headers["content-type"] == "video/mp4"
+    assert some.headers["content-disposition"].startswith("inline")
+    assert f"agv-{CAMERA.replace('/', '-')}-2026" in some.headers["content-disposition"]
+    # Only what has something of the time that is asked for.
+    end_us = 1_767_268_860_000_000
+    for query, count in (
+        (f"from_us={end_us}", 2), (f"from_us={end_us + 1}", 0),
+        (f"to_us={end_us - 60_000_000}", 2), (f"to_us={end_us - 60_000_001}", 0),
+    ):  # fmt: skip
+        assert len((await operator.get(f"{FILMS}?{query}")).json()["films"]) == count
+    # A recording is no film, and a film stands among the recordings.
+    assert (await (await files(hub)).bring()).done
+    assert (await operator.get(f"{FILMS}/20260101T120000Z-abcdef/file")).status_code == 404
+    rows = (await operator.get(AT)).json()["recordings"]
+    assert sorted(each["stream"] for each in rows) == ["", FORMER, CAMERA]
+    # A guest sees the device, and the camera that is no more does not open it to them.
+    guest = await hub.client("guest")
+    assert [each["id"] for each in (await guest.get(FILMS)).json()["films"]] == []
+    assert (await guest.get(at)).status_code == 404
+    admin = await hub.client("admin")
+    assert (await admin.delete(f"{AT}/20260101T120000Z-f00001")).status_code == 204
+    assert (await operator.get(at)).status_code == 404
+    names = sorted(each.name for each in (tmp_path / "recordings" / "agv").glob("*.m*"))
+    assert names == ["20260101T120000Z-abcdef.mcap", "20260101T120000Z-f00002.mp4"]
+
+
+async def test_films_that_the_list_has_lost_are_listed_again(recorded_hub) -> None:
+    hub = recorded_hub
+    assert (await bring_film(hub)).done
+    recordings = hub.hub._recordings
+    folder = recordings._folder / "agv"
+    (folder / "20260101T120000Z-f00009.mp4").write_bytes(b"nobody knows whose")
+    await recordings._rows.remove("agv", "20260101T120000Z-f00001")
+    await recordings.open()
+    rows = {each.id: each for each in await recordings.of("agv")}
+    assert rows["20260101T120000Z-f00001"].stream == CAMERA
+    assert rows["20260101T120000Z-f00009"].stream == "unknown"
+    assert recordings.path(rows["20260101T120000Z-f00009"]).is_file()
+
+
+async def test_a_person_films_one_camera_if_its_gateway_can(recorded_hub) -> None:
+    hub = recorded_hub
+    operator = await hub.client("operator")
+    ask = {"on": True, "why": "a bird", "stream": CAMERA}
+    said = await operator.post(AT, json=ask)
+    assert (said.status_code, said.json()["code"]) == (409, "unable")
+    assert (await operator.get(FILMS)).json()["may_film"] is False
+    await hub.linked.say(RecordState(on=False, can_film=True, films=[CAMERA]))
+    while not (found := (await operator.get(FILMS)).json())["may_film"]:
+        continue
+    assert (found["may_film"], found["filming"]) == (True, [CAMERA])
+    assert (await operator.post(AT, json=ask)).status_code == 202
+    asked = await hub.linked.hear(RecordAsk)
+    assert (asked.on, asked.stream, asked.why) == (True, CAMERA, "a bird")
+    assert (await operator.post(AT, json={**ask, "stream": "camera/none"})).status_code == 404
+    guest = await hub.client("guest")
+    found = (await guest.get(FILMS)).json()
+    assert (found["may_film"], found["filming"]) == (False, [])
+    assert (await guest.post(AT, json=ask)).status_code == 403
+
+
+async def test_a_recording_of_a_camera_s_topic_says_that_there_is_no_film_of_it(
+    recorded_hub,
+) -> None:
+    hub = recorded_hub
+    bringing = await files(hub)
+    digest = hashlib.sha256(BODY).hexdigest()
+    offered = FileOffer(
+        id="r1", size=len(BODY), digest=digest, begin_us=1_000_000, end_us=2_000_000,
+        topics=["/images"],
+    )  # fmt: skip
+    has = await bringing.ask(offered)
+    while not has.done:
+        has = await bringing.ask(piece(has.have, name="r1"))
+    operator = await hub.client("operator")
+    (only,) = (await operator.get(FILMS)).json()["unfilmed"]
+    assert only == {
+        "recording": "r1", "stream": CAMERA, "begin_us": 1_000_000, "end_us": 2_000_000,
+    }  # fmt: skip
+    assert (await (await hub.client("guest")).get(FILMS)).json()["unfilmed"] == []
+    assert (await bring_film(hub, begin_us=1_500_000, end_us=1_600_000)).done
+    assert (await operator.get(FILMS)).json()["unfilmed"] == []

@@ -9,7 +9,8 @@ import pytest
 from talaia.clock import SystemClock
 from talaia.hub.api.anomaly_shapes import AnomalyList
 from talaia.hub.live.watching import Watching
-from talaia.wire.browser import EventNews
+from talaia.wire.browser import AnomalyNews, EventNews, Subscribe, Subscribed, Values
+from talaia.wire.columns import unpack
 
 from .conftest import DEADLINE_S, DESCRIPTION
 
@@ -100,7 +101,7 @@ async def test_what_was_learned_survives_the_hub(hub, watched) -> None:
     kept = await watching._learned.of("agv")
     assert set(kept) == {("base/speed", "limits"), ("base/speed", "iqr")}
     live = hub.hub._sites.get("agv")
-    after = Watching(hub.hub._sites, hub.history, watching._learned, SystemClock())
+    after = Watching(hub.hub._sites, hub.history, watching._learned, hub.hub.fanout, SystemClock())
     await after._wake(live, after._watch(live))
     assert after.of("agv")[1].detector.recent == watching.of("agv")[1].detector.recent
 
@@ -187,3 +188,98 @@ async def test_service_tells_what_it_finds(hub, served) -> None:
     began = await page.hear(EventNews, lambda news: news.kind == "anomaly began")
     assert began.device == "power"
     assert began.time_us >= NOW + 400 * SECOND
+
+
+async def scores_of(page, *channels: str) -> Subscribed:
+    await page.say(Subscribe(sub=1, site="agv", channels=list(channels), every_ms=0))
+    return await page.hear(Subscribed)
+
+
+async def next_scores(page) -> list[tuple[int, int, float]]:
+    news = await page.hear(Values)
+    columns = unpack(news.base_us, news.channel, news.offset, news.value, news.texts)
+    rows = (columns.channel.tolist(), columns.time_us.tolist(), columns.value.tolist())
+    return list(zip(*rows, strict=True))
+
+
+async def test_scores_come_over_the_socket_of_a_page_that_asks_for_them(hub, watched) -> None:
+    page = await hub.page("operator")
+    answer = await scores_of(page, "base/speed", "base/speed~limits", "base/speed~missing")
+    # There is no such detector on the signal.
+    assert answer.refused == ["base/speed~missing"]
+    await watched.samples(("base/speed", NOW, 2.5))
+    assert await next_scores(page) == [(0, NOW, 2.5)]
+    assert await next_scores(page) == [(1, NOW, 1.0)]
+    # Who comes later is told how it stands.
+    later = await hub.page("operator")
+    await scores_of(later, "base/speed~limits")
+    assert await next_scores(later) == [(0, NOW, 1.0)]
+
+
+async def test_scores_that_a_site_does_not_show_any_more_go_to_nobody(hub, watched) -> None:
+    page = await hub.page("operator")
+    await scores_of(page, "base/speed~limits")
+    await watched.samples(("base/speed", NOW, 0.5))
+    assert await next_scores(page) == [(0, NOW, 0.0)]
+    await watched.close()
+    again = await hub.gateway()
+    await again.hello(DESCRIPTION, boot="boot-2")
+    await again.samples(("base/speed", NOW + SECOND, 2.5))
+    fresh = await scores_of(page, "base/speed~limits")
+    assert fresh.refused == ["base/speed~limits"]
+
+
+async def test_a_page_is_told_how_a_detector_stands_when_that_changes(hub, watched) -> None:
+    page, guest = await hub.page("operator"), await hub.page("guest")
+    await watched.samples(("base/speed", NOW, 0.5), ("base/speed", NOW + SECOND, 2.5))
+    # Its signal is public, so a guest is told as well.
+    for each in (page, guest):
+        began = await each.hear(AnomalyNews, lambda news: news.on)
+        assert (began.address, began.detector) == ("base/speed", "limits")
+        assert (began.from_us, began.to_us) == (NOW + SECOND, 0)
+        assert began.why == "2.5 m/s is above the most of 2 m/s"
+    rows = [("base/speed", NOW + (2 + at) * SECOND, 0.5) for at in range(12)]
+    await watched.samples(*rows)
+    ended = await page.hear(AnomalyNews, lambda news: not news.on)
+    assert (ended.from_us, ended.to_us) == (NOW + SECOND, NOW + SECOND)
+
+
+async def test_not_an_anomaly_is_told_to_every_page_also_when_it_is_over(hub, watched) -> None:
+    usual = [("base/speed", NOW + at * SECOND, 0.5 + 0.01 * (at % 5)) for at in range(60)]
+    after = [("base/speed", NOW + (61 + at) * SECOND, 0.5 + 0.01 * (at % 5)) for at in range(20)]
+    page = await hub.page("guest")
+    await watched.samples(*usual, ("base/speed", NOW + 60 * SECOND, 0.9), *after)
+    ended = await page.hear(AnomalyNews, lambda news: news.detector == "iqr" and not news.on)
+    assert not ended.forgiven
+    client = await hub.client("operator")
+    asked = {"address": "base/speed", "detector": "iqr"}
+    await client.post("/api/sites/agv/anomalies/forgiven", json=asked)
+    marked = await page.hear(AnomalyNews, lambda news: news.forgiven)
+    assert (marked.from_us, marked.why) == (ended.from_us, ended.why)
+    overview = AnomalyList.model_validate((await client.get("/api/sites/agv/anomalies")).json())
+    limits, iqr = overview.detectors
+    assert (iqr.forgiven, iqr.from_us, iqr.to_us) == (True, ended.from_us, ended.to_us)
+    assert (limits.learns, iqr.learns) == (False, True)
+
+
+async def test_what_a_guest_may_not_see_is_not_told(hub, served) -> None:
+    guest, page = await hub.page("guest"), await hub.page("operator")
+    assert (await scores_of(guest, "power/voltage~together")).refused == ["power/voltage~together"]
+    rows = [("power/voltage", NOW + at * SECOND, 12.0 + 0.01 * (at % 7)) for at in range(1_000)]
+    await served.samples(*rows)
+    # It has learned, which pages are told once.
+    told = await page.hear(AnomalyNews, lambda news: news.address == "power/voltage")
+    assert (told.learning, told.on) == (0, False)
+    assert not [each for each in guest.heard if isinstance(each, AnomalyNews)]
+
+
+async def test_scores_of_before_can_be_asked_for_before_there_are_any(hub, watched) -> None:
+    client = await hub.client("guest")
+    query = {"channel": "base/speed~limits", "from_us": NOW, "to_us": NOW + SECOND}
+    answer = await client.get("/api/sites/agv/history", params=query)
+    assert answer.json()["series"][0]["v"] == []
+    assert (
+        await client.get(
+            "/api/sites/agv/history", params={**query, "channel": "base/speed~missing"}
+        )
+    ).status_code == 404

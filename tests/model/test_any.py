@@ -20,6 +20,7 @@ from talaia.model.save import saved
 from talaia.model.site import Site
 from talaia.model.write import written
 
+from .test_detection import MODEL, TEXT as SEEING
 from .test_load import GUARDED, SEVERAL
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
@@ -31,7 +32,7 @@ ros2: {}
 devices: {base: {name: Base}}
 recording: {topics: [/odom], before: 5}
 """
-TEXTS = [*(path.read_text() for path in EXAMPLES), GUARDED, SEVERAL, RECORDED]
+TEXTS = [*(path.read_text() for path in EXAMPLES), GUARDED, SEVERAL, RECORDED, SEEING + MODEL]
 BASES = [(text, load_site(text)) for text in TEXTS]
 Way = tuple[str | int, ...]
 
@@ -103,6 +104,8 @@ def of_type(shape: object) -> st.SearchStrategy[object]:
             return st.one_of([of_type(each) for each in shape.types])
         case inspect.VarTupleType():
             return st.lists(of_type(shape.item_type), max_size=3).map(tuple)
+        case inspect.TupleType():
+            return st.tuples(*(of_type(each) for each in shape.item_types))
         case inspect.DictType():
             return st.dictionaries(words, of_type(shape.value_type), max_size=2)
         case inspect.StructType():

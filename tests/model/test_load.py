@@ -217,11 +217,15 @@ devices:
     commands:
       close: {name: Close, target: /close, type: std_srvs/srv/Trigger}
     link_loss: {after: 60, run: [{command: dome/close}]}
+  base:
+    name: Base
+    drive: {topic: /cmd_vel, max_speed: 1, max_turn: 1}
 interlocks:
   rain:
     name: Rain
     when: [{signal: weather/rain, is: [raining]}, {signal: weather/wind, above: 12}]
     refuse: [dome/*]
+    slow: {base/drive: 0.5}
     run: [{command: dome/close, within: 60, required: false}]
 """
 
@@ -247,6 +251,10 @@ def test_interlocks_are_read_and_written_back_equal(text: str) -> None:
         ("weather/rain, is: [raining]", "weather/rain, above: 1", ".when[0]", "write is"),
         ("above: 12", "above: .nan", ".when[1].above", "finite"),
         ("refuse: [dome/*]", "refuse: [dome/open]", ".refuse[0]", "dome/close"),
+        ("slow: {base/drive", "slow: {base/driv", ".slow.base/driv", "base/drive"),
+        ("drive: 0.5", "drive: 1", ".slow.base/drive", "below 1"),
+        ("drive: 0.5", "drive: 0", ".slow.base/drive", "refuse it"),
+        ("drive: 0.5", "drive: .nan", ".slow.base/drive", "below 1"),
         ("command: dome/close, within", "command: dome/clos, within", ".run[0].command", "close"),
         ("within: 60", "within: 0", ".run[0].within", "above 0"),
         ("required: false", "args: {speed: 1}", ".run[0].args", "speed"),

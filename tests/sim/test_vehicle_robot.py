@@ -14,6 +14,7 @@ import pytest
 from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
 from talaia.model.load import read_site
+from talaia.model.seen import is_seen
 from talaia.sim.domain import reserve
 
 if TYPE_CHECKING:
@@ -171,6 +172,9 @@ def test_everything_the_example_description_names_is_served(vehicle: Vehicle, pe
     for device in site.devices.values():
         for part in (*device.signals.values(), *device.streams.values()):
             source = part.source
+            if is_seen(source):
+                # What is counted on pictures is the gateway's to make.
+                continue
             if source.topic not in heard:
                 heard[source.topic] = peer.collect(message(source.type), source.topic)
             wanted.append(source)

@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import rclpy
 import simplejpeg
 from rclpy.qos import QoSProfile
@@ -20,8 +21,8 @@ ENCODINGS = ("rgb8", "yuyv", "bayer_rggb8", "mono16")
 WIDTH, HEIGHT = 320, 240
 
 
-def message_of(encoding: str) -> Image:
-    fields = vars(packed(scene(WIDTH, HEIGHT), encoding))
+def message_of(encoding: str, picture: np.ndarray | None = None) -> Image:
+    fields = vars(packed(scene(WIDTH, HEIGHT) if picture is None else picture, encoding))
     data = array.array("B", fields.pop("data").tobytes())
     message = Image(**fields)
     message.data = data

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from playwright.sync_api import Browser, sync_playwright
 
 from .stack import Stack
 
@@ -30,13 +31,14 @@ CHROMIUM_FLAGS = [
 
 
 class Demo(NamedTuple):
-    """A running demo: its address, its accounts, its folder."""
+    """A running demo: its address, its accounts, its folder, and what it said."""
 
     process: subprocess.Popen[str]
     address: str
     passwords: dict[str, str]
     data: Path
     seconds: float
+    said: str = ""
 
     @property
     def actuations(self) -> Path:
@@ -92,7 +94,7 @@ def begin_demo(word: str, folder: Path, *more: str) -> Demo:
         start_new_session=True,
     )
     # A demo that says nothing is ended, so that the read below cannot wait for ever.
-    alarm = threading.Timer(90, process.kill)
+    alarm = threading.Timer(150, process.kill)
     alarm.start()
     said = ""
     assert process.stdout is not None
@@ -110,7 +112,7 @@ def begin_demo(word: str, folder: Path, *more: str) -> Demo:
     passwords = dict(re.findall(r"^    (admin|operator|guest)\s+(\S+)$", said, re.MULTILINE))
     data = re.search(r"data and logs: (\S+)", said)
     assert data is not None
-    return Demo(process, ready[2], passwords, Path(data[1]), float(ready[1]))
+    return Demo(process, ready[2], passwords, Path(data[1]), float(ready[1]), said)
 
 
 def stop_demo(demo: Demo) -> int:
@@ -145,6 +147,27 @@ def chromium() -> str:
     if found is None:
         missing("Chromium")
     return str(found)
+
+
+def launching(program: str) -> dict[str, object]:
+    """How a Chromium is launched; ROS's own libraries are not for it."""
+    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
+    return {"executable_path": program, "args": CHROMIUM_FLAGS, "env": clean}
+
+
+@pytest.fixture(scope="module")
+def browser(chromium: str) -> Iterator[Browser]:
+    """One for a module: Playwright's loop would be in the way of other modules' own."""
+    with sync_playwright() as play, play.chromium.launch(**launching(chromium)) as running:
+        yield running
+
+
+@pytest.fixture
+def chrome(browser: Browser) -> Iterator[Browser]:
+    """The module's browser; what a test opens in it is closed behind it."""
+    yield browser
+    for context in browser.contexts:
+        context.close()
 
 
 @contextlib.contextmanager

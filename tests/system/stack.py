@@ -11,7 +11,8 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -76,6 +77,15 @@ async def until(condition: Callable[[], object], within: float, what: str = "") 
     while not condition():
         assert time.monotonic() < deadline, f"not within {within:g} s: {what or condition}"
         await asyncio.sleep(STEP_S)
+
+
+def finish(work: Coroutine[object, object, None]) -> None:
+    """Run ``work`` to its end, also where Playwright has a loop in this thread.
+
+    It starts no process: that would end with the thread here.
+    """
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, work).result()
 
 
 class Process:
@@ -171,7 +181,7 @@ class Stack:
         self._world = domain.reserve()
         self._ros = {**domain.environment(self._world.domain), **self.more}
         self.port = self._free_port()
-        asyncio.run(self._accounts())
+        finish(self._accounts())
         (folder / "site.yaml").write_text(self.description)
         self.heard_file, self.ledger_file = folder / "heard.jsonl", folder / "ledger.txt"
         self.robot = self.start_robot()

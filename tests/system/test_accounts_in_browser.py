@@ -6,30 +6,21 @@ the open page within a second. A guest and an operator look at the same vehicle 
 
 from __future__ import annotations
 
-import os
 import re
 import time
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-from .conftest import CHROMIUM_FLAGS, Demo
+from . import pages
+from .conftest import Demo
 
 pytestmark = [pytest.mark.browser, pytest.mark.robot, pytest.mark.timeout(180)]
 
 PASSWORD = "a sentence that nobody guesses"  # noqa: S105
 DEMOTED_S = 1.0
 NAV = "navigation"
-
-
-@pytest.fixture(scope="module")
-def browser(chromium: str) -> Iterator[Browser]:
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    with sync_playwright() as play:
-        running = play.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS, env=clean)
-        yield running
-        running.close()
 
 
 @pytest.fixture
@@ -43,11 +34,7 @@ def contexts(browser: Browser) -> Iterator[list[BrowserContext]]:
 
 def sign_in(context: BrowserContext, demo: Demo, name: str, password: str = "") -> Page:
     page = context.new_page()
-    page.goto(f"{demo.address}/login")
-    page.get_by_label("Name").fill(name)
-    page.get_by_label("Password").fill(password or demo.passwords[name])
-    page.get_by_role("button", name="Sign in").click()
-    page.wait_for_url(re.compile("/(home|public)$"))
+    pages.sign_in(page, demo, name, password or demo.passwords[name])
     return page
 
 

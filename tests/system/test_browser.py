@@ -6,27 +6,17 @@ What the vehicle did is read from its own log, written with its own clock.
 from __future__ import annotations
 
 import json
-import os
-import re
 import time
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-from .conftest import CHROMIUM_FLAGS, Demo
+from . import pages
+from .conftest import Demo
 
 pytestmark = [pytest.mark.browser, pytest.mark.robot, pytest.mark.timeout(180)]
 TTL_NS, ROBOT_STOPS_NS = 250_000_000, 500_000_000
-
-
-@pytest.fixture(scope="module")
-def browser(chromium: str) -> Iterator[Browser]:
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    with sync_playwright() as play:
-        running = play.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS, env=clean)
-        yield running
-        running.close()
 
 
 @pytest.fixture
@@ -58,11 +48,7 @@ def faults(context: BrowserContext) -> list[str]:
 
 def sign_in(context: BrowserContext, demo: Demo, role: str) -> Page:
     page = context.new_page()
-    page.goto(f"{demo.address}/login")
-    page.get_by_label("Name").fill(role)
-    page.get_by_label("Password").fill(demo.passwords[role])
-    page.get_by_role("button", name="Sign in").click()
-    page.wait_for_url(re.compile("/(home|public)$"))
+    pages.sign_in(page, demo, role, demo.passwords[role])
     return page
 
 
@@ -127,6 +113,8 @@ def test_charts_are_painted_with_samples_that_are_young(
     )
     page = sign_in(context, demo, "operator")
     page.goto(f"{demo.address}/sites/agv/live")
+    # So tall that these are in sight: the others rest.
+    page.set_viewport_size({"width": 1440, "height": 3000})
     wanted = ("base/speed", "base/turn_rate", "sensors/ultrasonic1")
     count = "(each) => (window.__painted[each] ?? []).length"
     until(lambda: all(page.evaluate(count, each) > 10 for each in wanted), page, 20)

@@ -6,20 +6,18 @@ gamepad is none: Chromium has no way to plug one in, so the page's own reading o
 
 from __future__ import annotations
 
-import asyncio
-import os
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, expect
 
-from .conftest import CHROMIUM_FLAGS, missing
+from .conftest import missing
 from .faults.proxy import Proxy
 from .faults.weather import Way, Weather
-from .stack import SITE, Process, Stack
-from .test_interlocks import picture, visit
+from .pages import picture, visit
+from .stack import SITE, Process, Stack, finish
 
 pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(180)]
 
@@ -99,20 +97,11 @@ def plugged(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Plugged]:
             missing(module)
     running = Plugged(tmp_path_factory.mktemp("by-hand"))
     try:
-        asyncio.run(running.ready())
-        asyncio.run(running.actor.says("ready"))
+        finish(running.ready())
+        finish(running.actor.says("ready"))
         running.robot.tell("count 50")
         yield running
     finally:
-        running.close()
-
-
-@pytest.fixture(scope="module")
-def chrome(chromium: str) -> Iterator[Browser]:
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    with sync_playwright() as play:
-        running = play.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS, env=clean)
-        yield running
         running.close()
 
 
@@ -136,24 +125,20 @@ def level(stack: Stack, page: Page) -> None:
 
 
 @pytest.fixture
-def page(plugged: Plugged, chrome: Browser) -> Iterator[Page]:
+def page(plugged: Plugged, chrome: Browser) -> Page:
     """The driver's page for driving, the vehicle level and free."""
     if plugged.hub.popen.poll() is not None:
         plugged.start_hub()
-    # As `Stack.fresh`, whose loop has no place here: Playwright has one in this thread.
+    # As `Stack.fresh`, but for the loop, of which Playwright has one in this thread.
     if plugged.gateway.popen.poll() is not None or plugged.gateway.said().count("linked to") > 1:
         plugged.gateway.end()
         plugged.start_gateway()
-    end = time.monotonic() + 30
-    while "ready" not in plugged.hub.said() or "linked to" not in plugged.gateway.said():
-        assert time.monotonic() < end, "hub and gateway are not linked"
-        time.sleep(0.02)
-    shown = visit(chrome, plugged, "driver")
+    finish(plugged.ready())
+    shown = visit(chrome, plugged, "driver", width=1280)
     shown.goto(f"{plugged.address}/sites/{SITE}/drive")
     expect(shown.get_by_role("button", name="Take control")).to_be_enabled(timeout=20_000)
     level(plugged, shown)
-    yield shown
-    shown.context.close()
+    return shown
 
 
 def take(page: Page) -> None:
@@ -365,7 +350,7 @@ def test_what_an_interlock_locks_is_greyed_out_with_the_reason_and_who_can_help(
     expect(beep.get_by_text(locked)).to_be_visible()
     picture(page, "by-hand-locked-phone")
     page.set_viewport_size({"width": 1280, "height": 900})
-    boss = visit(chrome, plugged, "boss")
+    boss = visit(chrome, plugged, "boss", width=1280)
     boss.goto(f"{plugged.address}/sites/{SITE}/drive")
     expect(
         boss.locator("t-command").filter(has_text="You can override it in the bar at the top.")
@@ -376,7 +361,6 @@ def test_what_an_interlock_locks_is_greyed_out_with_the_reason_and_who_can_help(
     expect(beep.get_by_role("button", name="Send")).to_be_enabled()
     boss.get_by_role("button", name="End override").click()
     expect(beep.get_by_role("button", name="Send")).to_be_disabled()
-    boss.context.close()
 
 
 # ── pulling the plug ──

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
 import base64
 import io
-import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,11 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, Page as BrowserPage, Playwright, expect, sync_playwright
+from playwright.sync_api import Browser, Page as BrowserPage, expect
 from tests.gateway.pictures.scenes import packed, psnr, scene
+from tests.gateway.rtsp_camera import RtspCamera
 
-from .conftest import CHROMIUM_FLAGS, missing
-from .stack import PASSWORD, SITE, Process, Stack
+from .conftest import missing
+from .pages import picture, visit
+from .stack import SITE, Process, Stack, finish
 
 pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(180)]
 
@@ -31,13 +31,31 @@ BAD = {
 STREAM = "      {0}: {{name: {0}, source: {{topic: /cam/{0}, type: sensor_msgs/msg/{1}}}}}\n"
 DESCRIPTION = (
     "talaia: 1\nsite: faults\nname: Cameras\nros2: {}\n"
-    "devices:\n  eyes:\n    name: Eyes\n    streams:\n"
+    "connections:\n  yard: {kind: video, here: true}\n"
+    "devices:\n  gate:\n    name: Gate\n    connection: yard\n    streams:\n"
+    "      rtsp: {name: rtsp, source: {url: 'rtsp://127.0.0.1:%d/gate'}}\n"
+    "  eyes:\n    name: Eyes\n    connection: ros2\n    streams:\n"
 )
 DESCRIPTION += "".join(STREAM.format(each, "Image") for each in IMAGES)
 DESCRIPTION += "".join(STREAM.format(each, "CompressedImage") for each in COMPRESSED)
 NOTE = """
 window.__formats = [];
 window.__talaiaPictured = (timeUs, format) => window.__formats.push(format);
+window.__until = format => new Promise(done => {
+  const look = () => {
+    const newest = window.__formats.slice(-20);
+    if (newest.length === 20 && newest.every(each => each === format)) done(true);
+    else requestAnimationFrame(look);
+  };
+  look();
+});
+"""
+# A tab that another one covers.
+COVERED = """
+window.__cover = covered => {
+  Object.defineProperty(document, "hidden", {configurable: true, get: () => covered});
+  document.dispatchEvent(new Event("visibilitychange"));
+};
 """
 # As in a browser without it, and in each one where the page is not on https.
 NO_DECODER = "delete window.VideoDecoder;"
@@ -49,63 +67,37 @@ def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
         if not __import__("importlib.util").util.find_spec(module):
             missing(module)
     folder = tmp_path_factory.mktemp("cameras")
-    running = Stack(folder, DESCRIPTION, {"boss": "admin"})
+    yard = RtspCamera([scene(320, 240)] * 10)
+    running = Stack(folder, DESCRIPTION % yard.port, {"boss": "admin"})
     cameras = Process(
         [str(Path(__file__).parent / "camera_robot.py")], folder / "cameras.log", running._ros
     )
     try:
-        asyncio.run(running.ready())
-        asyncio.run(cameras.says("ready"))
+        finish(running.ready())
+        finish(cameras.says("ready"))
         yield running
     finally:
         cameras.end()
         running.close()
+        yard.close()
 
 
-@pytest.fixture(scope="module")
-def play() -> Iterator[Playwright]:
-    with sync_playwright() as playing:
-        yield playing
-
-
-@pytest.fixture
-def chrome(play: Playwright, chromium: str) -> Iterator[Browser]:
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    browser = play.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS, env=clean)
-    yield browser
-    browser.close()
-
-
-def opened(chrome: Browser, stack: Stack, *scripts: str) -> BrowserPage:
+def opened(chrome: Browser, stack: Stack, *scripts: str, device: str = "eyes") -> BrowserPage:
     # So tall that each camera is in sight: the others would rest.
-    page = chrome.new_context(viewport={"width": 1440, "height": 3000}).new_page()
-    for each in scripts:
-        page.add_init_script(each)
-    page.goto(f"{stack.address}/login")
-    page.get_by_label("Name").fill("boss")
-    page.get_by_label("Password").fill(PASSWORD)
-    page.get_by_role("button", name="Sign in").click()
-    page.wait_for_url("**/home")
-    page.goto(f"{stack.address}/sites/{SITE}/devices/eyes")
+    page = visit(chrome, stack, "boss", height=3000, scripts=scripts)
+    page.goto(f"{stack.address}/sites/{SITE}/devices/{device}")
     return page
 
 
 def camera(page: BrowserPage, name: str):
-    return page.locator(f"t-camera[data-stream='eyes/{name}']")
+    return page.locator(f"t-camera[data-stream$='/{name}']")
 
 
 def drawn(page: BrowserPage, name: str) -> np.ndarray:
     expect(camera(page, name).get_by_text("Live", exact=True)).to_be_visible(timeout=20_000)
     url = camera(page, name).locator("canvas").evaluate("canvas => canvas.toDataURL('image/png')")
-    with Image.open(io.BytesIO(base64.b64decode(url.split(",")[1]))) as picture:
-        return np.array(picture.convert("RGB"))
-
-
-def picture_of(page: BrowserPage, name: str) -> None:
-    """Keep a screenshot where a person asked for them."""
-    folder = os.environ.get("TALAIA_PICTURES")
-    if folder:
-        page.screenshot(path=Path(folder) / f"{name}.png")
+    with Image.open(io.BytesIO(base64.b64decode(url.split(",")[1]))) as image:
+        return np.array(image.convert("RGB"))
 
 
 @pytest.mark.parametrize(
@@ -126,8 +118,33 @@ def test_what_is_drawn_is_what_the_robot_sent_and_bad_pictures_say_what_is_wrong
         expect(camera(page, name).get_by_text("cannot be shown")).to_be_visible(timeout=20_000)
         expect(camera(page, name).get_by_text(words)).to_be_visible()
     assert set(page.evaluate("window.__formats")) == {format_}
-    picture_of(page, f"cameras-{format_}")
+    picture(page, f"cameras-{format_}")
     assert stack.gateway.popen.poll() is None
+
+
+@pytest.mark.parametrize(
+    ("scripts", "format_"), [((NOTE,), "h264"), ((NOTE, NO_DECODER), "jpeg")], ids=["h264", "jpeg"]
+)
+def test_a_network_camera_is_drawn_as_it_was_filmed(
+    stack: Stack, chrome: Browser, scripts: tuple[str, ...], format_: str
+) -> None:
+    page = opened(chrome, stack, *scripts, device="gate")
+    # Filmed by the camera and, for the page, once more.
+    assert psnr(drawn(page, "rtsp"), scene(320, 240)) > 26
+    assert set(page.evaluate("window.__formats")) == {format_}
+
+
+def test_a_covered_page_gets_a_picture_now_and_then_and_the_film_again_when_it_is_seen(
+    stack: Stack, chrome: Browser
+) -> None:
+    page = opened(chrome, stack, NOTE, COVERED)
+    drawn(page, "rgb8")
+    page.evaluate("window.__cover(true)")
+    page.evaluate("window.__until('jpeg')")
+    assert psnr(drawn(page, "rgb8"), scene(320, 240)) > 28
+    page.evaluate("window.__cover(false)")
+    page.evaluate("window.__until('h264')")
+    assert psnr(drawn(page, "rgb8"), scene(320, 240)) > 28
 
 
 def test_a_camera_is_looked_at_closely_and_kept(stack: Stack, chrome: Browser) -> None:
@@ -154,11 +171,11 @@ def test_a_camera_is_looked_at_closely_and_kept(stack: Stack, chrome: Browser) -
         one.get_by_role("button", name="Save this picture").click()
     kept = caught.value
     assert kept.suggested_filename.startswith("rgb8-20")
-    with Image.open(kept.path()) as picture:
-        assert picture.size == (320, 240)
-        assert psnr(np.array(picture.convert("RGB")), scene(320, 240)) > 28
+    with Image.open(kept.path()) as image:
+        assert image.size == (320, 240)
+        assert psnr(np.array(image.convert("RGB")), scene(320, 240)) > 28
     one.get_by_role("button", name="Full screen").click()
     expect(one.get_by_role("button", name="Leave full screen")).to_be_visible()
-    picture_of(page, "camera-full")
+    picture(page, "camera-full")
     one.get_by_role("button", name="Leave full screen").click()
     expect(one.get_by_role("button", name="Full screen", exact=True)).to_be_visible()

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
-import os
 import socket
 import subprocess
 import time
@@ -13,10 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page as BrowserPage, expect, sync_playwright
+from playwright.sync_api import Browser, Page as BrowserPage, expect
 
-from .conftest import CHROMIUM_FLAGS, missing
-from .stack import PASSWORD, SITE, Stack
+from .conftest import missing
+from .pages import picture, visit
+from .stack import SITE, Stack, finish
 
 pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(120)]
 
@@ -110,34 +109,15 @@ def stack(ros1: Ros1, tmp_path: Path) -> Iterator[Stack]:
     folder.mkdir()
     running = Stack(folder, DESCRIPTION % ros1.port, {"boss": "admin"})
     try:
-        asyncio.run(running.ready())
+        finish(running.ready())
         yield running
     finally:
         running.close()
 
 
 @pytest.fixture
-def shown(chromium: str, stack: Stack) -> Iterator[BrowserPage]:
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    with sync_playwright() as play:
-        chrome: Browser = play.chromium.launch(
-            executable_path=chromium, args=CHROMIUM_FLAGS, env=clean
-        )
-        page = chrome.new_context(viewport={"width": 1440, "height": 900}).new_page()
-        page.goto(f"{stack.address}/login")
-        page.get_by_label("Name").fill("boss")
-        page.get_by_label("Password").fill(PASSWORD)
-        page.get_by_role("button", name="Sign in").click()
-        page.wait_for_url("**/home")
-        yield page
-        chrome.close()
-
-
-def picture(shown: BrowserPage, name: str) -> None:
-    """Keep what is on screen, where the person who runs the tests wants to look at it."""
-    folder = os.environ.get("TALAIA_PICTURES")
-    if folder:
-        shown.screenshot(path=Path(folder) / f"{name}.png")
+def shown(chrome: Browser, stack: Stack) -> BrowserPage:
+    return visit(chrome, stack, "boss")
 
 
 def test_a_lost_robot_is_unknown_within_two_seconds_and_the_other_goes_on(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -60,6 +61,31 @@ def test_when_the_demo_is_killed_its_vehicle_does_not_go_on_alone(tmp_path: Path
     for process in alive:
         process.kill()
     assert alive == []
+
+
+@pytest.mark.timeout(240)
+def test_what_somebody_changed_in_a_kept_demo_is_still_so_in_the_next(tmp_path: Path) -> None:
+    files = [tmp_path / "agv.yaml", tmp_path / "observatory.yaml"]
+    assert stop_demo(start_demo(tmp_path, "--no-camera")) == 0
+    untouched = files[0].read_text()
+    # In the next demo the same again, and then each with a name of somebody's own.
+    assert stop_demo(start_demo(tmp_path, "--no-camera", "--no-observatory")) == 0
+    assert files[0].read_text() == untouched
+    for each in files:
+        text, count = re.subn(r"(?m)^name: .*$", "name: Ours  # chosen by us", each.read_text())
+        assert count == 1
+        each.write_text(text)
+    changed = files[0].read_text()
+    demo = start_demo(tmp_path, "--no-camera")
+    assert stop_demo(demo) == 0
+    assert files[0].read_text() == changed
+    assert "name: Ours  # chosen by us" in files[1].read_text()
+    assert demo.said.count("was changed in an earlier run and stays so") == 2
+    files[0].unlink()
+    demo = start_demo(tmp_path, "--no-camera", "--no-observatory")
+    assert stop_demo(demo) == 0
+    assert files[0].read_text() == untouched
+    assert "was changed" not in demo.said
 
 
 @pytest.mark.timeout(180)

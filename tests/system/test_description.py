@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, expect
 
-from .conftest import CHROMIUM_FLAGS, missing
-from .stack import PASSWORD, SITE, Stack
-from .test_connections import picture
+from .conftest import missing
+from .pages import picture, visit
+from .stack import SITE, Stack, finish
 
 pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(180)]
 
@@ -44,38 +42,17 @@ def stack(tmp_path: Path) -> Iterator[Stack]:
         missing("rclpy")
     running = Open(tmp_path, DESCRIPTION, {"boss": "admin", "guest": "guest"})
     try:
-        asyncio.run(running.ready())
+        finish(running.ready())
         running.robot.tell("count 10")
         yield running
     finally:
         running.close()
 
 
-@pytest.fixture
-def chrome(chromium: str) -> Iterator[Browser]:
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    with sync_playwright() as play:
-        browser: Browser = play.chromium.launch(
-            executable_path=chromium, args=CHROMIUM_FLAGS, env=clean
-        )
-        yield browser
-        browser.close()
-
-
-def signed_in(chrome: Browser, stack: Stack) -> Page:
-    page = chrome.new_context(viewport={"width": 1440, "height": 900}).new_page()
-    page.goto(f"{stack.address}/login")
-    page.get_by_label("Name").fill("boss")
-    page.get_by_label("Password").fill(PASSWORD)
-    page.get_by_role("button", name="Sign in").click()
-    page.wait_for_url("**/home")
-    return page
-
-
 def test_sensor_added_in_the_form_has_a_live_chart_without_reload_and_is_gone_after_going_back(
     stack: Stack, chrome: Browser
 ) -> None:
-    editor = signed_in(chrome, stack)
+    editor = visit(chrome, stack, "boss")
     live = editor.context.new_page()
     live.goto(f"{stack.address}/sites/{SITE}/live")
     expect(live.get_by_role("heading", name="Count")).to_be_visible()
@@ -129,7 +106,7 @@ def test_sensor_added_in_the_form_has_a_live_chart_without_reload_and_is_gone_af
 
 
 def test_mistake_in_the_text_is_listed_and_leads_to_its_line(stack: Stack, chrome: Browser) -> None:
-    page = signed_in(chrome, stack)
+    page = visit(chrome, stack, "boss")
     page.set_viewport_size({"width": 390, "height": 844})
     page.goto(f"{stack.address}/admin/description")
     page.get_by_text("Edit", exact=True).click()

@@ -341,7 +341,8 @@ async def test_a_stamped_robot_hears_its_message_without_anybodys_clock(stack: S
         await until(lambda: stack.heard("/cmd_stamped")[-1].v == [0.0, 0.0, 0.0], 5)
         await driver.free()
     assert {each.v[2] for each in stack.heard("/cmd_stamped", at)} == {0.0}  # type: ignore[index]
-    assert stack.heard("/cmd_vel", at) == []
+    # Of the other vehicle's last drive some zeros may still be on their way.
+    assert {tuple(each.v) for each in stack.heard("/cmd_vel", at)} <= {(0.0, 0.0)}  # type: ignore[arg-type]
 
 
 async def test_a_robot_of_keys_hears_the_keys_and_at_the_end_s(stack: Stack) -> None:

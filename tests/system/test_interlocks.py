@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
-import os
 import re
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page as BrowserPage, expect, sync_playwright
+from playwright.sync_api import Browser, expect
 
 from talaia.wire import browser
 from talaia.wire.frames import CommandPhase
 
-from .conftest import CHROMIUM_FLAGS, missing
+from .conftest import missing
+from .pages import picture, visit
 from .people import Page, page
-from .stack import PASSWORD, SITE, Stack, until
+from .stack import SITE, Stack, finish, until
 from .test_driving import drive, moving, standstill
 
 pytestmark = [pytest.mark.robot, pytest.mark.timeout(120)]
@@ -62,7 +60,7 @@ def slope(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
     people = {"driver": "operator", "guest": "guest", "boss": "admin"}
     running = Stack(tmp_path_factory.mktemp("slope"), DESCRIPTION, people)
     try:
-        asyncio.run(running.ready())
+        finish(running.ready())
         yield running
     finally:
         running.close()
@@ -139,39 +137,13 @@ async def test_without_a_hub_the_gateway_acts_all_the_same(slope: Stack) -> None
     await slope.fresh()
 
 
-@pytest.fixture(scope="module")
-def chrome(chromium: str) -> Iterator[Browser]:
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    with sync_playwright() as play:
-        running = play.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS, env=clean)
-        yield running
-        running.close()
-
-
-def picture(shown: BrowserPage, name: str) -> None:
-    """Keep what is on screen, where the person who runs the tests wants to look at it."""
-    folder = os.environ.get("TALAIA_PICTURES")
-    if folder:
-        shown.screenshot(path=Path(folder) / f"{name}.png")
-
-
-def visit(chrome: Browser, stack: Stack, name: str, *, width: int = 1280) -> BrowserPage:
-    shown = chrome.new_context(viewport={"width": width, "height": 900}).new_page()
-    shown.goto(f"{stack.address}/login")
-    shown.get_by_label("Name").fill(name)
-    shown.get_by_label("Password").fill(PASSWORD)
-    shown.get_by_role("button", name="Sign in").click()
-    shown.wait_for_url("**/home")
-    return shown
-
-
 @pytest.mark.browser
 def test_every_page_shows_the_lock_and_an_admin_overrides_it_with_a_reason(
     slope: Stack, chrome: Browser
 ) -> None:
     slope.gateway.end()
     slope.start_gateway()
-    boss = visit(chrome, slope, "boss")
+    boss = visit(chrome, slope, "boss", width=1280)
     bar = boss.locator("t-interlock").filter(has_text="Too steep")
     # Nothing was heard of the slope yet: unknown is unsafe.
     expect(bar).to_contain_text("Tilt: no value yet", timeout=30_000)

@@ -7,9 +7,7 @@ file with its command-line clients.
 
 from __future__ import annotations
 
-import asyncio
 import json
-import os
 import re
 import subprocess
 import sys
@@ -19,7 +17,7 @@ from typing import ClassVar
 
 import msgspec
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, expect
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
 from observatory_site import as_ros1
@@ -27,10 +25,10 @@ from observatory_site import as_ros1
 from talaia.model.load import dump_site, read_site
 from talaia.model.site import Site
 
-from .conftest import CHROMIUM_FLAGS, need_indi, need_ros1, need_ros2
+from .conftest import need_indi, need_ros1, need_ros2
 from .observatory import free_port
-from .stack import SITE, Process, Stack
-from .test_interlocks import picture, visit
+from .pages import picture, visit
+from .stack import SITE, Process, Stack, finish
 
 pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(150)]
 
@@ -156,20 +154,9 @@ def dome(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Dome]:
     kind.needs()
     running = kind(tmp_path)
     try:
-        asyncio.run(running.ready())
+        finish(running.ready())
         yield running
     finally:
-        running.close()
-
-
-@pytest.fixture
-def chrome(chromium: str, dome: Dome) -> Iterator[Browser]:
-    """Chromium, after the dome: Playwright has a loop of its own in this thread."""
-    del dome
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    with sync_playwright() as play:
-        running = play.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS, env=clean)
-        yield running
         running.close()
 
 
@@ -197,7 +184,7 @@ def press(page: Page, deed: str, *, asks_again: bool) -> None:
 def test_the_same_page_opens_and_closes_a_dome(
     dome: Dome, chrome: Browser, request: pytest.FixtureRequest
 ) -> None:
-    page = visit(chrome, dome, "driver")
+    page = visit(chrome, dome, "driver", width=1280)
     page.goto(f"{dome.address}/sites/{SITE}/devices/dome")
     expect(page.get_by_role("heading", name="Dome", level=1)).to_be_visible()
     expect(words(page, "closed")).to_be_visible(timeout=30_000)
@@ -211,4 +198,3 @@ def test_the_same_page_opens_and_closes_a_dome(
     expect(words(page, "opened", "open", "closing", "moving")).not_to_be_visible(timeout=MOVED_MS)
     expect(words(page, "closed")).to_be_visible()
     assert dome.shutter() == "closed"
-    page.context.close()

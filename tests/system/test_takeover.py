@@ -3,28 +3,18 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Page, expect
 
-from .conftest import CHROMIUM_FLAGS, Demo
+from .conftest import Demo
+from .pages import picture
 from .test_browser import hold_until_it_drives, sign_in, take_control, until
 
 pytestmark = [pytest.mark.browser, pytest.mark.robot, pytest.mark.timeout(180)]
 ASKED = re.compile(r"admin asks for control")
-
-
-@pytest.fixture(scope="module")
-def browser(chromium: str) -> Iterator[Browser]:
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    with sync_playwright() as play:
-        running = play.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS, env=clean)
-        yield running
-        running.close()
 
 
 @pytest.fixture
@@ -43,13 +33,6 @@ def pages(browser: Browser, demo: Demo) -> Iterator[tuple[Page, Page]]:
 
 def velocities(demo: Demo) -> list[float]:
     return [json.loads(line)["v"] for line in demo.actuations.read_text().splitlines()]
-
-
-def picture(page: Page, name: str) -> None:
-    """Keep what is on screen, where the person who runs the tests wants to look at it."""
-    folder = os.environ.get("TALAIA_PICTURES")
-    if folder:
-        page.screenshot(path=Path(folder) / f"{name}.png")
 
 
 def test_handing_over_stops_the_vehicle_before_the_other_drives(

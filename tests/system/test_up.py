@@ -5,21 +5,21 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
-import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect, sync_playwright
+from playwright.sync_api import Browser, expect
 
 from talaia.model.check import check
 from talaia.model.load import read_site
 from talaia.model.site import Source
 from talaia.sim import domain
 
-from .conftest import CHROMIUM_FLAGS, missing
+from .conftest import missing
+from .pages import sign_in
 from .walk import PASSWORD, talaia, until_stored, walked
 
 pytestmark = [pytest.mark.robot, pytest.mark.timeout(180)]
@@ -83,21 +83,12 @@ def test_something_else_than_a_probe_is_told_and_nothing_is_written(tmp_path: Pa
 def test_an_unknown_robot_has_a_dashboard_with_every_numeric_field_within_a_minute(
     robot: dict[str, str],
     tmp_path: Path,
-    chromium: str,
+    # Whoever sits there has one open already.
+    chrome: Browser,
 ) -> None:
-    clean = {key: each for key, each in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    # Whoever sits there has a browser open already.
-    with (
-        sync_playwright() as play,
-        play.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS, env=clean) as browser,
-        walked(robot, tmp_path, "--site", "rover", "--name", "Rover") as rover,
-    ):
-        page = browser.new_page(viewport={"width": 1440, "height": 1000})
-        page.goto(f"{rover.address}/login")
-        page.get_by_label("Name").fill("ada")
-        page.get_by_label("Password").fill(PASSWORD)
-        page.get_by_role("button", name="Sign in").click()
-        page.wait_for_url(re.compile("/home$"))
+    with walked(robot, tmp_path, "--site", "rover", "--name", "Rover") as rover:
+        page = chrome.new_page(viewport={"width": 1440, "height": 1000})
+        sign_in(page, rover, "ada", PASSWORD)
         expect(page.get_by_role("heading", name="Rover").first).to_be_visible()
         expect(page.get_by_text("50.0").first).to_be_visible()
         never = {

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from seen_side import CLASSES
+
 from talaia.model.site import parts_of
 
 if TYPE_CHECKING:
@@ -69,6 +71,7 @@ def device_json(device_id: str, device: Device, rights: list[str]) -> dict[str, 
                 "name": one.name,
                 "max_rate": one.max_rate,
                 "public": one.visibility == "public",
+                "detect": {"classes": CLASSES, "confidence": 0.5},
             }
             for key, one in device.streams.items()
             if views or one.visibility == "public"

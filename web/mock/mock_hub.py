@@ -22,8 +22,9 @@ from accounts_side import CODE, Accounts, router
 from described import device_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
+from seen_side import router as seen_router
 from socket_side import Browser, media
-from world import World, anomalies, events, history, statistics
+from world import World, anomalies, events, history, outliers, statistics
 
 from talaia.model.load import read_site
 
@@ -183,6 +184,7 @@ def build(site: Site) -> FastAPI:
         return {"devices": [row for row in rows if row["rights"] or row["public"]]}
 
     app.include_router(router(accounts))
+    app.include_router(seen_router())
 
     @app.get("/api/sites/{name}/anomalies")
     async def watched() -> dict[str, Any]:
@@ -211,6 +213,10 @@ def build(site: Site) -> FastAPI:
                 for one in ask.getlist("channel")
             ]
         }
+
+    @app.get("/api/sites/{name}/outliers")
+    async def far_out(request: Request) -> dict[str, Any]:
+        return {"outliers": [outliers(one) for one in request.query_params.getlist("channel")]}
 
     @app.get("/api/sites/{name}/export")
     async def taken(request: Request) -> Response:

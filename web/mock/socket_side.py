@@ -9,10 +9,12 @@ import time
 from typing import TYPE_CHECKING
 
 from fastapi import WebSocketDisconnect
+from seen_side import things
 from world import World, now_columns
 
+from talaia.hub.anomaly.wanted import score_channels
 from talaia.wire import browser as wire
-from talaia.wire.browser import FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
+from talaia.wire.browser import FROM_BROWSER, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
 from talaia.wire.columns import pack
 from talaia.wire.frames import CommandPhase, LeaseOp
 
@@ -37,7 +39,9 @@ class Browser:
         self.sent_until: dict[int, float] = {}
         self.reset_token = ""
         self.ticks = 0
-        self.known = {channel.address for channel in world.site.channels()}
+        described = world.site.channels()
+        scores = score_channels(world.site, len(described))
+        self.known = {channel.address for channel in (*described, *scores)}
         self.tasks: set[asyncio.Task[None]] = set()
 
     async def run(self) -> None:
@@ -268,23 +272,40 @@ async def media(socket: WebSocket, world: World) -> None:
     """Send pictures at 15 Hz, two under way at the most."""
     credit = asyncio.Semaphore(2)
 
+    boxed = False
+
     async def read() -> None:
+        nonlocal boxed
         with contextlib.suppress(WebSocketDisconnect):
             while True:
-                await socket.receive_bytes()
-                credit.release()
+                said = MEDIA_FROM_BROWSER.decode(await socket.receive_bytes())
+                if isinstance(said, wire.Shown):
+                    credit.release()
+                elif isinstance(said, wire.BoxesAsk):
+                    boxed = said.on
+
+    async def look(seq: int, now: float) -> None:
+        await asyncio.sleep(0.07)
+        if boxed:
+            found = wire.ShotBoxes(seq=seq, time_us=int(now * 1e6), things=things(now))
+            await socket.send_bytes(MEDIA_TO_BROWSER.encode(found))
 
     reader = asyncio.create_task(read())
     seq = 0
+    looking: list[asyncio.Task[None]] = []
     try:
         while not reader.done():
             await credit.acquire()
             seq += 1
+            now = time.time()
             shot = wire.Shot(
-                seq=seq, time_us=int(time.time() * 1e6), hub_us=time.monotonic_ns() // 1000,
-                width=640, height=480, format="jpeg", data=world.picture(seq),
+                seq=seq, time_us=int(now * 1e6), hub_us=time.monotonic_ns() // 1000,
+                width=640, height=480, format="jpeg", data=world.picture(seq, now),
             )  # fmt: skip
             await socket.send_bytes(MEDIA_TO_BROWSER.encode(shot))
+            if seq % 2 == 0:
+                looking.append(asyncio.create_task(look(seq, now)))
+                looking = [each for each in looking if not each.done()]
             await asyncio.sleep(1 / 15)
     finally:
         reader.cancel()

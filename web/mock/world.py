@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PIL import Image, ImageDraw
+from seen_side import paint
 
 from talaia.wire.columns import Columns
 
@@ -83,7 +84,7 @@ class World:
         jitter = noise * math.sin(when * 977 + seed) * math.sin(when * 331)
         return low + (high - low) * wave + jitter
 
-    def picture(self, seq: int) -> bytes:
+    def picture(self, seq: int, now: float) -> bytes:
         """Draw a corridor that moves with the vehicle, as JPEG of 640 by 480."""
         image = Image.new("RGB", (640, 480), (196, 205, 208))
         draw = ImageDraw.Draw(image)
@@ -96,7 +97,8 @@ class World:
             depth = ((row * 60 + phase) / 420) ** 2
             y = 262 + depth * 218
             draw.line((0, y, 640, y), (130, 106, 80), 2)
-        clock = time.strftime("%H:%M:%S", time.gmtime())
+        paint(draw, now, 640, 480)
+        clock = time.strftime("%H:%M:%S", time.gmtime(now))
         draw.text((12, 456), f"picture {seq}  {clock} UTC", (20, 24, 26), font_size=16)
         out = io.BytesIO()
         image.save(out, "JPEG", quality=70)
@@ -140,8 +142,17 @@ def anomalies() -> dict[str, Any]:
     """Say what a detector of the speed thinks."""
     why = "0.2 m/s is 0.15 m/s above the 0.05 m/s of the last 5 min, a change greater than any"
     one = {"address": "base/speed", "detector": "together", "name": "all together", "bar": 0.65}
-    now = {"score": 0.71, "scores": "base/speed~together", "began_us": 1, "why": why, "late": 0}
+    began = int(time.time() * 1e6) - 8_000_000
+    now = {"score": 0.71, "scores": "base/speed~together", "began_us": began, "why": why, "late": 0}
+    now |= {"from_us": began, "to_us": 0, "forgiven": False, "learns": True, "learning": 0}
     return {"detectors": [{**one, **now}], "may_forgive": True, "skipped": 0}
+
+
+def outliers(address: str) -> dict[str, Any]:
+    """Say which values of a channel are far out, of a great many samples."""
+    low, high, _ = RANGES.get(address, (-1.0, 1.0, 0.0))
+    found = {"samples": 8_640_000, "stored": 8_640_000, "count": 1_203, "exact": True}
+    return {"address": address, "first": low, "third": high, "low": low, "high": high, **found}
 
 
 def history(world: World, address: str, from_us: int, to_us: int, width: int) -> dict[str, Any]:

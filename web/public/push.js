@@ -1,6 +1,8 @@
 // Shows messages about alarms that the hub sends while no page of it is open (Web Push).
+const ALARMS = "/alarms";
+
 self.addEventListener("push", (event) => {
-  let said = { key: "", title: "Talaia", body: "" };
+  let said = { key: "", title: "Talaia", body: "", open: ALARMS };
   try {
     said = { ...said, ...event.data.json() };
   } catch {
@@ -13,18 +15,30 @@ self.addEventListener("push", (event) => {
       tag: said.key,
       icon: "/icon.svg",
       requireInteraction: said.severity === "critical",
+      data: { open: said.open },
     }),
   );
 });
 
 self.addEventListener("notificationclick", (event) => {
   event.notification.close();
-  event.waitUntil(
-    (async () => {
-      const pages = await self.clients.matchAll({ type: "window" });
-      const open = pages.find((page) => new URL(page.url).pathname === "/alarms");
-      if (open !== undefined) await open.focus();
-      else await self.clients.openWindow("/alarms");
-    })(),
-  );
+  event.waitUntil(show(pathOf(event.notification.data?.open)));
 });
+
+/** A page of alarms that is open goes there; any other stays: somebody may be driving in it. */
+async function show(path) {
+  const pages = await self.clients.matchAll({ type: "window", includeUncontrolled: true });
+  const open = pages.find((page) => new URL(page.url).pathname === ALARMS);
+  if (open === undefined) {
+    await self.clients.openWindow(path);
+    return;
+  }
+  await open.focus();
+  open.postMessage({ open: path });
+}
+
+/** Only a page of alarms of this very hub is opened, whatever a message says. */
+function pathOf(open) {
+  const url = new URL(typeof open === "string" ? open : ALARMS, self.location.origin);
+  return url.origin === self.location.origin && url.pathname === ALARMS ? url.pathname + url.search : ALARMS;
+}

@@ -1,4 +1,8 @@
-"""``talaia check``: say whether a site description is right, and where it is not."""
+"""``talaia check``: say whether a site description is right, and where it is not.
+
+Where cameras are to detect objects it says, too, whether this machine could: that is no mistake of
+the description, which may be for another one.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,7 @@ from typing import TYPE_CHECKING
 from talaia.model.check import check
 from talaia.model.errors import DescriptionError
 from talaia.model.load import read_site
+from talaia.objects.here import sight_here
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,4 +45,6 @@ def main(argv: Sequence[str]) -> int:
         else:
             channels = len(site.channels())
             print(f"{path}: right; {len(site.devices)} devices, {channels} channels")
+            for sight in sight_here(site, path.parent):
+                print(f"{path}: {sight.said}")
     return 1 if wrong else 0

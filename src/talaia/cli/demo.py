@@ -6,16 +6,29 @@ import argparse
 import asyncio
 import importlib.util
 import time
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.cli.demonstration import example, folder, greet, make_logins
+from msgspec.structs import replace
+
+from talaia.cli.demonstration import (
+    describe,
+    example,
+    folder,
+    greet,
+    is_changed,
+    make_logins,
+)
 from talaia.cli.errors import PartMissing
 from talaia.cli.parts import Part, run_together, start
 from talaia.cli.places import DEFAULT_PORT, free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
-from talaia.model.load import dump_site, read_site
+from talaia.model.load import dump_site, load_site, read_site
+from talaia.model.save import saved
+from talaia.model.seen import is_seen
+from talaia.objects.here import sight_here
 from talaia.sim import domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
 
@@ -25,6 +38,13 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 VEHICLE, OBSERVATORY = "agv", "observatory"
+# What is added to the vehicle's example where the libraries for it are there.
+RECORDING = """
+# The topics of all signals, on demand and around STOP; any camera on demand.
+recording: {before: 10, triggers: [stop]}
+"""
+# A small computer that is busy draws the first picture after a minute; what fails is told at once.
+READY_S = 120.0
 
 
 def main(argv: Sequence[str]) -> int:
@@ -78,19 +98,25 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
         parts.append(await start(f"gateway of the {robot.name}", words, log, robot.environment))
     ready = len(robots) + 1
     await asyncio.gather(
-        *(part.says("ready", 30) for part in parts[:ready]),
-        *(part.says("linked to", 30) for part in parts[ready:]),
+        *(part.says("ready", READY_S) for part in parts[:ready]),
+        *(part.says("linked to", READY_S) for part in parts[ready:]),
     )
-    greet(address, logins, data, time.monotonic() - began)
+    changed = [robot.description for robot in robots if robot.changed]
+    blind = [each for each in sight_here(read_site(robots[0].description), data) if not each.well]
+    greet(address, logins, data, time.monotonic() - began, changed, [each.said for each in blind])
     if not options.no_browser and has_screen():
         await asyncio.to_thread(open_page, address)
 
 
 class _Robot(NamedTuple):
-    """A simulated robot: the site it plays, its description, and how it is started."""
+    """A simulated robot: the site it plays, its description, and how it is started.
+
+    ``changed``: the description is not the example, for somebody changed it in an earlier run.
+    """
 
     site: str
     description: Path
+    changed: bool
     name: str
     words: list[str]
     log: str
@@ -103,12 +129,37 @@ def _vehicle(options: argparse.Namespace, data: Path) -> _Robot:
     words = ["sim", "vehicle", "--domain", str(world), "--seed", str(options.seed)]
     words += ["--log", str(data / "actuations.jsonl")]
     words += ["--no-camera"] if options.no_camera else []
-    # A copy: it may be changed from the page.
+    # A copy: it may be changed from the page, and is then somebody's work.
     description = data / "agv.yaml"
-    description.write_text(example(VEHICLE).read_text())
-    return _Robot(
-        VEHICLE, description, "vehicle", words, "sim.log", world, domain.environment(world)
+    changed = is_changed(description)
+    if not changed:
+        text = example(VEHICLE).read_text()
+        # Without them its gateway would not start: what is to be recorded must be.
+        text += RECORDING if find_spec("mcap") and find_spec("av") else ""
+        describe(description, _blind(text) if options.no_camera else text)
+    here = domain.environment(world)
+    return _Robot(VEHICLE, description, changed, "vehicle", words, "sim.log", world, here)
+
+
+def _blind(text: str) -> str:
+    """Take away what goes by the pictures of a camera that is not there."""
+    site = load_site(text)
+    camera = site.devices["camera"]
+    streams = {name: replace(each, detect=None) for name, each in camera.streams.items()}
+    seen = {name for name, each in camera.signals.items() if is_seen(each.source)}
+    signals = {name: each for name, each in camera.signals.items() if name not in seen}
+    gone = {f"camera/{name}" for name in seen}
+    without = replace(
+        site,
+        devices={**site.devices, "camera": replace(camera, signals=signals, streams=streams)},
+        interlocks={
+            name: rule
+            for name, rule in site.interlocks.items()
+            if not any(each.signal in gone for each in rule.when)
+        },
+        alarms={name: each for name, each in site.alarms.items() if each.signal not in gone},
     )
+    return saved(text, without)
 
 
 def _observatory(options: argparse.Namespace, data: Path) -> _Robot:
@@ -120,9 +171,16 @@ def _observatory(options: argparse.Namespace, data: Path) -> _Robot:
     now = time.time()
     words += ["--longitude", str(longitude_of_night(now))]
     description = data / "observatory.yaml"
-    description.write_text(dump_site(at_night(read_site(example(OBSERVATORY)), now)))
+    changed = is_changed(description)
+    if changed:
+        text = description.read_text()
+        description.write_text(saved(text, at_night(read_site(description), now)))
+    else:
+        describe(description, dump_site(at_night(read_site(example(OBSERVATORY)), now)))
     here = domain.environment(world)
-    return _Robot(OBSERVATORY, description, "observatory", words, "observatory.log", world, here)
+    return _Robot(
+        OBSERVATORY, description, changed, "observatory", words, "observatory.log", world, here
+    )
 
 
 async def _gateway(robot: _Robot, settings: Settings) -> list[str]:

@@ -1,8 +1,10 @@
-"""What every demo does alike: a folder that goes again, throw-away people, and the greeting."""
+"""What every demo does alike: a folder, throw-away people, descriptions, and the greeting."""
 
 from __future__ import annotations
 
+import hashlib
 import secrets
+import shlex
 import shutil
 import tempfile
 from contextlib import contextmanager
@@ -18,7 +20,15 @@ if TYPE_CHECKING:
 
     from talaia.hub.settings import Settings
 
-__all__ = ["Login", "example", "folder", "greet", "make_logins"]
+__all__ = [
+    "Login",
+    "describe",
+    "example",
+    "folder",
+    "greet",
+    "is_changed",
+    "make_logins",
+]
 
 ROLES = ("admin", "operator", "guest")
 
@@ -63,11 +73,52 @@ def example(name: str) -> Path:
     raise CliError(f"the example description {name}/site.yaml was not installed")
 
 
-def greet(address: str, logins: Sequence[Login], data: Path, took: float) -> None:
-    """Say where the demo is, who may come in, and how it ends."""
+def is_changed(path: Path) -> bool:
+    """Tell whether somebody changed a description that `describe` wrote in an earlier run."""
+    try:
+        return _digest(path.read_text()) != _written(path).read_text()
+    except FileNotFoundError:
+        # Of a demo that did not note yet what it wrote: it may hold somebody's work.
+        return path.exists()
+
+
+def describe(path: Path, text: str) -> None:
+    """Write a description, and note that it is the demo's own."""
+    path.write_text(text)
+    _written(path).write_text(_digest(text))
+
+
+def _written(path: Path) -> Path:
+    return path.with_name(f".{path.name}.written")
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def greet(
+    address: str,
+    logins: Sequence[Login],
+    data: Path,
+    took: float,
+    changed: Sequence[Path] = (),
+    notes: Sequence[str] = (),
+) -> None:
+    """Say where the demo is, who may come in, and how it ends.
+
+    ``changed`` are descriptions that are not the examples, for somebody changed them; ``notes``
+    say what does not work here.
+    """
     width = max(len(login.name) for login in logins)
     print(f"\n  Talaia is ready ({took:.1f} s):  {address}\n")
     print("  throw-away accounts, made for this demo only:")
     for login in logins:
         print(f"    {login.name:<{width}}   {login.password}")
+    for path in changed:
+        print(
+            f"\n  {path.name} was changed in an earlier run and stays so;"
+            f"\n  for the example again, end the demo and run: rm {shlex.quote(str(path))}"
+        )
+    for note in notes:
+        print(f"\n  {note}")
     print(f"\n  data and logs: {data}\n  Ctrl-C stops everything.", flush=True)

@@ -21,7 +21,7 @@ from talaia.configurator.errors import BadValue
 from talaia.configurator.places import Path, at
 from talaia.model.connection import ROS_KINDS, ConnectionKind, kind_of
 from talaia.model.meaning import human
-from talaia.model.site import Command, CommandKind, Signal, SignalType
+from talaia.model.site import Command, CommandKind, Signal, SignalType, Stream
 from talaia.model.unit import UNITS
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from talaia.model.connection import Connection
     from talaia.model.site import Site
 
-__all__ = ["Row", "RowKind", "read", "rows_at", "rows_of", "shown", "value_of"]
+__all__ = ["Row", "RowKind", "kept", "read", "rows_at", "rows_of", "shown", "value_of"]
 
 
 class RowKind(StrEnum):
@@ -47,6 +47,8 @@ class RowKind(StrEnum):
     PAIRS = "pairs"
     # A number, a truth or a text, as YAML reads it.
     ANY = "any"
+    # Whether a part is there at all; its own fields follow while it is.
+    PART = "part"
 
 
 class Row(NamedTuple):
@@ -58,6 +60,7 @@ class Row(NamedTuple):
         choices: the closed list of a choice.
         offers: words that are likely, for a text; others may be written.
         default: what stands where the description says nothing.
+        shape: of a part.
 
     """
 
@@ -69,6 +72,7 @@ class Row(NamedTuple):
     choices: tuple[str, ...] = ()
     offers: tuple[str, ...] = ()
     default: object = None
+    shape: type[msgspec.Struct] | None = None
 
     @property
     def key(self) -> str:
@@ -84,7 +88,15 @@ _KINDS: dict[type, RowKind] = {
 }
 # Shapes inside a shape whose fields stand in the same form.
 _FLAT = frozenset({"source", "stop"})
+# Shapes inside a shape that may be left out: a switch, and their fields in the same form.
+_PARTS = frozenset({"detect"})
 _LABELS = {
+    ("detect",): "Object detection",
+    ("detect", "classes"): "Classes, one a line",
+    ("detect", "confidence"): "Sure from (0 to 1)",
+    ("detect", "max_rate"): "At most per second",
+    ("detect", "at"): "Looked at by",
+    ("detect", "model"): "Detector",
     ("name",): "Name",
     ("source", "name"): "Sensor's name",
     ("primary",): "On the first page",
@@ -92,6 +104,8 @@ _LABELS = {
     ("max_age",): "Stale after (s)",
     ("keep",): "Keep for (days)",
     ("visibility",): "Seen by",
+    ("source", "stream"): "Counts on camera",
+    ("source", "sees"): "Counts things of class",
     ("source", "device"): "INDI device",
     ("indi",): "INDI device",
     ("ttl",): "Refused after (s)",
@@ -117,10 +131,23 @@ def _rows(shape: type[msgspec.Struct], above: Path) -> Iterator[Row]:
             if field.name in _FLAT:
                 yield from _rows(field.type.cls, path)
             continue
+        part = _part(field.type) if field.name in _PARTS else None
+        if part is not None:
+            about = help_of.get(field.name, "")
+            yield Row(path, _LABELS[path], RowKind.PART, about, default=False, shape=part)
+            yield from _rows(part, path)
+            continue
         row = _row(path, field.type)
         if row is not None:
             default = None if field.default is msgspec.NODEFAULT else field.default
             yield row._replace(help=help_of.get(field.name, ""), default=default)
+
+
+def _part(kind: msgspec.inspect.Type) -> type[msgspec.Struct] | None:
+    """Give the shape of what is one or nothing."""
+    members = kind.types if isinstance(kind, msgspec.inspect.UnionType) else ()
+    shapes = (each.cls for each in members if isinstance(each, msgspec.inspect.StructType))
+    return next(shapes, None)
 
 
 def _row(path: Path, kind: msgspec.inspect.Type) -> Row | None:
@@ -196,12 +223,19 @@ def rows_at(site: Site, path: Path) -> tuple[Row, ...]:
     link = None
     if len(path) > 1 and path[0] == "devices" and path[1] in site.devices:
         link = site.links().get(site.connection_of(path[1]))
-    rows = rows_of(type(thing))
+    rows = [row for row in rows_of(type(thing)) if _is_there(thing, row)]
     return tuple(
         row
         for row in rows
         if (path or row.path != ("talaia",))
         and (_is_set(thing, row) or (_by_link(row, link) and _by_kind(row, thing)))
+    )
+
+
+def _is_there(thing: object, row: Row) -> bool:
+    """A part that is left out has no fields."""
+    return (
+        row.path[0] not in _PARTS or len(row.path) == 1 or getattr(thing, row.path[0]) is not None
     )
 
 
@@ -218,6 +252,9 @@ def _by_kind(row: Row, thing: object) -> bool:
     if isinstance(thing, Signal):
         types = _BY_TYPE.get(row.key)
         return types is None or thing.type in types
+    if isinstance(thing, Stream):
+        # What is seen on a camera's pictures is a signal's source.
+        return row.key not in ("source.stream", "source.sees")
     if isinstance(thing, Command):
         return thing.kind is CommandKind.ACTION or row.key not in ("progress", "progress_end")
     return True
@@ -227,7 +264,14 @@ def value_of(thing: object, row: Row) -> object:
     """Give what stands in the row's field."""
     for step in row.path:
         thing = getattr(thing, step)
-    return thing
+    return thing is not None if row.kind is RowKind.PART else thing
+
+
+def kept(row: Row, value: object) -> object:
+    """Give what the description gets for what a form gives: for a part, one as it begins."""
+    if row.kind is not RowKind.PART or row.shape is None:
+        return value
+    return row.shape() if value is True else None
 
 
 # ── value to text and back ──
@@ -241,7 +285,7 @@ def shown(row: Row, value: object) -> str:
         return "\n".join(f"{key}: {_scalar(each)}" for key, each in value.items())
     if isinstance(value, tuple | list):
         return "\n".join(str(each) for each in value)
-    if row.kind in (RowKind.ANY, RowKind.TRUTH):
+    if row.kind in (RowKind.ANY, RowKind.TRUTH, RowKind.PART):
         return _scalar(value)
     if isinstance(value, float):
         return f"{value:.15g}"
@@ -276,7 +320,7 @@ def read(row: Row, text: str) -> object:
             return _number(said)
         case RowKind.INTEGER:
             return _integer(said)
-        case RowKind.TRUTH:
+        case RowKind.TRUTH | RowKind.PART:
             return said == "true"
         case RowKind.LIST:
             return tuple(line.strip() for line in text.splitlines() if line.strip())

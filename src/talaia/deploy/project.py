@@ -8,6 +8,7 @@ from talaia.deploy.containers import DatabaseKind, compose, dockerfile
 from talaia.deploy.readme import readme
 from talaia.deploy.systemd import gateway_unit, hub_unit
 from talaia.model.connection import Ros1Connection, Ros2Connection
+from talaia.model.detection import DetectAt
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -71,6 +72,9 @@ def project(
     domain = site.ros2.domain if site.ros2 is not None else None
     database = choice.database
     extras = ["hub"] if database is DatabaseKind.SQLITE else ["hub", database.value]
+    looks = [each.detect for device in site.devices.values() for each in device.streams.values()]
+    if any(each is not None and each.at is DetectAt.HUB for each in looks):
+        extras.append("objects")
     files = {
         "README.md": File(readme(site, choice.database, choice.port, choice.setup)),
         "site.yaml": File(description),
@@ -104,5 +108,10 @@ def _gateway_image(site: Site, version: str) -> str:
         extras.append("ros2")
     if site.recording is not None:
         extras.append("recording")
+    # Whether objects are seen on its cameras' pictures may be chosen while it runs.
+    if any(device.streams for device in site.devices.values()):
+        extras.append("objects")
+    if site.filmed():
+        extras.append("camera")
     old = any(isinstance(each, Ros1Connection) for each in links)
     return dockerfile(extras, version, ROS1_PACKAGES if old else ())

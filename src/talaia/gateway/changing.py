@@ -18,6 +18,7 @@ from talaia.gateway.permitting import Accepts, forbidden
 from talaia.model.check import check
 from talaia.model.errors import DescriptionError
 from talaia.model.load import site_in
+from talaia.model.seen import with_counts
 from talaia.model.words import Finding
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import ChangePhase, ChangeState, Problem
@@ -231,7 +232,7 @@ class Changing:
         findings = check(site)
         if findings:
             return Refused("the description cannot be used as written", tuple(findings))
-        return with_kept(self._data, site)
+        return with_counts(with_kept(self._data, site))
 
     async def _put(self, site: Site, text: str, change_id: str, who: str) -> Refused | None:
         copy, exchange = self._copy, self._exchange

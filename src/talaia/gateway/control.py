@@ -143,6 +143,7 @@ class Control:
         if seat is not None:
             now = self._clock.monotonic_ns()
             seat.bar(self._barred(frame.device, now), now)
+            seat.slow(self._share(frame.device, now))
             seat.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
     def stop(self, ask: StopAsk) -> Latched | None:
@@ -309,6 +310,7 @@ class Control:
             # Whoever drives when it becomes unsafe is stopped by this, and not by the next frame.
             if seat.driving.moving:
                 seat.bar(self._barred(seat.device, now), now)
+                seat.slow(self._share(seat.device, now))
             seat.step(now, lambda seat=seat: self._proofs(seat))  # type: ignore[misc]
         if self._anyone_holds() and now - self.ticks.last_ns >= TICK_NS:
             self._tick(now)
@@ -321,6 +323,9 @@ class Control:
         if self._interlocks is None:
             return ""
         return self._interlocks.refusal(device, "drive", now_ns)
+
+    def _share(self, device: str, now_ns: int) -> float:
+        return 1.0 if self._interlocks is None else self._interlocks.share(device, now_ns)
 
     def _anyone_holds(self) -> bool:
         now = self._clock.monotonic_ns()

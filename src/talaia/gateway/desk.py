@@ -23,6 +23,7 @@ from talaia.wire.frames import (
     Reconnect,
     RecordAsk,
     ResetAsk,
+    Seen,
     StopAsk,
     Watch,
 )
@@ -31,13 +32,12 @@ if TYPE_CHECKING:
     from collections.abc import Coroutine
 
     from talaia.clock import Clock
+    from talaia.gateway.acting import Acting
     from talaia.gateway.changing import Changing
-    from talaia.gateway.commanding import Commanding
-    from talaia.gateway.control import Control
-    from talaia.gateway.pacing import Pacer
     from talaia.gateway.ports import Adapter, Outcome
     from talaia.gateway.reach import Reach
-    from talaia.gateway.recording.recorder import Recorder
+    from talaia.gateway.recording.tapes import Tapes
+    from talaia.gateway.sight.telling import Telling
     from talaia.gateway.spool.keeper import Keeper
     from talaia.gateway.uplink.lanes import Lanes
     from talaia.gateway.uplink.pictures import Pictures
@@ -59,7 +59,7 @@ class Voice:
         self._clock = clock
         self._lanes = lanes
         self.adapter: Adapter | None = None
-        self.recorder: Recorder | None = None
+        self.tapes: Tapes | None = None
 
     def drive(self, device: str, linear: float, angular: float) -> None:
         """Publish a velocity."""
@@ -78,9 +78,9 @@ class Voice:
     def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
         """Write down, here and at the hub."""
         log.info("%s %s %s %s", kind, device, message, who)
-        if self.recorder is not None and kind in _CAUSES:
+        if self.tapes is not None and kind in _CAUSES:
             said = " ".join(filter(None, (message, f"({device})" if device else "")))
-            self.recorder.trigger(_CAUSES[kind], said, who)
+            self.tapes.trigger(_CAUSES[kind], said, who)
         time_us = self._clock.wall_ns() // 1000
         self._lanes.send(
             Event(
@@ -114,30 +114,29 @@ class FrontDesk:
     def __init__(
         self,
         boot: str,
-        control: Control,
-        pacer: Pacer,
-        commanding: Commanding,
+        acting: Acting,
         keeper: Keeper,
         adapter: Adapter,
         voice: Voice,
         lanes: Lanes,
         reach: Reach,
-        recorder: Recorder | None = None,
-        changing: Changing | None = None,
-        *,
+        tapes: Tapes | None,
+        changing: Changing,
         pictures: Pictures,
+        telling: Telling,
     ) -> None:
         """Take all who act, the voice that tells how it went, and the lanes to the hub."""
         self._pictures = pictures
+        self._telling = telling
         self._reach = reach
-        self._recorder = recorder
+        self._tapes = tapes
         self._changing = changing
         self._voice = voice
         self._lanes = lanes
         self._boot = boot
-        self._control = control
-        self._pacer = pacer
-        self._commanding = commanding
+        self._control = acting.control
+        self._pacer = acting.pacer
+        self._commanding = acting.commanding
         self._keeper = keeper
         self._adapter = adapter
         self._tasks: set[asyncio.Task[None]] = set()
@@ -150,22 +149,23 @@ class FrontDesk:
         self.links += 1
         # First, for it compares with what the hub had told before.
         self._keeper.unlearn(welcome.acked)
-        if self._recorder is not None:
-            self._lanes.send(self._recorder.state())
+        if self._tapes is not None:
+            self._lanes.send(self._tapes.state())
         self._keeper.ack(self._boot, welcome.acked)
         self._control.link_up()
         self._commanding.report()
         self._reach.report()
-        if self._changing is not None:
-            self._changing.link_up()
+        self._changing.link_up()
+        self._telling.link_up(takes=Seen.__struct_config__.tag in welcome.takes)
         self._pacer.touch()
 
     def link_lost(self) -> None:
         """End leases and holds; nobody looks at pictures any more."""
-        if self.linked.is_set() and self._recorder is not None:
-            self._recorder.trigger(Trigger.LINK_LOST, "the link to the hub was lost")
+        if self.linked.is_set() and self._tapes is not None:
+            self._tapes.trigger(Trigger.LINK_LOST, "the link to the hub was lost")
         self.linked.clear()
         self._control.link_lost()
+        self._telling.link_lost()
         self._pacer.touch()
         self._pictures.watch((), {})
         self.look()
@@ -197,15 +197,14 @@ class FrontDesk:
             case CommandAsk():
                 self._spawn(self._commanding.ask(message))
             case ChangeAsk():
-                if self._changing is not None:
-                    self._spawn(self._changing.ask(message))
+                self._spawn(self._changing.ask(message))
             case CommandCancel():
                 self._commanding.cancel(message)
             case OverrideAsk():
                 self._control.override(message)
                 return
             case Watch():
-                self._pictures.watch(message.streams, message.forms)
+                self._pictures.watch(message.streams, message.forms, message.boxes)
                 self.look()
             case KeyAsk():
                 self._pictures.ask_key(message.stream, message.form)
@@ -226,15 +225,18 @@ class FrontDesk:
         self._adapter.reconnect(asked.device, done)
 
     def _record(self, asked: RecordAsk) -> None:
-        if self._recorder is None:
+        if self._tapes is None:
             why = "the description says nothing of recording"
             self._voice.tell("recording_refused", why, who=asked.who)
         elif asked.alarm:
-            self._recorder.trigger(Trigger.ALARM, asked.why, asked.who)
+            self._tapes.trigger(Trigger.ALARM, asked.why, asked.who)
+        elif asked.stream and self._tapes.films is None:
+            why = "this gateway cannot film cameras; install talaia[camera] there"
+            self._voice.tell("recording_refused", why, who=asked.who)
         elif asked.on:
-            self._recorder.begin(asked.who, asked.why)
+            self._tapes.begin(asked.who, asked.why, asked.stream)
         else:
-            self._recorder.end(asked.who)
+            self._tapes.end(asked.who, asked.stream)
 
     def _spawn(self, work: Coroutine[None, None, None]) -> None:
         task = asyncio.ensure_future(work)

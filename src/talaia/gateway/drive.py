@@ -96,7 +96,8 @@ class Driving:
         self._rest = False
         self._pause_until_ns = 0
         self._offered_ns = 0
-        self.cap = 1.0
+        self._line_cap = 1.0
+        self.share = 1.0
         self.loop_ms = 0.0
         self.accepted = 0
         self.refused = 0
@@ -105,6 +106,11 @@ class Driving:
     def output(self) -> Demand:
         """The last demand given out."""
         return self._output
+
+    @property
+    def cap(self) -> float:
+        """The speed cap now (0 to 1): the line's, the picture's, and `share`, which others set."""
+        return min(self._line_cap, self.share)
 
     @property
     def moving(self) -> bool:
@@ -142,7 +148,7 @@ class Driving:
         self._fresh_until_ns = now_ns + self._ttl_ns - age_ns
         # What the page says of its own waiting may shorten the loop, never below nothing.
         self.loop_ms = max(0.0, age_ns / MS - max(0.0, frame.held_ms))
-        self.cap = min(
+        self._line_cap = min(
             cap_of_loop(self.loop_ms),
             cap_of_picture(frame.picture_ms, has_picture=bool(self._rule.picture)),
         )

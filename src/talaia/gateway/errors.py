@@ -118,7 +118,3 @@ class KeyRefused(LinkLost):
             f"{self.hub} refuses this gateway's key (HTTP {self.status}); "
             "enrol the gateway again or give another --key-file"
         )
-
-
-class DetectorError(GatewayError):
-    """A detector's file cannot be used, or is not what its setting says."""

@@ -6,27 +6,27 @@ import hashlib
 import logging
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia import __version__
 from talaia.gateway.errors import RosterFull
+from talaia.gateway.permitting import Accepts
 from talaia.gateway.share import Flexible, shares_of
 from talaia.gateway.spool.files import Head
 from talaia.model.change import renames, touched
 from talaia.model.load import dump_site
-from talaia.wire.frames import Described
+from talaia.wire.frames import Described, Hello
 from talaia.wire.sealing import deflated
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.clock import Clock
+    from talaia.gateway.acting import Acting
     from talaia.gateway.adapters.many import Many, Post
     from talaia.gateway.batching import Batcher
     from talaia.gateway.classic import Newest
-    from talaia.gateway.commanding import Commanding
-    from talaia.gateway.control import Control
-    from talaia.gateway.interlocks import Interlocks
     from talaia.gateway.ports import Adapter
     from talaia.gateway.reach import Reach
-    from talaia.gateway.recording.recorder import Recorder
+    from talaia.gateway.recording.tapes import Tapes
     from talaia.gateway.roster import Roster
     from talaia.gateway.share import Share
     from talaia.gateway.spool.keeper import Keeper
@@ -61,6 +61,19 @@ class Prepared(NamedTuple):
     catalogue: str
     addresses: list[str]
 
+    def hello(self, boot: str, time_us: int, accepts: Accepts) -> Hello:
+        """Give what a hub is greeted with."""
+        return Hello(
+            version=__version__,
+            site=self.site.site,
+            boot=boot,
+            description=self.said,
+            catalogue=self.catalogue,
+            time_us=time_us,
+            source=deflated(self.source) if self.source else b"",
+            accepts=accepts if self.source else Accepts.NO,
+        )
+
     def described(self, renamed: dict[str, str], change_id: str = "", who: str = "") -> Described:
         """Give what the hub is told."""
         return Described(
@@ -84,8 +97,7 @@ class Parts(NamedTuple):
     """All that a description is told to.
 
     Attributes:
-        touch: sets the timer of what is repeated anew.
-        running: names the sequences of commands that are under way.
+        make: makes the adapter of a connection.
         followers: take the description when all others have.
 
     """
@@ -99,13 +111,9 @@ class Parts(NamedTuple):
     many: Many
     adapters: dict[str, tuple[Adapter, Post]]
     make: Callable[[Share], tuple[Adapter, Post]]
-    interlocks: Interlocks
-    control: Control
-    touch: Callable[[], None]
-    commanding: Commanding
-    running: Callable[[], tuple[str, ...]]
+    acting: Acting
     newest: Newest | None
-    recorder: Recorder | None
+    tapes: Tapes | None
     followers: tuple[Callable[[Site], None], ...]
 
 
@@ -150,9 +158,9 @@ class Exchange:
 
     def hindrance(self, after: Site) -> str:
         """Name what is under way that a change must not disturb; empty when nothing is."""
-        for sequence in self._parts.running():
+        for sequence in self._parts.acting.sequences.running:
             return f"{sequence} is under way"
-        command = self._parts.commanding.busy_with(touched(self.now.site, after))
+        command = self._parts.acting.commanding.busy_with(touched(self.now.site, after))
         return f"the command {command} is under way" if command else ""
 
     def leave(self, after: Site | None) -> None:
@@ -161,12 +169,12 @@ class Exchange:
         With none, the change does not take place.
         """
         devices = frozenset() if after is None else touched(self.now.site, after)
-        self._parts.control.leave(devices)
-        self._parts.touch()
+        self._parts.acting.control.leave(devices)
+        self._parts.acting.pacer.touch()
 
     def left(self, after: Site) -> bool:
         """Tell whether all that was moving has been told to stand, for as long as it is to be."""
-        return self._parts.control.silent(touched(self.now.site, after))
+        return self._parts.acting.control.silent(touched(self.now.site, after))
 
     def put(self, next_: Prepared, change_id: str, who: str) -> None:
         """Exchange the description for another, at one blow; see `leave`.
@@ -197,15 +205,13 @@ class Exchange:
         self._say(next_.described(renamed, change_id, who))
         of = {name: after.connection_of(name) for name in after.devices}
         parts.reach.redescribe(of)
-        if parts.recorder is not None:
-            parts.recorder.topics = frozenset(after.recorded())
+        if parts.tapes is not None:
+            parts.tapes.redescribe(after)
         self._adapters(after, of)
-        parts.interlocks.redescribe(after, now_ns)
-        parts.control.redescribe(after, devices)
-        parts.commanding.redescribe(after)
+        parts.acting.redescribe(after, devices, now_ns)
         for follow in parts.followers:
             follow(after)
-        parts.touch()
+        parts.acting.pacer.touch()
 
     def _data(self, next_: Prepared) -> None:
         """From here on samples are numbered, kept and sent by the new list of channels."""

@@ -28,6 +28,7 @@ from talaia.gateway.enclosure import (
 from talaia.gateway.latch import Change, Latch, Verdict
 from talaia.gateway.pointing import misdirected
 from talaia.gateway.tripwire import Tripwire
+from talaia.model.seen import eye_of
 from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
@@ -214,6 +215,16 @@ class Interlocks:
                 if latch.locked:
                     return f"{rule.name}: {latch.why}"
         return self._misdirected(device, what, args or {})
+
+    def share(self, device: str, now_ns: int) -> float:
+        """Say at which share of its limits a device may be driven now, 0 to 1."""
+        target, share = f"{device}/drive", 1.0
+        for name, rule in self._site.interlocks.items():
+            if target in rule.slow:
+                self._look(name, now_ns)
+                if self._latches[name].locked:
+                    share = min(share, rule.slow[target])
+        return share
 
     def _misdirected(self, device: str, what: str, args: Mapping[str, Field]) -> str:
         described = self._site.devices.get(device)
@@ -436,15 +447,19 @@ def _policies(site: Site) -> dict[str, LinkLossPolicy]:
     }
 
 
-def _meant(site: Site, address: str) -> Signal | None:
-    """Give what is described of a signal, but for what people call it."""
+def _meant(site: Site, address: str) -> tuple[object, ...] | None:
+    """Give what is described of a signal, and of the camera it counts on, but for its name."""
     device, _, name = address.partition("/")
     described = site.devices.get(device)
     signal = None if described is None else described.signals.get(name)
-    return None if signal is None else msgspec.structs.replace(signal, name="", was="")
+    if signal is None:
+        return None
+    return msgspec.structs.replace(signal, name="", was=""), eye_of(
+        site, device, signal.source.stream
+    )
 
 
-def _heard(site: Site, address: str) -> tuple[Signal | None, str]:
+def _heard(site: Site, address: str) -> tuple[object, ...]:
     """Give all that decides whether a newest reading of a signal is at hand."""
     device = address.partition("/")[0]
     connection = site.connection_of(device) if device in site.devices else ""

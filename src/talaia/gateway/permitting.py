@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.model.connection import ProcessConnection
+from talaia.model.seen import eye_of
 from talaia.model.words import Finding
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.site import Device, Signal, Site
+    from talaia.model.site import Device, Site
 
 __all__ = ["Accepts", "forbidden"]
 
@@ -54,6 +55,9 @@ def _always(before: Site, after: Site) -> Iterator[Finding]:
     if after.connections != before.connections or after.ros2 != before.ros2:
         where = "$.connections" if after.connections != before.connections else "$.ros2"
         yield Finding(where, "how the robot is reached is not changed from the hub", _FILE)
+    if after.object_models != before.object_models:
+        problem = "which detectors run beside the robot is not changed from the hub"
+        yield Finding("$.object_models", problem, _FILE)
     had = _runs(before)
     for where, words in _runs(after).items():
         if had.get(where) != words:
@@ -120,12 +124,13 @@ def _opened(before: Device | None, after: Device | None) -> bool:
     return any(value == "public" and was.get(key) == "view" for key, value in now.items())
 
 
-def _meant(site: Site, address: str) -> Signal | None:
-    """Give what safety depends on of a signal: all but how it looks."""
+def _meant(site: Site, address: str) -> tuple[object, ...] | None:
+    """Give what safety depends on of a signal, and of the camera it counts on: not how it looks."""
     device, _, name = address.partition("/")
     described = site.devices.get(device)
     signal = None if described is None else described.signals.get(name)
     if signal is None:
         return None
     plain = {"name": "", "minimum": None, "maximum": None, "decimals": -1, "keep": 0.0}
-    return msgspec.structs.replace(signal, **plain, primary=True, was="")
+    looks = msgspec.structs.replace(signal, **plain, primary=True, was="")
+    return looks, eye_of(site, device, signal.source.stream)

@@ -5,6 +5,7 @@ Long, because each promise is told whole, and in one place.
 
 from __future__ import annotations
 
+from enum import Enum, auto
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ __all__ = [
     "CommandTarget",
     "EventSink",
     "FileSink",
+    "Filming",
     "FrameSink",
     "Look",
     "Mouth",
@@ -76,6 +78,14 @@ class SampleSink(Protocol):
         ...
 
 
+class Filming(Enum):
+    """Whether a camera is filmed; ``ANEW``: the film needs a picture to begin with, told once."""
+
+    NO = auto()
+    ON = auto()
+    ANEW = auto()
+
+
 class PictureSink(Protocol):
     """Takes pictures from an adapter and says what is wanted of them; any thread; never blocks.
 
@@ -105,6 +115,14 @@ class PictureSink(Protocol):
 
     def offer(self, picture: Picture) -> None:
         """Take one encoded picture for the hub."""
+        ...
+
+    def filming(self, stream: str) -> Filming:
+        """Tell whether a stream is filmed here, whoever else looks at it."""
+        ...
+
+    def film(self, picture: Picture) -> None:
+        """Take the next encoded picture of a stream's film; none may be left out."""
         ...
 
     def trouble(self, stream: str, why: str) -> None:
@@ -142,6 +160,22 @@ class Pictures(Protocol):
 
         Returns:
             What lets it rest again.
+
+        """
+        ...
+
+    def arrived(self, stream: str, since_us: int = 0, wait_s: float = 0.0) -> int:
+        """Tell whether a picture came, without reading it.
+
+        Numbers of pictures begin anew when a camera is connected anew; its clock does not.
+
+        Args:
+            stream: see `hold`.
+            since_us: after this moment of the gateway's monotonic clock (µs).
+            wait_s: wait for one so long, if there is none (blocks: not on the event loop).
+
+        Returns:
+            The moment at which the newest came; 0 when there is none.
 
         """
         ...

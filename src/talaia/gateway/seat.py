@@ -132,6 +132,10 @@ class Seat:
         if why and self.driving.moving:
             self._end(now_ns, why)
 
+    def slow(self, share: float) -> None:
+        """Let it be driven at this share of its limits, 0 to 1; from the next demand on."""
+        self.driving.share = share
+
     def _refuse(self, why: str, who: str) -> None:
         changed, self._why = why != self._why, why
         if changed and not self._noted_refusal:

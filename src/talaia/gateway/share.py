@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
+import msgspec
+
 from talaia.gateway.roster import Roster
+from talaia.model.seen import is_seen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,7 +23,8 @@ class Share(NamedTuple):
 
     Attributes:
         name: of the connection.
-        devices: those reached by it, by name.
+        devices: those reached by it, by name; without what is seen on their cameras, which no
+            robot says.
         channel: by the address of a signal of theirs: the number of its first channel, which is
             what samples carry; see `Roster`.
         guarded: signals of theirs whose newest readings must be at hand; see `Site.guarded`.
@@ -56,11 +60,23 @@ def shares_of(site: Site, roster: Roster | None = None) -> list[Share]:
     of = {device: site.connection_of(device) for device in site.devices}
     shares = []
     for name, connection in site.links().items():
-        devices = {each: site.devices[each] for each in site.devices if of[each] == name}
+        devices = {each: _said(site.devices[each]) for each in site.devices if of[each] == name}
         channel = {
-            address: index
-            for address, index in first.items()
-            if address.split("/", 1)[0] in devices
+            f"{device_id}/{signal_id}": first[f"{device_id}/{signal_id}"]
+            for device_id, device in devices.items()
+            for signal_id in device.signals
         }
         shares.append(Share(name, connection, devices, channel, guarded & channel.keys()))
     return shares
+
+
+def _said(device: Device) -> Device:
+    """Leave out what is seen."""
+    signals = {name: each for name, each in device.signals.items() if not is_seen(each.source)}
+    streams = {
+        name: each if each.detect is None else msgspec.structs.replace(each, detect=None)
+        for name, each in device.streams.items()
+    }
+    if len(signals) == len(device.signals) and streams == device.streams:
+        return device
+    return msgspec.structs.replace(device, signals=signals, streams=streams)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import functools
-import logging
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
@@ -31,12 +30,12 @@ from talaia.hub.api.proving import Proving
 from talaia.hub.api.recordings import RecordingPages
 from talaia.hub.api.roles import RolePages
 from talaia.hub.api.shield import Shield
+from talaia.hub.api.sightings import SightingPages
 from talaia.hub.api.sites import SitePages
 from talaia.hub.api.sky import SkyPages
 from talaia.hub.api.sockets import Sockets
 from talaia.hub.api.storage import StoragePages
 from talaia.hub.api.tokens import TokenPages
-from talaia.hub.archive.looking import NotKept
 from talaia.hub.archive.store import Archive
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.seal import SEAL_FILE, seal_of
@@ -51,18 +50,22 @@ from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.changes import Changes
 from talaia.hub.live.commanding import Commanding
 from talaia.hub.live.describing import Describing
+from talaia.hub.live.detecting import MODELS, Detecting, Places
 from talaia.hub.live.fanout import Fanout
 from talaia.hub.live.gate import Gate
 from talaia.hub.live.gateways import Gateways
 from talaia.hub.live.inbox import Inbox
+from talaia.hub.live.known import KnownSites
 from talaia.hub.live.links import Links
 from talaia.hub.live.media import Media
+from talaia.hub.live.parts import Parts
+from talaia.hub.live.pictures import PictureKeeper
 from talaia.hub.live.recordings import Recordings
 from talaia.hub.live.reporting import Reporting
 from talaia.hub.live.seats import Seats
+from talaia.hub.live.sightings import Sightings
 from talaia.hub.live.sites import Sites
-from talaia.hub.live.told import told_by
-from talaia.hub.live.uploads import Refused, Uploads
+from talaia.hub.live.uploads import Uploads
 from talaia.hub.live.watching import Watching
 from talaia.hub.notify.delivering import Delivering
 from talaia.hub.notify.sending import Sender
@@ -82,29 +85,23 @@ from talaia.hub.store.register import Register
 from talaia.hub.store.roles import Roles
 from talaia.hub.store.roster import Roster
 from talaia.hub.store.sessions import Sessions
+from talaia.hub.store.sightings import SightingStore
 from talaia.hub.store.sites import SiteRegistry
 from talaia.hub.store.tokens import ApiTokens
 from talaia.hub.store.tries import Tries
-from talaia.model.errors import DescriptionError
-from talaia.model.load import load_site
+from talaia.objects.worker import Worker
 from talaia.web import static_dir
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from pathlib import Path
 
     from starlette.types import ASGIApp
 
     from talaia.clock import Clock
-    from talaia.hub.history.parcel import Head
-    from talaia.hub.live.inbox import Taken
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
-    from talaia.wire.frames import ArchiveOffer
 
 __all__ = ["Hub", "build"]
-
-_LOG = logging.getLogger(__name__)
 
 
 class Hub:
@@ -115,6 +112,7 @@ class Hub:
         fanout: who of them gets which live values.
         alarms: every alarm of every site; it is the `AnomalySink` and `SightingSink`
             that detectors speak to.
+        sightings: what cameras have seen.
         setup_token: opens the set-up page; set after the start when there are no people yet.
 
     """
@@ -139,12 +137,11 @@ class Hub:
         self._known = KnownBrowsers(self._database, clock)
         self._throttle = Throttle()
         self._tries = Tries(self._database, clock, self._throttle)
-        self._archive = Archive(self._database, settings.data / "archive")
-        self._uploads = Uploads(
-            settings.data / "uploads", {"fits": self._keep_picture}, settings.file_bytes
-        )
-        self._seats = Seats(Register(self._sessions, self._tokens), clock, settings)
         self._sites = Sites()
+        self._archive = Archive(self._database, settings.data / "archive")
+        pictures = PictureKeeper(self._sites, self._archive, self._audit)
+        self._uploads = Uploads(settings.data / "uploads", {"fits": pictures}, settings.file_bytes)
+        self._seats = Seats(Register(self._sessions, self._tokens), clock, settings)
         self._links = Links(self._sites, self._registry)
         self._descriptions = Descriptions(self._database, clock)
         self._changes = Changes(self._registry)
@@ -154,11 +151,21 @@ class Hub:
         self._recordings = Recordings(
             RecordingList(self._database), self._audit, settings.data, settings.recordings_bytes
         )
-        self._watching = Watching(self._sites, self._history, Learned(self._database, clock), clock)
-        self._inbox = Inbox(self._history, settings.data / IMPORTS, self._on_imported)
+        self._watching = Watching(
+            self._sites, self._history, Learned(self._database, clock), self.fanout, clock
+        )
         notices = Notices(self._database)
         self._alarm_store = AlarmStore(self._database)
         self.alarms = Alarms(self._sites, self.browsers, self._alarm_store, notices, clock)
+        self._known_sites = KnownSites(
+            self._sites, self._registry, self._history, self.alarms, self._audit, clock
+        )
+        self._inbox = Inbox(self._history, settings.data / IMPORTS, self._known_sites.imported)
+        self._sighting_store = SightingStore(self._database)
+        self.sightings = Sightings(
+            self._sites, self.browsers, self._sighting_store, clock,
+            settings.sightings_days, settings.sightings_most,
+        )  # fmt: skip
         self._notify_store = NotifyStore(self._database, self._seal)
         self._sender = Sender(settings.notify_networks)
         self._delivering = Delivering(
@@ -181,16 +188,20 @@ class Hub:
         await self._database.migrate()
         await self._tries.bring_back()
         await self._history.open()
-        await self._remember_sites()
+        await self._known_sites.remember()
         # First what became of messages: the alarms show it.
         await self._delivering.recover()
         await self.alarms.open()
+        await self.sightings.open()
+        for live in self._sites:
+            self._detecting.described(live)
         await self._recordings.open()
         self.setup_token = await self._people.offer_setup(self.settings.setup_s)
         self._tasks = [
             asyncio.create_task(self._audit.run()),
             asyncio.create_task(self._registry.attendance.run()),
             asyncio.create_task(self.alarms.run()),
+            asyncio.create_task(self.sightings.run()),
             asyncio.create_task(self._delivering.run()),
             asyncio.create_task(self._seats.watch(self.settings.check_s)),
             asyncio.create_task(self._links.watch(self.settings.check_s)),
@@ -202,11 +213,15 @@ class Hub:
     async def close(self) -> None:
         """Let go of everything; what was noted is written first."""
         self._media.close()
+        await self._detecting.close()
         if self._tasks:
-            auditing, attending, alarming, *watching = self._tasks
+            auditing, attending, alarming, seeing, *watching = self._tasks
             for task in watching:
                 task.cancel()
             self._audit.note("hub stopped")
+            # What it tells alarms last is written by them.
+            self.sightings.stop()
+            await asyncio.gather(seeing, return_exceptions=True)
             self.alarms.stop()
             self._audit.stop()
             self._registry.attendance.stop()
@@ -255,6 +270,7 @@ class Hub:
                 self._audit,
                 self._clock,
             ),
+            SightingPages(self._sighting_store),
             NotifyPages(self._notify_store, self._sender, self._audit, self._clock),
             self._gateway_pages(),
             AuditPages(self._audit),
@@ -308,7 +324,7 @@ class Hub:
         )
 
     def _site_pages(self) -> SitePages:
-        return SitePages(self._sites, self._audit, self._clock)
+        return SitePages(self._sites, self._audit, self._sighting_store, self._clock)
 
     def _gateway_pages(self) -> GatewayPages:
         enrolment = Enrolment(self._database, self._clock)
@@ -328,36 +344,41 @@ class Hub:
         reporting = Reporting(self._sites, browsers, self.alarms, self._audit, self._clock)
         self._watching.listen(reporting)
         self._watching.listen(self.alarms)
-        describing = Describing(
+        self.sightings.listen(self.alarms)
+        self._watching.show(reporting)
+        places = Places(
             self._sites,
-            browsers,
+            self._media,
+            self.sightings,
+            reporting,
             self.fanout,
             self.alarms,
-            reporting,
-            self._media,
-            self._history,
-            self._registry,
-            self._descriptions,
-            self._changes,
-        )
-        gateways = Gateways(
-            self._sites,
-            browsers,
-            self.fanout,
-            reporting,
-            self.alarms,
-            self._media,
-            self._history,
-            self._registry,
-            self._links,
-            self._uploads,
-            self._recordings,
             self._watching,
-            describing,
-            Admission(),
-            self.settings,
-            self._clock,
+            self._history,
         )
+        models = self.settings.data / MODELS
+        self._detecting = Detecting(places, lambda told: Worker({}, models, told), self._clock)
+        parts = Parts(
+            sites=self._sites,
+            browsers=browsers,
+            fanout=self.fanout,
+            reporting=reporting,
+            alarms=self.alarms,
+            sightings=self.sightings,
+            detecting=self._detecting,
+            media=self._media,
+            history=self._history,
+            registry=self._registry,
+            versions=self._descriptions,
+            changes=self._changes,
+            links=self._links,
+            uploads=self._uploads,
+            recordings=self._recordings,
+            watching=self._watching,
+            settings=self.settings,
+            clock=self._clock,
+        )
+        gateways = Gateways(parts, Describing(parts), Admission())
         return Sockets(
             access,
             limits,
@@ -368,24 +389,11 @@ class Hub:
             self.fanout,
             commanding,
             reporting,
+            self.sightings,
             self._media,
             gateways,
             self._clock,
         )
-
-    async def _keep_picture(self, site: str, offer: ArchiveOffer, path: Path) -> None:
-        """Put a picture of a site into the archive; see `Keeper`."""
-        live = self._sites.get(site)
-        if live is None:
-            raise Refused(f"there is no site {site!r}")
-        try:
-            kept = await self._archive.take(site, live.description.zone, offer, path)
-        except NotKept as error:
-            self._audit.note(
-                "picture refused", site=site, device=offer.device, message=str(error), good=False
-            )
-            raise Refused(str(error)) from error
-        self._audit.note("picture kept", site=site, device=offer.device, message=kept.name)
 
     @asynccontextmanager
     async def _lifespan(self, _app: FastAPI) -> AsyncIterator[None]:
@@ -394,40 +402,6 @@ class Hub:
             yield
         finally:
             await self.close()
-
-    async def _on_imported(self, head: Head, how: Taken) -> None:
-        """Write an import down, and know a site of which only recordings came."""
-        if self._sites.get(head.site) is None:
-            description = load_site(head.description)
-            await self._history.describe(description)
-            await self._registry.said_hello(head.site, head.description, "", "")
-            live = self._sites.describe(description, "")
-            live.why = "only recordings of it were imported"
-            self.alarms.described(live)
-        message = f"{head.file}: {how.stored} samples, {how.there} were there already"
-        self._audit.note("history imported", who="command line", message=message, site=head.site)
-
-    async def _remember_sites(self) -> None:
-        """Know the sites of before, with their last values, though none is connected yet."""
-        for known in await self._registry.all():
-            try:
-                description = load_site(known.description)
-            except DescriptionError as error:
-                _LOG.warning("the kept description of %s is set aside: %s", known.site, error)
-                continue
-            await self._history.describe(description)
-            live = self._sites.describe(description, known.catalogue)
-            live.told = told_by(known.description, known.catalogue)
-            live.since_us = live.last_seen_us = known.last_seen_us
-            live.why = "its gateway has not connected since the hub was started"
-            addresses = [channel.address for channel in live.channels]
-            wall, monotonic = self._clock.wall_ns(), self._clock.monotonic_ns()
-            last = await self._history.last(known.site, addresses)
-            for at, address in enumerate(addresses):
-                if address in last:
-                    time_us, value, text = last[address]
-                    age_ns = max(0, wall - time_us * 1000)
-                    live.latest.remember(at, time_us, value, text, monotonic - age_ns)
 
 
 def build(settings: Settings, clock: Clock, history: History | None = None) -> Hub:

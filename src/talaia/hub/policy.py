@@ -92,6 +92,7 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/sites/{site}/history"): Need.SEE,
     ("GET", "/api/sites/{site}/last"): Need.SEE,
     ("GET", "/api/sites/{site}/statistics"): Need.SEE,
+    ("GET", "/api/sites/{site}/outliers"): Need.SEE,
     ("GET", "/api/sites/{site}/stored"): Need.SEE,
     ("GET", "/api/sites/{site}/export"): Need.SEE,
     ("GET", "/api/sites/{site}/events"): Need.SEE,
@@ -106,11 +107,18 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/sites/{site}/frames/{frame}"): Need.SEE,
     ("GET", "/api/sites/{site}/frames/{frame}/file"): Need.SEE,
     ("GET", "/api/sites/{site}/frames/{frame}/preview"): Need.SEE,
+    # Each camera is looked at besides; what may not be seen is as if it were not there.
+    ("GET", "/api/sites/{site}/sightings"): Need.SEE,
+    ("GET", "/api/sites/{site}/sightings/labels"): Need.SEE,
+    ("GET", "/api/sites/{site}/sightings/{sighting}/picture"): Need.SEE,
     # Of the whole site: raw topics hold what no single device's right opens.
     ("GET", "/api/sites/{site}/recordings"): Need.VIEW,
     ("GET", "/api/sites/{site}/recordings/{recording}/file"): Need.VIEW,
     ("POST", "/api/sites/{site}/recordings"): Need.USE,
     ("DELETE", "/api/sites/{site}/recordings/{recording}"): Need.ADMIN,
+    # Each film's camera is looked at besides; what may not be seen is as if it were not there.
+    ("GET", "/api/sites/{site}/films"): Need.SEE,
+    ("GET", "/api/sites/{site}/films/{recording}/file"): Need.SEE,
     # Of the whole site: a description holds all that is there, and how it is reached.
     ("GET", "/api/sites/{site}/descriptions"): Need.ADMIN,
     ("GET", "/api/sites/{site}/descriptions/{number}"): Need.ADMIN,
@@ -132,6 +140,7 @@ ROUTES: Mapping[tuple[str, str], Need] = {
     ("GET", "/api/me/ways"): Need.OWN,
     ("GET", "/api/me/rules"): Need.OWN,
     ("POST", "/api/me/rules"): Need.OWN,
+    ("PUT", "/api/me/rules/{rule}"): Need.OWN,
     ("DELETE", "/api/me/rules/{rule}"): Need.OWN,
     ("POST", "/api/me/rules/{rule}/test"): Need.OWN,
     ("GET", "/api/me/push"): Need.OWN,
@@ -182,6 +191,7 @@ FROM_BROWSER: Mapping[type[Message], Need] = {
     browser.Ping: Need.SESSION,
     browser.Shown: Need.SESSION,
     browser.Glance: Need.SESSION,
+    browser.BoxesAsk: Need.SESSION,
 }
 
 TO_BROWSER: Mapping[type[Message], Need] = {
@@ -202,6 +212,10 @@ TO_BROWSER: Mapping[type[Message], Need] = {
     browser.DeviceNews: Need.VIEW,
     # Of the whole site where an alarm is about more than one device.
     browser.AlarmNews: Need.VIEW,
+    # The camera is looked at besides: told to those who may see its pictures.
+    browser.SightingNews: Need.SEE,
+    # The signal is looked at besides: one that is public may be of a device that is not.
+    browser.AnomalyNews: Need.SEE,
     browser.EventNews: Need.VIEW,
     browser.Pong: Need.SESSION,
     browser.Problem: Need.SESSION,
@@ -210,6 +224,7 @@ TO_BROWSER: Mapping[type[Message], Need] = {
     browser.Ended: Need.SESSION,
     # The stream was looked at when its socket was opened.
     browser.Shot: Need.SESSION,
+    browser.ShotBoxes: Need.SESSION,
 }
 
 FROM_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
@@ -228,13 +243,16 @@ FROM_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.DeviceState,
         frames.Described,
         frames.ChangeState,
+        frames.Seen,
         frames.Event,
         frames.Beat,
         frames.BeatReply,
         frames.Bye,
         frames.Picture,
         frames.Trouble,
+        frames.Boxes,
         frames.FileOffer,
+        frames.FilmOffer,
         frames.ArchiveOffer,
         frames.FilePiece,
     ),

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Collection, Mapping, Sequence
+    from collections.abc import AsyncGenerator, AsyncIterator, Collection, Mapping, Sequence
 
+    from talaia.hub.anomaly.watched import Watched
     from talaia.hub.history.channels import StoredChannel
     from talaia.hub.history.forms import ExportColumn, FileForm
+    from talaia.hub.history.outliers import Outliers
     from talaia.hub.history.sensors import SensorKind
     from talaia.hub.history.series import Series
     from talaia.hub.history.statistics import Statistics
@@ -16,7 +18,14 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
-__all__ = ["AnomalyNews", "AnomalySink", "History", "Sighting", "SightingSink"]
+__all__ = [
+    "AnomalyNews",
+    "AnomalySink",
+    "DetectorSink",
+    "History",
+    "Sighting",
+    "SightingSink",
+]
 
 
 class History(Protocol):
@@ -89,6 +98,12 @@ class History(Protocol):
         """Sum up a window of each address."""
         ...
 
+    def outliers(
+        self, site: str, address: str, from_us: int, to_us: int, k: float
+    ) -> AsyncGenerator[Outliers | None]:
+        """Find how many samples are far outside a window's quartiles; None until it is known."""
+        ...
+
     def kind_of(self, site: str, address: str) -> SensorKind | None:
         """Give what a channel's signal is, or was when it was last described."""
         ...
@@ -157,6 +172,14 @@ class AnomalySink(Protocol):
 
     def anomaly(self, news: AnomalyNews) -> None:
         """Take the news in order, on the event loop; must not wait and not raise."""
+        ...
+
+
+class DetectorSink(Protocol):
+    """Who shows how detectors stand: pages."""
+
+    def detector(self, site: str, watched: Watched) -> None:
+        """Take how a detector of a site stands now; must not wait and not raise."""
         ...
 
 

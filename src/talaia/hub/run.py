@@ -190,6 +190,14 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         "--recordings-gb", type=float, default=20.0,
         help="recordings of raw topics may take so many GB; then the oldest go (20; 0: no limit)",
     )  # fmt: skip
+    parser.add_argument(
+        "--sightings-days", type=float, default=90.0,
+        help="what cameras have seen is kept for so many days (90; 0: for good)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--sightings-most", type=int, default=10_000,
+        help="of each site so many sightings are kept at the most; then the oldest go (10000)",
+    )  # fmt: skip
     return parser.parse_args(argv)
 
 
@@ -212,6 +220,8 @@ def _settings(options: argparse.Namespace) -> Settings:
         database_url=Settings.url_from(os.environ),
         history_bytes=max(0, round(options.history_gb * 1e9)),
         recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
+        sightings_days=max(0.0, options.sightings_days),
+        sightings_most=max(1, options.sightings_most),
     )
 
 

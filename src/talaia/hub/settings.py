@@ -35,6 +35,8 @@ class Settings:
         history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
         file_bytes: a file that a gateway sends may be so large (bytes).
         recordings_bytes: recordings may take so many bytes; then the oldest go. 0: no limit.
+        sightings_days: what a camera saw is kept for so many days. 0: for good.
+        sightings_most: of each site so many sightings are kept; then the oldest go.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
         life_s: a session ends this long after its start, used or not (s).
@@ -62,6 +64,8 @@ class Settings:
     history_bytes: int = 0
     file_bytes: int = 4 * 1024**3
     recordings_bytes: int = 20_000_000_000
+    sightings_days: float = 90.0
+    sightings_most: int = 10_000
     password_cost: int = 12
     idle_s: float = 12 * 3600.0
     life_s: float = 7 * 86400.0

@@ -17,10 +17,17 @@ from talaia.model.check_connections import (
     signal_source_fits,
     stream_source_fits,
 )
+from talaia.model.check_detection import (
+    count_fits,
+    detect_fits,
+    hub_sight_findings,
+    models_findings,
+)
 from talaia.model.check_enclosures import enclosure_findings
 from talaia.model.check_interlocks import interlock_findings
 from talaia.model.connection import Ros1Connection, Ros2Connection
 from talaia.model.errors import DescriptionError, UnknownWord
+from talaia.model.seen import is_seen, with_counts
 from talaia.model.site import ArgumentType, CommandKind, DriveMessage, SignalType, Site
 from talaia.model.unit import unit_of
 from talaia.model.version import FORMAT
@@ -49,7 +56,7 @@ _MAX_CHANNELS = 60_000
 
 def check(site: Site) -> list[Finding]:
     """List all that does not fit together in ``site``; an empty list means it can run."""
-    return [*_site(site)]
+    return [*_site(site, with_counts(site))]
 
 
 def raise_first(site: Site) -> Site:
@@ -67,7 +74,8 @@ def raise_first(site: Site) -> Site:
     raise DescriptionError(first.where, first.problem, first.remedy + more)
 
 
-def _site(site: Site) -> Iterator[Finding]:
+def _site(site: Site, whole: Site) -> Iterator[Finding]:
+    """Check ``site``; what may refer to the signals of what is seen has them from ``whole``."""
     if site.talaia != FORMAT:
         problem = f"expected the format version {FORMAT}, found {site.talaia}"
         yield Finding("$.talaia", problem, f"write: talaia: {FORMAT}")
@@ -80,16 +88,18 @@ def _site(site: Site) -> Iterator[Finding]:
         getattr(each, "discover", False) for each in site.links().values()
     ):
         yield Finding("$.devices", "there is no device", "describe at least one")
-    if len(site.channels()) > _MAX_CHANNELS:
+    if len(whole.channels()) > _MAX_CHANNELS:
         yield Finding("$.devices", f"more than {_MAX_CHANNELS} channels at one site", "split it")
     for device_id, device in site.devices.items():
         where = f"$.devices.{device_id}"
         yield from id_fits(where, device_id)
-        yield from _device(site, where, device)
-    yield from interlock_findings(site)
-    yield from enclosure_findings(site)
-    yield from former_findings(site)
-    yield from alarms_findings(site)
+        yield from _device(whole, where, device)
+    yield from models_findings(site)
+    yield from interlock_findings(whole)
+    yield from enclosure_findings(whole)
+    yield from hub_sight_findings(whole)
+    yield from former_findings(whole)
+    yield from alarms_findings(whole)
     if site.recording is not None:
         yield from _recording(site, site.recording)
 
@@ -97,8 +107,15 @@ def _site(site: Site) -> Iterator[Finding]:
 def _recording(site: Site, recording: Recording) -> Iterator[Finding]:
     where = "$.recording"
     ros = Ros2Connection | Ros1Connection
-    if not any(isinstance(each, ros) for each in site.links().values()):
-        yield Finding(where, "only topics of ROS are recorded", "add: ros2: {}")
+    streams = {f"{name}/{key}" for name, device in site.devices.items() for key in device.streams}
+    if not streams and not any(isinstance(each, ros) for each in site.links().values()):
+        yield Finding(where, "only topics of ROS and cameras are recorded", "add: ros2: {}")
+    for index, camera in enumerate(recording.cameras):
+        if camera not in streams:
+            known = ", ".join(sorted(streams)[:5]) or "none is described"
+            yield Finding(
+                f"{where}.cameras[{index}]", f"there is no camera {camera!r}", f"one of: {known}"
+            )
     for index, topic in enumerate(recording.topics):
         yield from topic_fits(f"{where}.topics[{index}]", topic)
     for key, low, high, unit in (
@@ -135,12 +152,15 @@ def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
     for signal_id, signal in device.signals.items():
         yield from id_fits(f"{where}.signals.{signal_id}", signal_id)
         yield from _signal(f"{where}.signals.{signal_id}", signal)
-        if link is not None:
-            at = f"{where}.signals.{signal_id}.source"
+        at = f"{where}.signals.{signal_id}.source"
+        if is_seen(signal.source):
+            yield from count_fits(site, at, device, signal)
+        elif link is not None:
             yield from signal_source_fits(at, signal, link)
     for stream_id, stream in device.streams.items():
         yield from id_fits(f"{where}.streams.{stream_id}", stream_id)
         yield from _stream(f"{where}.streams.{stream_id}", stream)
+        yield from detect_fits(site, f"{where}.streams.{stream_id}.detect", stream)
         if link is not None:
             yield from stream_source_fits(f"{where}.streams.{stream_id}.source", stream, link)
     for command_id, command in device.commands.items():

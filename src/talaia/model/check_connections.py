@@ -62,6 +62,7 @@ _INDI_KEYS = ("property", "element", "device")
 _PROCESS_KEYS = ("run", "pattern", "messages")
 _VIDEO_KEYS = ("url", "file")
 # As the kernel names them: /dev/video0, or /dev/v4l/by-id/….
+_SEEN_KEYS = ("stream", "sees", "within")
 _CAMERA_FILE = re.compile(r"/dev/(video[0-9]{1,3}|v4l/by-(id|path)/[A-Za-z0-9_.:+-]{1,200})\Z")
 _EXAMPLES = {
     ConnectionKind.VIDEO: "url: rtsp://camera.local/stream, or file: /dev/video0",
@@ -292,6 +293,10 @@ def _keys_fit(where: str, source: Source, kind: ConnectionKind) -> Iterator[Find
         if key not in fitting and getattr(source, key):
             problem = f"a connection of kind {kind} knows no {key}"
             yield Finding(f"{where}.{key}", problem, f"write as: {_EXAMPLES[kind]}")
+    for key in _SEEN_KEYS:
+        if getattr(source, key):
+            problem = "it belongs to a signal that counts what a camera sees"
+            yield Finding(f"{where}.{key}", problem, "write both stream and sees, or leave it out")
 
 
 def _camera_fits(where: str, source: Source, link: VideoConnection) -> Iterator[Finding]:

@@ -42,8 +42,8 @@ def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding
     yield from name_fits(f"{where}.name", interlock.name)
     if not interlock.when:
         yield Finding(f"{where}.when", "there is no condition", "write at least one")
-    if not interlock.refuse and not interlock.run:
-        yield Finding(where, "it neither refuses nor does anything", "add refuse or run")
+    if not interlock.refuse and not interlock.run and not interlock.slow:
+        yield Finding(where, "it neither refuses nor does anything", "add refuse, slow or run")
     for key in ("dwell", "longest_override"):
         found = getattr(interlock, key)
         if not 0 <= found <= _DAY:
@@ -54,6 +54,13 @@ def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding
     for index, target in enumerate(interlock.refuse):
         if target not in known:
             yield _of(UnknownWord(f"{where}.refuse[{index}]", "command", target, known))
+    driven = [each for each in known if each.endswith("/drive")]
+    for target, share in interlock.slow.items():
+        if target not in driven:
+            yield _of(UnknownWord(f"{where}.slow.{target}", "driven device", target, driven))
+        elif not 0 < share < 1:
+            problem = f"expected a share above 0 and below 1, found {share}"
+            yield Finding(f"{where}.slow.{target}", problem, "refuse it to let nobody drive")
     for index, step in enumerate(interlock.run):
         yield from step_findings(site, f"{where}.run[{index}]", step)
 

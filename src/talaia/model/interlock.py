@@ -72,11 +72,13 @@ class Step(Shape, frozen=True, kw_only=True):
 
 
 class Interlock(Shape, frozen=True, kw_only=True):
-    """What the gateway refuses and does, by itself, while something is unsafe.
+    """What the gateway refuses, slows down and does, by itself, while something is unsafe.
 
     Attributes:
         when: any of these makes it unsafe, at once.
         refuse: ``<device>/<command>``, ``<device>/drive``, or ``<device>/*`` for all of a device.
+        slow: ``<device>/drive``, and at which share of its limits it may be driven, above 0 and
+            below 1.
         run: a sequence, begun once each time it becomes unsafe. Its commands are not refused by
             any interlock.
         dwell: safe again only after all has been safe for so long (s); begins anew with the
@@ -88,6 +90,7 @@ class Interlock(Shape, frozen=True, kw_only=True):
     name: str
     when: tuple[Condition, ...]
     refuse: tuple[str, ...] = ()
+    slow: dict[str, float] = {}
     run: tuple[Step, ...] = ()
     dwell: float = 300.0
     longest_override: float = 3600.0

@@ -1,4 +1,4 @@
-"""Which of the AI services are wanted for a site. Values only: the hub runs them."""
+"""Which of the AI services are wanted for a site. Values only: hub and gateway run them."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ __all__ = ["AiServices"]
 
 
 class AiServices(Shape, frozen=True, kw_only=True):
-    """What the hub works out from a site's data. Visualization is always on.
+    """What is worked out from a site's data. Visualization is always on.
 
     Attributes:
         anomaly_detection: every number of the first page without detectors of its own is watched
             by ``together``, at most one sample a second.
-        object_detection: what the cameras see is to be named and framed; nothing does it yet.
+        object_detection: every camera without `Detect` of its own gets the default one: persons,
+            bicycles, cars, cats and dogs are counted, at the gateway.
 
     """
 

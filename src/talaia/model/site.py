@@ -19,6 +19,7 @@ from talaia.model.alarm import Alarm  # noqa: TC001 - msgspec reads it
 # These stand beside: what they need of a site is its addresses only.
 from talaia.model.anomaly import Watch  # noqa: TC001 - msgspec reads it
 from talaia.model.connection import Connection, Ros1Connection, Ros2Connection, Ros2Settings
+from talaia.model.detection import Detect, ObjectModel  # noqa: TC001 - msgspec reads them
 from talaia.model.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
@@ -149,6 +150,10 @@ class Source(Shape, frozen=True, kw_only=True):
         url: video: of the camera's own server, ``rtsp://camera.local/stream``; without a password.
         file: video: the camera's device file, ``/dev/video0``.
         messages: process: what an answer means, in words: ``{opened: the dome is opened}``.
+        stream: what is seen on pictures: a camera of the same device, by its name.
+        sees: how many of this class are on its newest picture; goes with ``stream``.
+        within: only those whose feet (the middle of the box's lower edge) are in this part of the
+            picture: left, top, right, bottom, each 0 to 1; the drive path, say.
 
     """
 
@@ -165,6 +170,9 @@ class Source(Shape, frozen=True, kw_only=True):
     url: str = ""
     file: str = ""
     messages: dict[str, str] = {}
+    stream: str = ""
+    sees: str = ""
+    within: tuple[float, float, float, float] | None = None
 
 
 class Signal(Shape, frozen=True, kw_only=True):
@@ -218,6 +226,7 @@ class Stream(Shape, frozen=True, kw_only=True):
         quality: JPEG quality, 1 to 95.
         kbits: H.264 takes at most this (kbit/s); 0 goes by the size: 1 500 for 640×480 at 30 Hz.
         width: pictures wider than this are made smaller (px); 0 leaves them.
+        detect: what is to be seen on its pictures; see `Detect`.
 
     """
 
@@ -227,6 +236,7 @@ class Stream(Shape, frozen=True, kw_only=True):
     quality: int = 70
     kbits: int = 0
     width: int = 0
+    detect: Detect | None = None
     visibility: Visibility = Visibility.VIEW
 
 
@@ -384,10 +394,11 @@ class Site(Shape, frozen=True, kw_only=True):
         ros2: short for a connection named ``ros2`` of kind ``ros2``.
         connections: the robot protocols, by name; see `talaia.model.connection`.
         interlocks: by name; see `Interlock`.
-        recording: raw topics that are recorded; nothing is where it is left out.
+        recording: raw topics and cameras that are recorded; nothing is where it is left out.
         enclosures: by name; see `Enclosure`.
         services: what the hub works out from the site's data; see `AiServices`.
         alarms: by name; see `Alarm`.
+        object_models: detectors of one's own, by name; see `ObjectModel`.
 
     """
 
@@ -404,6 +415,7 @@ class Site(Shape, frozen=True, kw_only=True):
     enclosures: dict[str, Enclosure] = {}
     services: AiServices | None = None
     alarms: dict[str, Alarm] = {}
+    object_models: dict[str, ObjectModel] = {}
 
     def links(self) -> dict[str, Connection]:
         """Give every connection by name, ``ros2: {}`` among them."""
@@ -447,6 +459,19 @@ class Site(Shape, frozen=True, kw_only=True):
             if signal.source.topic
         )
         return tuple(dict.fromkeys(self.recording.topics or read))
+
+    def filmed(self) -> tuple[str, ...]:
+        """Name the cameras (``device/stream``) that are filmed with each recording."""
+        if self.recording is None:
+            return ()
+        topics = set(self.recording.topics)
+        recorded = (
+            f"{name}/{key}"
+            for name, device in self.devices.items()
+            for key, stream in device.streams.items()
+            if stream.source.topic in topics
+        )
+        return tuple(dict.fromkeys((*self.recording.cameras, *recorded)))
 
     def guarded(self) -> frozenset[str]:
         """Name the signals that safety depends on: their newest readings stay at hand."""

@@ -61,7 +61,8 @@ def altaz(ra: float, dec: float, place: Place, jd: float) -> Horizontal:
     sine = math.sin(lat) * math.sin(d) + math.cos(lat) * math.cos(d) * math.cos(hour)
     y = -math.cos(d) * math.sin(hour)
     x = math.sin(d) * math.cos(lat) - math.cos(d) * math.sin(lat) * math.cos(hour)
-    alt = math.degrees(math.asin(max(-1.0, min(1.0, sine))))
+    # Not the arc sine, which loses half its digits near the zenith.
+    alt = math.degrees(math.atan2(sine, math.hypot(x, y)))
     return Horizontal(alt, math.degrees(math.atan2(y, x)) % 360.0)
 
 
@@ -72,7 +73,7 @@ def radec(alt: float, az: float, place: Place, jd: float) -> tuple[float, float]
     y = -math.cos(a) * math.sin(z)
     x = math.sin(a) * math.cos(lat) - math.cos(a) * math.sin(lat) * math.cos(z)
     hour = math.degrees(math.atan2(y, x)) / 15.0
-    dec = math.degrees(math.asin(max(-1.0, min(1.0, sine))))
+    dec = math.degrees(math.atan2(sine, math.hypot(x, y)))
     return (sidereal_hours(jd, place.longitude) - hour) % 24.0, dec
 
 
@@ -111,7 +112,7 @@ def precess(ra: float, dec: float, jd_from: float, jd_to: float) -> tuple[float,
     second = math.cos(theta) * math.cos(d) * math.cos(a) - math.sin(theta) * math.sin(d)
     third = math.sin(theta) * math.cos(d) * math.cos(a) + math.cos(theta) * math.sin(d)
     ra_to = math.degrees(math.atan2(first, second) + z) / 15.0 % 24.0
-    return ra_to, math.degrees(math.asin(max(-1.0, min(1.0, third))))
+    return ra_to, math.degrees(math.atan2(third, math.hypot(first, second)))
 
 
 def separation(one: Horizontal, other: Horizontal) -> float:

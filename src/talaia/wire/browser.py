@@ -27,7 +27,9 @@ from talaia.wire.frames import (
     OffsetColumn,
     Pixels,
     Sentence,
+    Share,
     Texts,
+    Thing,
     Units,
     ValueColumn,
     Word,
@@ -40,6 +42,8 @@ __all__ = [
     "MEDIA_TO_BROWSER",
     "TO_BROWSER",
     "AlarmNews",
+    "AnomalyNews",
+    "BoxesAsk",
     "Cancel",
     "Command",
     "CommandNews",
@@ -63,7 +67,9 @@ __all__ = [
     "ResetKey",
     "SessionNews",
     "Shot",
+    "ShotBoxes",
     "Shown",
+    "SightingNews",
     "SiteNews",
     "Stop",
     "StopNews",
@@ -332,12 +338,14 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
 
     Attributes:
         name: what people call it.
-        locked: it refuses what it guards, unless overridden.
+        locked: it refuses or slows what it guards, unless overridden.
         unsafe: its conditions hold now; not so while it only waits for its dwell time.
         since_us: locked since (UTC).
         clears_ms: released after so long, if nothing unsafe comes between.
         refuses: what it refuses, as people call it; of the devices that you may see.
         targets: the same, as ``<device>/<command>``, ``<device>/drive`` or ``<device>/*``.
+        slows: what it slows down, as people call it, and to what; of the devices that you may see.
+        slowed: the same, as ``<device>/drive``.
         overridable: an admin may override it.
         override_ms: overridden for so long yet, by whom and why.
         longest_s: you may override it for so long at the most; 0: you may not.
@@ -354,6 +362,8 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
     clears_ms: Millis = 0
     refuses: Annotated[list[Sentence], Meta(max_length=1000)] = []
     targets: Annotated[list[Sentence], Meta(max_length=1000)] = []
+    slows: Annotated[list[Sentence], Meta(max_length=1000)] = []
+    slowed: Annotated[list[Sentence], Meta(max_length=1000)] = []
     overridable: bool = False
     overridden_by: Word = ""
     reason: Sentence = ""
@@ -417,6 +427,59 @@ class AlarmNews(Message, frozen=True, kw_only=True, tag="alarm"):
     signals: Annotated[list[Word], Meta(max_length=1000)] = []
     made: bool = False
     gone: bool = False
+
+
+class SightingNews(Message, frozen=True, kw_only=True, tag="sighting"):
+    """Something came into sight of a camera, is seen surer or more often, or is gone.
+
+    Attributes:
+        camera: the stream, ``device/stream``.
+        many: how many at once, at the most so far.
+        confidence: of the surest so far.
+        ended_us: when it was seen last; 0 while it is in sight.
+
+    """
+
+    site: Name
+    id: Count
+    camera: Name
+    label: Name
+    many: Count
+    confidence: Share
+    began_us: Micros
+    ended_us: Micros = 0
+
+
+class AnomalyNews(Message, frozen=True, kw_only=True, tag="anomaly"):
+    """How a detector of a signal stands, told when that changes; its scores come as `Values`.
+
+    Subscribe to ``<signal>~<detector>`` for the scores. What stood before a page came is asked for
+    over HTTP.
+
+    Attributes:
+        address: of the signal.
+        detector: its word in the site description.
+        on: an anomaly is on.
+        from_us: when the newest anomaly began (UTC); 0: there was none yet.
+        to_us: its last high sample (UTC); 0 while it is on.
+        score: the newest.
+        why: why the newest anomaly is one, in words.
+        forgiven: a person said that it was none.
+        learning: so many samples until it has learned; before, it tells little.
+
+    """
+
+    site: Word
+    device: Word
+    address: Word
+    detector: Word
+    on: bool = False
+    from_us: Micros = 0
+    to_us: Micros = 0
+    score: float = 0.0
+    why: Sentence = ""
+    forgiven: bool = False
+    learning: Count = 0
 
 
 class EventNews(Message, frozen=True, kw_only=True, tag="event"):
@@ -508,6 +571,26 @@ class Glance(Message, frozen=True, kw_only=True, tag="glance"):
     still: bool
 
 
+class ShotBoxes(Message, frozen=True, kw_only=True, tag="shot_boxes"):
+    """What is seen on the picture ``seq``, which may be shown already, or never come.
+
+    Attributes:
+        time_us: when that picture was taken.
+        things: the surest first.
+
+    """
+
+    seq: Count
+    time_us: Micros
+    things: Annotated[list[Thing], Meta(max_length=100)]
+
+
+class BoxesAsk(Message, frozen=True, kw_only=True, tag="boxes_ask"):
+    """The page wants `ShotBoxes` from here on, or no more."""
+
+    on: bool
+
+
 FromBrowser = (
     Subscribe
     | Unsubscribe
@@ -535,14 +618,16 @@ ToBrowser = (
     | InterlockNews
     | DeviceNews
     | AlarmNews
+    | SightingNews
+    | AnomalyNews
     | EventNews
     | Pong
     | Problem
     | SessionNews
     | Ended
 )
-MediaToBrowser = Shot | Problem | Ended
-MediaFromBrowser = Shown | Glance
+MediaToBrowser = Shot | ShotBoxes | Problem | Ended
+MediaFromBrowser = Shown | Glance | BoxesAsk
 
 FROM_BROWSER: Codec[FromBrowser] = Codec(FromBrowser, 1024 * 1024)
 TO_BROWSER: Codec[ToBrowser] = Codec(ToBrowser)

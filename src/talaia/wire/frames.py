@@ -34,6 +34,7 @@ __all__ = [
     "ArchiveOffer",
     "Beat",
     "BeatReply",
+    "Boxes",
     "Bye",
     "ChangeAsk",
     "ChangePhase",
@@ -50,6 +51,7 @@ __all__ = [
     "FileHave",
     "FileOffer",
     "FilePiece",
+    "FilmOffer",
     "Form",
     "FromGateway",
     "FromHub",
@@ -71,8 +73,10 @@ __all__ = [
     "ResetToken",
     "Samples",
     "Scalar",
+    "Seen",
     "StopAsk",
     "StopState",
+    "Thing",
     "Tick",
     "Trouble",
     "Watch",
@@ -101,6 +105,8 @@ Digest = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
 FileId = Annotated[str, Meta(pattern="^[0-9A-Za-z]{1,32}(-[0-9a-z]{1,16})?$")]
 # A description's text, deflated (zlib), so that it stands before a driving frame for little.
 Deflated = Annotated[bytes, Meta(max_length=1024 * 1024)]
+Share = Annotated[float, Meta(ge=0, le=1)]
+Thumbnail = Annotated[bytes, Meta(max_length=64 * 1024)]
 AskedText = Annotated[bytes, Meta(max_length=768 * 1024)]
 # Bytes of a recording that go in one frame.
 PIECE = 64 * 1024
@@ -376,6 +382,8 @@ class RecordState(Message, frozen=True, kw_only=True, tag="record_state"):
         since_us: its earliest message.
         ends_ms: it ends by itself after so long.
         problem: why the last one failed, or nothing can be recorded.
+        films: cameras that are being filmed.
+        can_film: whether this gateway can film at all.
 
     """
 
@@ -386,6 +394,8 @@ class RecordState(Message, frozen=True, kw_only=True, tag="record_state"):
     since_us: Micros = 0
     ends_ms: Millis = 0
     problem: Sentence = ""
+    films: Annotated[list[Name], Meta(max_length=1000)] = []
+    can_film: bool = False
 
 
 class FileOffer(Message, frozen=True, kw_only=True, tag="file_offer"):
@@ -408,6 +418,32 @@ class FileOffer(Message, frozen=True, kw_only=True, tag="file_offer"):
     who: Sentence = ""
     messages: Count = 0
     topics: Annotated[list[Name], Meta(max_length=1000)] = []
+    note: Sentence = ""
+
+
+class FilmOffer(Message, frozen=True, kw_only=True, tag="film_offer"):
+    """The gateway has a film of a camera (MP4); answered and taken as a `FileOffer` is.
+
+    The time of a picture is ``begin_us`` and its time in the film.
+
+    Attributes:
+        id: the film's own name, never used twice by a site, nor for a recording.
+        digest: SHA-256 of all of it.
+        begin_us: when its first picture came.
+        end_us: when its last one did.
+        why: what began it.
+
+    """
+
+    id: FileId
+    stream: Name
+    size: Count
+    digest: Digest
+    begin_us: Micros
+    end_us: Micros
+    pictures: Count = 0
+    why: Sentence = ""
+    who: Sentence = ""
     note: Sentence = ""
 
 
@@ -485,12 +521,19 @@ class Bye(Message, frozen=True, kw_only=True, tag="bye"):
 
 
 class Welcome(Message, frozen=True, kw_only=True, tag="welcome"):
-    """Answer to `Hello`. ``acked`` is one past the last sequence of this boot that is stored."""
+    """Answer to `Hello`.
+
+    Attributes:
+        acked: one past the last sequence number of this boot that is stored.
+        takes: messages that may be sent to this hub, and not to older ones: ``seen``.
+
+    """
 
     protocol: Count = PROTOCOL
     version: Sentence = ""
     acked: Count = 0
     time_us: Micros = 0
+    takes: FormList = []
 
 
 class Ack(Message, frozen=True, kw_only=True, tag="ack"):
@@ -630,11 +673,13 @@ class Watch(Message, frozen=True, kw_only=True, tag="watch"):
     Attributes:
         forms: by stream: what they are wanted as (`Form`); a stream that is not in it is wanted
             as JPEG, by a hub that knows nothing else.
+        boxes: of which the `Boxes` are wanted, too.
 
     """
 
     streams: Annotated[list[Name], Meta(max_length=1000)]
     forms: Forms = {}
+    boxes: Annotated[list[Name], Meta(max_length=1000)] = []
 
 
 class KeyAsk(Message, frozen=True, kw_only=True, tag="key"):
@@ -658,6 +703,7 @@ class RecordAsk(Message, frozen=True, kw_only=True, tag="record"):
     """Begin or end a recording of raw topics. The hub has seen to the right.
 
     Attributes:
+        stream: only the film of this camera is meant.
         alarm: an alarm begins it, not a person: it goes on as long as one that began by itself,
             if the description wants that.
 
@@ -667,6 +713,7 @@ class RecordAsk(Message, frozen=True, kw_only=True, tag="record"):
     who: Name
     why: Sentence = ""
     alarm: bool = False
+    stream: Name = ""
 
 
 class FileHave(Message, frozen=True, kw_only=True, tag="file_have"):
@@ -718,6 +765,57 @@ class Trouble(Message, frozen=True, kw_only=True, tag="trouble"):
     why: Sentence
 
 
+class Thing(Message, frozen=True, kw_only=True, tag="thing"):
+    """One thing on a picture; places are parts of its width and height, from the upper left."""
+
+    label: Name
+    score: Share
+    left: Share
+    top: Share
+    right: Share
+    bottom: Share
+
+
+class Boxes(Message, frozen=True, kw_only=True, tag="boxes"):
+    """What is seen on one picture of a stream; sent only for those that `Watch` names.
+
+    Attributes:
+        seq: of the `Picture` that it was seen on.
+        time_us: when that picture was taken.
+        things: the surest first; also those that do not count (`talaia.model.detection.Detect`).
+
+    """
+
+    stream: Name
+    seq: Count
+    time_us: Micros
+    things: Annotated[list[Thing], Meta(max_length=100)]
+
+
+class Seen(Message, frozen=True, kw_only=True, tag="seen"):
+    """Something of one class came into sight, is seen surer or more often, or is gone.
+
+    On the link, to a hub that takes it (`Welcome`). ``stream``, ``label`` and ``began_us`` tell
+    sightings apart; the same one may be told again, and what is told last counts.
+
+    Attributes:
+        many: how many at once, at the most so far.
+        confidence: of the surest so far.
+        began_us: when it was seen first.
+        ended_us: when it was seen last; 0 while it is in sight.
+        thumbnail: JPEG of a moment of it; empty while there is none, or as it was told before.
+
+    """
+
+    stream: Name
+    label: Name
+    many: Count
+    confidence: Share
+    began_us: Micros
+    ended_us: Micros = 0
+    thumbnail: Thumbnail = b""
+
+
 FromGateway = (
     Hello
     | Samples
@@ -733,6 +831,7 @@ FromGateway = (
     | DeviceState
     | Described
     | ChangeState
+    | Seen
     | Event
     | Beat
     | BeatReply
@@ -759,9 +858,9 @@ FromHub = (
     | BeatReply
     | Bye
 )
-MediaFromGateway = Picture | Trouble | Beat | BeatReply
+MediaFromGateway = Picture | Trouble | Boxes | Beat | BeatReply
 MediaFromHub = Beat | BeatReply | Bye
-FilesFromGateway = FileOffer | ArchiveOffer | FilePiece
+FilesFromGateway = FileOffer | FilmOffer | ArchiveOffer | FilePiece
 FilesFromHub = FileHave | Bye
 
 LINK_FROM_GATEWAY: Codec[FromGateway] = Codec(FromGateway, 8 * 1024 * 1024)

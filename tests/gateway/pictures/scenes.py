@@ -87,3 +87,21 @@ def _rows(rgb: np.ndarray, encoding: str, word: str) -> np.ndarray:
         return np.vstack([y, *(each.reshape(-1, width) for each in quarter)])
     pair = quarter if encoding == "nv12" else quarter[::-1]
     return np.vstack([y, np.stack(pair, 2).reshape(-1, width)])
+
+
+def numbered(number: int, width: int = 320, height: int = 240) -> np.ndarray:
+    """A picture that says its number (to 65535) in a row of black and white fields, as RGB."""
+    picture = scene(width, height, number)
+    wide = width // 16
+    for bit in range(16):
+        value = 235 if number >> bit & 1 else 20
+        picture[: height // 4, bit * wide : (bit + 1) * wide] = value
+    return picture
+
+
+def number_in(picture: np.ndarray) -> int:
+    """Read what `numbered` says."""
+    height, width = picture.shape[:2]
+    wide = width / 16
+    row = picture[height // 8].astype(int).reshape(width, -1).mean(1)
+    return sum(int(row[round((bit + 0.5) * wide)] > 128) << bit for bit in range(16))

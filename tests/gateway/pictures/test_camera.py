@@ -17,6 +17,7 @@ from talaia.gateway.pictures.camera import PictureStream
 from talaia.gateway.pictures.h264 import Encoder, bits_for
 from talaia.gateway.pictures.jpeg import jpeg_of
 from talaia.gateway.pictures.pixels import Pixels, pixels_of, rgb_of
+from talaia.gateway.ports import Filming
 from talaia.model.site import Source, Stream
 from talaia.wire.frames import Form, Picture
 
@@ -36,6 +37,17 @@ class Hall:
         self.got: list[Picture] = []
         self.troubles: list[str] = []
         self.looks: list[tuple] = []
+        self.filmed: list[Picture] = []
+        self.wish = Filming.NO
+
+    def filming(self, _stream: str) -> Filming:
+        wish = self.wish
+        if wish is Filming.ANEW:
+            self.wish = Filming.ON
+        return wish
+
+    def film(self, picture: Picture) -> None:
+        self.filmed.append(picture)
 
     def asked(self, _stream: str) -> tuple[Form, ...]:
         return self.forms

@@ -53,6 +53,22 @@ def test_who_waits_gets_the_next_one() -> None:
     assert got[0].seq == 2  # type: ignore[attr-defined]
 
 
+def test_camera_that_is_connected_anew_and_numbers_anew_is_seen_at_once() -> None:
+    looks = Looks()
+    looks.hold("cam/front")
+    assert looks.arrived("cam/front") == 0
+    looks.put("cam/front", (7, 10, 20), lambda: RGB)
+    assert looks.arrived("cam/front") == 20
+    assert looks.arrived("cam/front", since_us=20) == 0
+    old = looks.newest("cam/front")
+    looks.put("cam/front", (7, 11, 30), lambda: RGB + 1)
+    assert looks.arrived("cam/front", since_us=20) == 30
+    new = looks.newest("cam/front")
+    assert old is not None
+    assert new is not None
+    assert (int(old.rgb.max()), int(new.rgb.max())) == (0, 1)
+
+
 def test_a_stream_rests_once_all_have_let_go_of_it() -> None:
     looks = Looks()
     told: list[frozenset[str]] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from talaia.clock import HandClock
-from talaia.hub.alarms.machine import Acknowledge, Raise, State, What, step
+from talaia.hub.alarms.machine import Acknowledge, Clear, Raise, State, What, step
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.auth.seal import Seal
 from talaia.hub.errors import NameTaken
@@ -58,6 +58,10 @@ async def test_state_its_past_and_the_logbook_are_kept_together(database) -> Non
     audit = Audit(database, HandClock())
     rows, _ = await audit.find(Filter(site="agv", text="LOW"), 10)
     assert [row.entry.kind for row in rows] == ["alarm acknowledged", "alarm raised"]
+    # Of several kinds at once, by their beginnings.
+    for kind, found in (("command,alarm r", 1), ("command,stop", 0), (",", 0), ("", 2)):
+        rows, _ = await audit.find(Filter(site="agv", kind=kind), 10)
+        assert len(rows) == found
     assert (await audit.verify()).broken == 0
 
 
@@ -100,6 +104,84 @@ async def test_message_under_way_when_the_hub_ended_is_unsure_or_the_same_again(
     assert "may have been delivered" in (await outbox.troubles())["agv", "low"]
     await outbox.sent(again, 10**12)
     assert await outbox.take(10**15) is None
+
+
+async def test_rule_is_changed_by_its_own_person_and_keeps_its_number(
+    database, ways, person
+) -> None:
+    other = await People(database, HandClock()).add("other", "x", "operator")
+    way = await ways.put_way(None, "way", WayKind.MAIL, {}, {}, 0)
+    number = await ways.add_rule(rule(person, way))
+    changed = rule(person, way, id=number, site="agv", over=False, group_s=7)
+    assert not await ways.change_rule(rule(other, way, id=number))
+    assert not await ways.change_rule(rule(person, way, id=number + 1))
+    # Saved as it is, it is there as well.
+    assert await ways.change_rule(rule(person, way, id=number))
+    assert await ways.change_rule(changed)
+    assert await ways.rules(person) == [changed]
+    assert await ways.rules(other) == []
+
+
+async def test_what_waits_goes_where_its_rule_says_by_then_and_once(database, ways, person) -> None:
+    mail = await ways.put_way(None, "mail", WayKind.MAIL, {}, {}, 0)
+    chat = await ways.put_way(None, "chat", WayKind.CHAT, {}, {}, 0)
+    number = await ways.add_rule(rule(person, mail))
+    store = await raised(database)
+    # It does not want such a thing any more, but what it wanted is not lost.
+    later = rule(
+        person, chat, id=number, target="", least=Severity.CRITICAL, site="moon", group_s=3600
+    )
+    await ways.change_rule(later)
+    outbox = Notices(database)
+    assert await outbox.next_due_us() == 6_000_000
+    parcel = await outbox.take(6_000_000)
+    assert (parcel.way, parcel.target, len(parcel.notices)) == (chat, "", 1)
+    # While it is under way the rule changes once more; it certainly did not arrive.
+    await ways.change_rule(rule(person, mail, id=number, target="b@example.org", over=False))
+    await outbox.again(parcel, 10_000_000, "no luck", same=False)
+    again = await outbox.take(10_000_000)
+    assert (again.way, again.target, again.tries) == (mail, "b@example.org", 2)
+    await outbox.sent(again, 11_000_000)
+    # The rule as it is by now decides of what happens from now on.
+    state = (await store.states())["agv", "low"]
+    after, happened = step(state, Clear(12_000_000, "it is well"))
+    assert happened[0].tell
+    await store.commit([Change(LOW, after, happened)], 12_000_000)
+    assert await outbox.take(10**15) is None
+
+
+async def test_what_may_have_arrived_is_sent_once_more_by_no_other_way(
+    database, ways, person
+) -> None:
+    hook = await ways.put_way(None, "hook", WayKind.WEBHOOK, {}, {}, 0)
+    mail = await ways.put_way(None, "mail", WayKind.MAIL, {}, {}, 0)
+    number = await ways.add_rule(rule(person, hook, target=""))
+    await raised(database)
+    outbox = Notices(database)
+    first = await outbox.take(10**12)
+    await ways.change_rule(rule(person, mail, id=number))
+    await outbox.again(first, 10**12, "the line broke", same=True)
+    again = await outbox.take(10**12)
+    assert (again.way, again.key, again.tries) == (hook, first.key, 2)
+    # Nor after the hub has ended meanwhile.
+    assert await outbox.recover([hook], 10**12) == 0
+    third = await outbox.take(10**12)
+    assert (third.way, third.key, third.tries) == (hook, first.key, 3)
+
+
+async def test_burst_that_begins_before_a_rule_is_changed_is_one_message(
+    database, ways, person
+) -> None:
+    way = await ways.put_way(None, "way", WayKind.MAIL, {}, {}, 0)
+    number = await ways.add_rule(rule(person, way))
+    store = await raised(database)
+    await ways.change_rule(rule(person, way, id=number, group_s=60))
+    mild = LOW._replace(alarm="mild")
+    state, happened = step(State(), Raise(2_000_000, "it is so"))
+    await store.commit([Change(mild, state, happened)], 2_000_000)
+    parcel = await Notices(database).take(6_000_000)
+    assert [notice.alarm for notice in parcel.notices] == ["low", "mild"]
+    assert await Notices(database).next_due_us() is None
 
 
 async def test_whoever_lost_the_right_or_the_rule_is_not_told(database, ways, person) -> None:
@@ -146,3 +228,21 @@ async def test_alarm_made_in_the_page_takes_the_place_of_the_one_of_its_name(dat
     assert await store.made() == [Made("agv", "a", '{"x":1}', "ada", 2)]
     assert await store.forget("agv", "a")
     assert not await store.forget("agv", "a")
+
+
+async def test_what_waits_for_the_end_of_quiet_hours_does_not_go_along_with_what_does_not(
+    database, ways, person
+) -> None:
+    # Quiet all day but for a minute; the clock shows 01:00:01 in Madrid.
+    way = await ways.put_way(None, "way", WayKind.MAIL, {}, {}, 0)
+    quiet = {"quiet_from": 30, "quiet_to": 29, "quiet_least": Severity.CRITICAL}
+    await ways.add_rule(rule(person, way, **quiet))
+    store = await raised(database)
+    mild = LOW._replace(alarm="mild", severity=Severity.WARNING)
+    state, happened = step(State(), Raise(2_000_000, "it is so"))
+    await store.commit([Change(mild, state, happened)], 2_000_000)
+    outbox = Notices(database)
+    parcel = await outbox.take(60_000_000)
+    assert [notice.alarm for notice in parcel.notices] == ["low"]
+    # At 00:29 of the next day.
+    assert await outbox.next_due_us() == (23 * 60 + 29) * 60_000_000

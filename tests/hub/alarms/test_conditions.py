@@ -8,9 +8,10 @@ from zoneinfo import ZoneInfo
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.hub.alarms.conditions import Condition, Reading, Truth, Verdict
+from talaia.hub.alarms.conditions import Condition, Reading, Truth, Verdict, told
 from talaia.hub.alarms.machine import (
     Acknowledge,
     Assign,
@@ -65,6 +66,35 @@ def test_limit_says_why_and_lets_go_only_on_the_safe_side() -> None:
     assert judged(LOW, volts=(11.2, 0)).truth is Truth.FALSE
     assert judged(LOW, held=True, volts=(11.2, 0)).truth is Truth.HOLDS
     assert judged(LOW, held=True, volts=(11.5, 0)).truth is Truth.FALSE
+
+
+@pytest.mark.parametrize(
+    ("value", "limits", "said"),
+    [
+        (96.8972351, [99.9], "96.9"),
+        (10.99987, [11.0], "10.9999"),
+        (1234567.8, [], "1234568"),
+        (0.000123456, [], "0.0001235"),
+        (3.0, [3.0], "3"),
+    ],
+)
+def test_a_number_is_said_in_digits_that_people_read(
+    value: float, limits: list[float], said: str
+) -> None:
+    assert told(value, limits) == said
+
+
+numbers = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(numbers, st.lists(numbers, max_size=2))
+def test_what_is_said_of_a_number_stands_where_it_does_to_its_limits(
+    value: float, limits: list[float]
+) -> None:
+    said = float(told(value, limits))
+    assert [(said > each, said < each) for each in limits] == [
+        (value > each, value < each) for each in limits
+    ]
 
 
 def test_what_is_not_known_is_neither_true_nor_false() -> None:

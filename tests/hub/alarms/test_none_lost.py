@@ -18,13 +18,20 @@ from pathlib import Path
 
 import numpy as np
 from hypothesis import HealthCheck, Phase, settings, strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    precondition,
+    rule,
+)
 from sqlalchemy import select
 
 from talaia.clock import SECOND, HandClock
 from talaia.hub.alarms.machine import Acknowledge, NotNow, Shelve
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.auth.seal import Seal
+from talaia.hub.errors import StoreDown
 from talaia.hub.live.alarms import Alarms
 from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.sites import Sites
@@ -55,6 +62,7 @@ alarms:
   slow: {name: Slow, kind: limit, signal: base/volts, below: 11, delay: 5, clear_delay: 5}
 """)
 SEAL = Seal(bytes(32))
+MAILBOX = "op@example.org"
 
 
 class Killed(BaseException):
@@ -66,12 +74,18 @@ class Sender:
 
     def __init__(self) -> None:
         self.got = []
+        self.astray = []
         self.kill = ""
         self.answer = Outcome.SENT
+        self.meanwhile = None
 
     async def send(self, way, secrets, target, message, browsers=()) -> Went:
         if self.kill == "before":
             raise Killed
+        if self.meanwhile:
+            await self.meanwhile()
+        if way.kind is WayKind.MAIL and target != MAILBOX:
+            self.astray.append(target)
         # Of a message that is sent once more with its key, the other side keeps one.
         if self.answer in {Outcome.SENT, Outcome.UNSURE} and (
             way.kind is WayKind.MAIL or message not in self.got
@@ -114,6 +128,8 @@ class Hub(RuleBasedStateMachine):
 
     made: Path | None = None
     way = WayKind.MAIL
+    # Where the person's rule changes to another way and back.
+    other: WayKind | None = None
 
     @initialize()
     def begin(self) -> None:
@@ -130,14 +146,20 @@ class Hub(RuleBasedStateMachine):
 
     async def _want(self) -> None:
         store = NotifyStore(self.database, lambda: SEAL)
-        way = await store.put_way(None, "way", self.way, {}, {}, 0)
-        await store.add_rule(
+        self.wishes = [
             Rule(
-                id=0, user=1, site="*", way=way, target="op@example.org", least=Severity.INFO,
-                over=True, quiet_from=0, quiet_to=0, quiet_least=Severity.INFO, zone="UTC",
-                group_s=2,
+                id=1, user=1, site="*", way=await store.put_way(None, kind, kind, {}, {}, 0),
+                target=MAILBOX if kind is WayKind.MAIL else "", least=Severity.INFO, over=True,
+                quiet_from=0, quiet_to=0, quiet_least=Severity.INFO, zone="UTC", group_s=group_s,
             )
-        )  # fmt: skip
+            for kind, group_s in ((self.way, 2), (self.other, 5))
+            if kind
+        ]  # fmt: skip
+        assert await store.add_rule(self.wishes[0]) == 1
+
+    async def _change(self) -> None:
+        self.wishes.reverse()
+        assert await NotifyStore(self.database, lambda: SEAL).change_rule(self.wishes[0])
 
     async def _start(self) -> None:
         self.store = DyingStore(self.database)
@@ -199,10 +221,18 @@ class Hub(RuleBasedStateMachine):
     @rule(
         kill=st.sampled_from(["", "", "before", "after"]),
         answer=st.sampled_from([Outcome.SENT, Outcome.SENT, Outcome.AGAIN, Outcome.UNSURE]),
+        meanwhile=st.booleans(),
     )
-    def deliver(self, kill: str, answer: Outcome) -> None:
+    def deliver(self, kill: str, answer: Outcome, *, meanwhile: bool) -> None:
         self.sender.kill, self.sender.answer = kill, answer
+        self.sender.meanwhile = self._change if meanwhile and self.other else None
         self._until_killed(self.delivering.deliver_due())
+        self.sender.meanwhile = None
+
+    @precondition(lambda self: self.other)
+    @rule()
+    def change(self) -> None:
+        self.runner.run(self._change())
 
     @rule()
     def restart(self) -> None:
@@ -212,10 +242,11 @@ class Hub(RuleBasedStateMachine):
         try:
             self.runner.run(work)
         except BaseExceptionGroup as group:
-            if group.subgroup(Killed) is None:
+            # A disk that stalls for seconds locks SQLite: nothing may be lost by that either.
+            if group.subgroup((Killed, StoreDown)) is None:
                 raise
             self.restart()
-        except Killed:
+        except (Killed, StoreDown):
             self.restart()
         self.store.kill = self.sender.kill = ""
         self.sender.answer = Outcome.SENT
@@ -226,6 +257,7 @@ class Hub(RuleBasedStateMachine):
             return
         told = self._told()
         assert not told or max(told.values()) == 1, told
+        assert not self.sender.astray
 
     def _told(self) -> Counter:
         # A line of a message stands for one thing that happened.
@@ -254,6 +286,7 @@ class Hub(RuleBasedStateMachine):
         self.runner.run(self.delivering.deliver_due())
 
     def _compare(self) -> None:
+        assert not self.sender.astray
         for name in ("low", "slow"):
             assert self.alarms.find("agv", name).state.on is (self.volts < 11), name
         happened, outbox = self.runner.run(self._rows())
@@ -263,7 +296,7 @@ class Hub(RuleBasedStateMachine):
         assert not per_event or max(per_event.values()) == 1
         assert self._told().total() >= states["sent"]
         assert self._told().total() <= states["sent"] + states["unsure"]
-        if self.way is WayKind.WEBHOOK:
+        if self.way is WayKind.WEBHOOK and not self.other:
             assert states["unsure"] == 0
         # Each episode has one beginning, and at most one end behind it.
         for name in ("low", "slow"):
@@ -291,6 +324,12 @@ class HubWithKeys(Hub):
     way = WayKind.WEBHOOK
 
 
+class HubOfAChangingRule(HubWithKeys):
+    """The same, and the person chooses another way and back, also while a message is under way."""
+
+    other = WayKind.MAIL
+
+
 _settings = settings(
     max_examples=30,
     stateful_step_count=25,
@@ -303,3 +342,6 @@ TestMail = Hub.TestCase
 TestMail.settings = _settings
 TestWebhook = HubWithKeys.TestCase
 TestWebhook.settings = _settings
+TestChangingRule = HubOfAChangingRule.TestCase
+# What is rare here needs more stories: a message that may have arrived, and then the change.
+TestChangingRule.settings = settings(_settings, max_examples=100)

@@ -15,8 +15,8 @@ import pytest
 from aiosmtpd.smtp import SMTP
 
 from talaia.hub.ports import AnomalyNews, AnomalySink, Sighting, SightingSink
-from talaia.wire.browser import AlarmNews, EventNews
-from talaia.wire.frames import RecordAsk
+from talaia.wire.browser import AlarmNews, EventNews, SightingNews
+from talaia.wire.frames import RecordAsk, Seen
 
 from ..conftest import DESCRIPTION, RunningHub  # noqa: TID252 - of the same tests
 
@@ -149,6 +149,112 @@ async def test_the_mail_of_an_alarm_reaches_a_mail_server(hub, watched, mailbox)
     assert "Battery low (critical)" in said.splitlines()[0]
     assert "Voltage is 10 V, below 11 V" in said
     assert "Bring it home." in said
+
+
+async def test_a_rule_is_changed_in_place_under_the_checks_of_a_new_one(hub, mailbox):
+    rule = await want_mail(hub, mailbox)
+    operator, admin = await hub.client("operator"), await hub.client("admin")
+    (kept,) = (await operator.get("/api/me/rules")).json()["rules"]
+    asked = {key: said for key, said in kept.items() if key != "id"}
+    changed = {**asked, "least": "critical", "over": False, "quiet_from": 60, "quiet_to": 120}
+    path = f"/api/me/rules/{rule}"
+    for wrong in ({"target": "nobody"}, {"way": "99"}, {"zone": "Moon"}, {"quiet_to": 1440}):
+        assert (await operator.put(path, json={**changed, **wrong})).status_code == 422, wrong
+    assert (await admin.put(path, json=changed)).status_code == 404
+    assert (await operator.put("/api/me/rules/99", json=changed)).status_code == 404
+    assert (await operator.get("/api/me/rules")).json()["rules"] == [kept]
+    done = await operator.put(path, json=changed)
+    assert done.status_code == 204, done.text
+    assert (await operator.get("/api/me/rules")).json()["rules"] == [{**changed, "id": rule}]
+    assert (await operator.delete(path)).status_code == 204
+    assert (await operator.put(path, json=changed)).status_code == 404
+    noted = (await admin.get("/api/audit", params={"kind": "rule of alarms"})).json()["rows"]
+    assert [(row["kind"], row["who"]) for row in noted] == [
+        ("rule of alarms removed", "operator"),
+        ("rule of alarms changed", "operator"),
+        ("rule of alarms added", "operator"),
+    ]
+
+
+async def test_what_a_changed_rule_has_gathered_is_told_once_and_to_the_new_address(
+    hub, watched, mailbox
+):
+    rule = await want_mail(hub, mailbox, group_s=2)
+    operator = await hub.client("operator")
+    (kept,) = (await operator.get("/api/me/rules")).json()["rules"]
+    page = await hub.page("operator")
+    await watched.samples(("power/voltage", now_us(), 10.0))
+    await page.hear(AlarmNews, lambda news: news.phase == "active")
+    asked = {key: said for key, said in kept.items() if key != "id"}
+    moved = {**asked, "target": "new@example.org", "group_s": 0}
+    assert (await operator.put(f"/api/me/rules/{rule}", json=moved)).status_code == 204
+    async with asyncio.timeout(20):
+        await mailbox.news.wait()
+    mailbox.news.clear()
+    await watched.samples(("power/voltage", now_us(), 12.0))
+    async with asyncio.timeout(20):
+        await mailbox.news.wait()
+    assert [each.rcpt_tos for each in mailbox.envelopes] == [["new@example.org"]] * 2
+    assert "Voltage is 10 V, below 11 V" in mailbox.text(0)
+    assert "Voltage is 10 V, below 11 V" not in mailbox.text(1)
+
+
+SOMEBODY = """
+alarms:
+  somebody:
+    name: Somebody is there
+    kind: detection
+    stream: camera/front
+    label: person
+    count: 2
+    confidence: 0.6
+    severity: critical
+    advice: Call the guard.
+"""
+
+
+async def test_two_people_before_a_camera_bring_one_mail(hub, mailbox):
+    await want_mail(hub, mailbox, over=False)
+    gateway = await hub.gateway()
+    page = await hub.page("operator")
+    assert "        detect:" in DESCRIPTION
+    await gateway.hello(DESCRIPTION + SOMEBODY)
+    began = now_us()
+
+    async def see(many: int, *, ended_us: int = 0) -> None:
+        seen = Seen(
+            stream="camera/front", label="person", many=many, confidence=0.8, began_us=began,
+            ended_us=ended_us,
+        )  # fmt: skip
+        await gateway.say(seen)
+        await page.hear(SightingNews)
+
+    await see(1)
+    assert not any(getattr(each, "phase", "") == "active" for each in page.heard)
+    await see(2)
+    raised = await page.hear(AlarmNews, lambda news: news.phase == "active")
+    assert (raised.device, raised.why) == ("camera", "2 × person seen (80% sure)")
+    async with asyncio.timeout(20):
+        await mailbox.news.wait()
+    said = mailbox.text()
+    assert "Somebody is there (critical)" in said.splitlines()[0]
+    assert "2 × person seen" in said
+    assert "Call the guard." in said
+    await see(2, ended_us=began + 5_000_000)
+    await page.hear(AlarmNews, lambda news: news.cleared_us)
+    # Said once more, and better known, since the link was cut before it was surely heard.
+    await gateway.say(
+        Seen(
+            stream="camera/front", label="person", many=2, confidence=0.8, began_us=began,
+            ended_us=began + 6_000_000,
+        )
+    )  # fmt: skip
+    began += 60_000_000
+    await see(1, ended_us=began + 1)
+    client = await hub.client("operator")
+    past = (await client.get("/api/sites/agv/alarms/somebody/history")).json()["past"]
+    assert [each["what"] for each in past] == ["cleared", "raised"]
+    assert len(mailbox.envelopes) == 1
 
 
 async def test_an_alarm_that_could_not_be_delivered_says_so_on_the_page(hub, watched, mailbox):

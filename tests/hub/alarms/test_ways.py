@@ -1,10 +1,7 @@
 """Every way out against a real peer: what arrives there, and what is said when it does not."""
 
-# ruff: noqa: D107
-
 from __future__ import annotations
 
-import asyncio
 import base64
 import ipaddress
 import json
@@ -19,39 +16,10 @@ from talaia.hub.notify.message import Message
 from talaia.hub.notify.sending import Outcome, Sender
 from talaia.hub.store.notify import PushBrowser, Way, WayKind
 
+from .peers import served
+
 LOOPBACK = [ipaddress.ip_network("127.0.0.1/32")]
 SAID = Message("the-key", "AGV: Battery low", "Voltage is 10 V", "critical", ("agv",))
-
-
-class Peer:
-    """A web server that keeps what it is asked, and answers what it is told to."""
-
-    def __init__(self) -> None:
-        self.asked = []
-        self.answer = "200 OK"
-        self.headers = ""
-        self.hangs_up = False
-
-    async def serve(self, reader, writer) -> None:
-        head = (await reader.readuntil(b"\r\n\r\n")).decode()
-        lines = head.split("\r\n")
-        fields = dict(line.lower().split(": ", 1) for line in lines[1:] if line)
-        body = await reader.readexactly(int(fields.get("content-length", "0")))
-        self.asked.append((lines[0], fields, body))
-        if not self.hangs_up:
-            text = "{}"
-            writer.write(
-                f"HTTP/1.1 {self.answer}\r\n{self.headers}Content-Type: application/json\r\n"
-                f"Content-Length: {len(text)}\r\nConnection: close\r\n\r\n{text}".encode()
-            )
-        writer.close()
-
-
-async def served(host: str):
-    peer = Peer()
-    server = await asyncio.start_server(peer.serve, host, 0)
-    peer.port = server.sockets[0].getsockname()[1]
-    return peer, server
 
 
 @pytest.fixture
@@ -71,8 +39,11 @@ async def test_webhook_gets_the_message_with_its_key(peer) -> None:
     assert (await send(WayKind.WEBHOOK, secrets)).outcome is Outcome.SENT
     line, fields, body = peer.asked[0]
     assert line == "POST /hook?a=1 HTTP/1.1"
-    assert (fields["idempotency-key"], fields["authorization"]) == ("the-key", "bearer secret")
-    assert json.loads(body) == {**SAID._asdict(), "sites": ["agv"]}
+    assert (fields["idempotency-key"], fields["authorization"]) == ("the-key", "Bearer secret")
+    expected = {**SAID._asdict(), "sites": ["agv"]}
+    # A path says nothing to who is not at the hub.
+    del expected["open"]
+    assert json.loads(body) == expected
 
 
 @pytest.mark.parametrize(

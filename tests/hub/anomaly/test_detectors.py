@@ -15,6 +15,8 @@ from talaia.hub.anomaly.plain import Limits, Missing, RateOfChange, Still
 from talaia.hub.anomaly.rarity import Rarity
 from talaia.hub.anomaly.season import Season
 from talaia.hub.anomaly.together import Together
+from talaia.hub.anomaly.watched import Began, Watched
+from talaia.model.anomaly import Watch
 
 SECOND = 1_000_000
 STEP = 60 * SECOND
@@ -218,3 +220,52 @@ def test_numbers_and_spans_are_written_as_people_read_them():
     assert [span(each) for each in (0.02, 40.0, 300.0, 7200.0, 300000.0)] == [
         "20 ms", "40 s", "5 min", "2 h", "3 days",
     ]  # fmt: skip
+
+
+def drifting(count: int, seed: int) -> list[float]:
+    """Make a battery that empties slowly, with a reading that trembles."""
+    return [value - 1.5 * at / 14_400 for at, value in enumerate(noise(count, 12.6, seed))]
+
+
+def begun(watched: Watched, values: list[float], first: int = 0) -> list[int]:
+    """Tell at which samples an anomaly began, one sample a second."""
+    turns = [watched.see((first + at) * SECOND + 1, value) for at, value in enumerate(values)]
+    return [first + at for at, turn in enumerate(turns) if isinstance(turn, Began)]
+
+
+@pytest.mark.parametrize("name", ["together", "change"])
+def test_a_signal_that_drifts_slowly_is_left_alone_while_it_is_learned(name):
+    for seed in range(4):
+        watched = Watched("power/voltage", "V", Watch(detector=name))
+        assert begun(watched, drifting(700, seed)) == []
+        assert watched.learning == 300
+
+
+def test_what_is_clear_is_told_before_all_is_learned():
+    watched = Watched("power/voltage", "V", Watch(detector="together"))
+    assert begun(watched, drifting(500, 1)) == []
+    (when,) = begun(watched, [9.0] * 5, 500)
+    assert when < 503
+    assert " V" in watched.why
+
+
+def test_nothing_begins_while_all_is_quiet_and_only_the_clear_while_it_learns():
+    episodes = Episodes(bar=0.5, quiet=3, learning=6)
+    # Quiet for three samples, then 0.58 is the bar for three more.
+    turns = [episodes.take(at, score) for at, score in enumerate([0.9, 0.9, 0.9, 0.57, 0.57])]
+    assert turns == [None] * 5
+    assert Episodes(bar=0.5, learning=6).take(0, 0.59) is Turn.BEGAN
+    assert episodes.take(5, 0.57) is None
+    assert episodes.learning == 0
+    assert episodes.take(6, 0.5) is Turn.BEGAN
+
+
+def test_what_is_left_to_learn_is_kept_over_a_restart():
+    watch = Watch(detector="together")
+    watched = Watched("power/voltage", "V", watch)
+    begun(watched, drifting(400, 1))
+    again = Watched("power/voltage", "V", watch, watched.keep())
+    assert (again.learning, again.episodes.quiet) == (600, 0)
+    # Of another watch nothing is known.
+    other = Watched("power/voltage", "V", Watch(detector="together", rest=7), watched.keep())
+    assert (other.learning, other.episodes.quiet) == (1_000, 250)

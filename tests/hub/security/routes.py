@@ -10,7 +10,7 @@ from zlib import crc32
 import pyotp
 
 from talaia.hub.policy import Need
-from talaia.wire.frames import FileOffer, FilePiece
+from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
 from .world import NOW, PASSWORD, PICTURED, SESSIONLESS, SIGNED_IN, TOKEN, holds
 
@@ -184,6 +184,10 @@ async def _picture(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
 _OF_PICTURE = Recipe(_picture, PICTURED)
 
 
+async def _sighting(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    return Ask({"site": about.partition("/")[0], "sighting": await world.sighting(about)})
+
+
 async def _recording(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
     """Have a recording of a site, as if its gateway had just handed it over."""
     recordings = world.hub.hub._recordings
@@ -197,6 +201,25 @@ async def _recording(world: World, _client: httpx.AsyncClient, about: str) -> As
     )
     assert done.done
     return Ask({"site": about, "recording": name})
+
+
+# Devices with a camera of which there is a film.
+FILMED = ("agv/camera", "moon/rover")
+
+
+async def _film(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    """Have a film of a device's camera, as if its gateway had just handed it over."""
+    recordings = world.hub.hub._recordings
+    site, _, device = about.partition("/")
+    name, body = f"r{next(_NUMBERS)}", b"film"
+    offer = FilmOffer(
+        id=name, stream=f"{device}/eye", size=4, begin_us=NOW, end_us=NOW,
+        digest=hashlib.sha256(body).hexdigest(),
+    )  # fmt: skip
+    await recordings.offered(site, offer)
+    piece = FilePiece(id=name, at=0, check=crc32(body), data=body)
+    assert (await recordings.take(site, offer, piece)).done
+    return Ask({"site": site, "recording": name})
 
 
 async def _no_recording(world: World, client: httpx.AsyncClient, about: str) -> Ask:
@@ -283,6 +306,12 @@ def _of_rule(mine: Callable[[str, str], bool], **ask: object) -> Recipe:
     return Recipe(make, OWN_AND_FOREIGN, lambda *who: mine(*who) or _is_admin(*who))
 
 
+async def _change_rule(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    ask = await _of_rule(_own).make(world, client, about)
+    changed = await _add_rule(world, client, about)
+    return Ask(ask.params, json=changed.json, done=(204,))
+
+
 def _is_admin(actor: str, about: str) -> bool:
     # The foreign rule is the admin's.
     return actor == "admin" and about == "foreign"
@@ -311,6 +340,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/history"): Recipe(_history, ("agv", "moon")),
     ("GET", "/api/sites/{site}/last"): Recipe(_last, ("agv", "moon")),
     ("GET", "/api/sites/{site}/statistics"): Recipe(_history, ("agv", "moon")),
+    ("GET", "/api/sites/{site}/outliers"): Recipe(_history, ("agv", "moon")),
     ("GET", "/api/sites/{site}/stored"): of_site(),
     ("GET", "/api/sites/{site}/export"): Recipe(_export, ("agv", "moon")),
     ("GET", "/api/sites/{site}/events"): of_site(),
@@ -320,6 +350,9 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/frames/{frame}"): _OF_PICTURE,
     ("GET", "/api/sites/{site}/frames/{frame}/file"): _OF_PICTURE,
     ("GET", "/api/sites/{site}/frames/{frame}/preview"): _OF_PICTURE,
+    ("GET", "/api/sites/{site}/sightings"): of_site(),
+    ("GET", "/api/sites/{site}/sightings/labels"): of_site(),
+    ("GET", "/api/sites/{site}/sightings/{sighting}/picture"): Recipe(_sighting, PICTURED),
     ("GET", "/api/sites/{site}/descriptions"): of_site(),
     ("GET", "/api/sites/{site}/descriptions/{number}"): of_version(),
     ("GET", "/api/sites/{site}/descriptions/{number}/difference"): of_version(query={"to": 1}),
@@ -344,6 +377,10 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/recordings"): of_site(),
     ("POST", "/api/sites/{site}/recordings"): of_site(json={"on": True}, done=(202,)),
     ("GET", "/api/sites/{site}/recordings/{recording}/file"): Recipe(_recording, SITES),
+    ("GET", "/api/sites/{site}/films"): of_site(),
+    ("GET", "/api/sites/{site}/films/{recording}/file"): Recipe(
+        _film, FILMED, lambda actor, about: holds(actor, "view", about)
+    ),
     ("DELETE", "/api/sites/{site}/recordings/{recording}"): Recipe(_no_recording, SITES),
     ("GET", "/api/storage/outlook"): Recipe(plain()),
     ("POST", "/api/me/password"): Recipe(
@@ -382,6 +419,9 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/me/ways"): Recipe(plain()),
     ("GET", "/api/me/rules"): Recipe(plain()),
     ("POST", "/api/me/rules"): Recipe(_add_rule),
+    ("PUT", "/api/me/rules/{rule}"): Recipe(
+        _change_rule, OWN_AND_FOREIGN, lambda *who: _own(*who) or _is_admin(*who)
+    ),
     ("DELETE", "/api/me/rules/{rule}"): _of_rule(_own, done=(204,)),
     ("POST", "/api/me/rules/{rule}/test"): _of_rule(_tested),
     ("GET", "/api/me/push"): Recipe(plain()),

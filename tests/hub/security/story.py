@@ -6,6 +6,8 @@ numbers that no other has, so that any of it is found wherever it should not be.
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import struct
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -24,7 +26,11 @@ if TYPE_CHECKING:
 LISTENERS = ("guest", "operator", "driver", "neighbour", "keeper", "admin", "token")
 PUBLIC = {"agv/base/open"}
 SIGNALS = ("open", "shut", "words")
+# Those with a detector.
+WATCHED = ("open", "shut")
 STREAM = "eye"
+# So often a driving frame is said until one reaches the gateway.
+PRESSES = 15
 
 
 def hidden(about: str) -> str:
@@ -127,6 +133,8 @@ async def everything(world: World, listeners: list[Listener]) -> None:
         await _interlock(world, acting, about)
         await _reach(world, acting, about)
         await _alarm(world, acting, about)
+        await _sighting(world, acting, about)
+        await _anomaly(world, acting, about)
         await settle(listeners)
     await acting.say(browser.Ping(n=1, at_ms=0.0))
     await acting.hear(browser.Pong)
@@ -186,10 +194,19 @@ async def _lease(world: World, acting, about: str) -> None:
 async def _drive(world: World, acting, about: str) -> None:
     site, _, device = about.partition("/")
     gateway = world.gateways[site]
-    await acting.say(
-        browser.Drive(site=site, device=device, epoch=7, seq=1, tick=1, linear=0.5, angular=0.0)
-    )
-    await gateway.hear(frames.Drive, lambda drive: drive.device == device)
+    for seq in range(1, PRESSES + 1):
+        await acting.say(
+            browser.Drive(
+                site=site, device=device, epoch=7, seq=seq, tick=1, linear=0.5, angular=0.0
+            )
+        )
+        # As a page does: while the disk stalls and no session can be checked, none passes.
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(1.0):
+                await gateway.hear(frames.Drive, lambda drive: drive.device == device)
+                break
+    else:
+        raise AssertionError("no driving frame reached the gateway")
     await gateway.say(
         frames.DriveState(device=device, linear=0.5, angular=0.0, cap=1.0, why=hidden(about))
     )
@@ -250,6 +267,32 @@ async def _alarm(_world: World, acting, about: str) -> None:
         browser.AlarmNews,
         lambda news: (news.site, news.device, news.phase) == (site, device, "active"),
     )
+
+
+async def _sighting(world: World, acting, about: str) -> None:
+    """Let the device's camera see somebody come and go."""
+    site, _, device = about.partition("/")
+    for ended_us in (0, NOW + 1):
+        await world.gateways[site].say(
+            frames.Seen(
+                stream=f"{device}/{STREAM}", label="person", many=1, confidence=0.9, began_us=NOW,
+                ended_us=ended_us,
+            )
+        )  # fmt: skip
+        await acting.hear(
+            browser.SightingNews,
+            lambda news, at=ended_us: (news.camera, news.ended_us) == (f"{device}/{STREAM}", at),
+        )
+
+
+async def _anomaly(_world: World, acting, about: str) -> None:
+    """Hear of the anomalies that the device's numbers are."""
+    site, _, device = about.partition("/")
+    for signal in WATCHED:
+        await acting.hear(
+            browser.AnomalyNews,
+            lambda news, at=f"{device}/{signal}": (news.site, news.address) == (site, at),
+        )
 
 
 async def _event(world: World, about: str) -> None:

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-
 import pytest
 import yaml
-from playwright.async_api import async_playwright
 
-from talaia.web import static_dir
 from talaia.wire import browser, frames
 
 from .story import settle
@@ -86,7 +81,6 @@ PAGES = (
     "/admin/storage",
     "/admin/audit",
 )
-FLAGS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
 # What a page holds, through every shadow root: its text, and markup that a name has become.
 LOOK = """() => {
   const texts = [document.title], made = [];
@@ -105,27 +99,6 @@ LOOK = """() => {
   walk(document);
   return {texts, made, pwned: typeof pwned !== 'undefined', title: document.title};
 }"""
-
-
-def missing(what: str) -> None:
-    """Skip, or fail where nothing may be missing."""
-    if os.environ.get("TALAIA_REQUIRE_ALL"):
-        pytest.fail(f"{what} is missing, and TALAIA_REQUIRE_ALL is set")
-    pytest.skip(f"{what} is missing")
-
-
-@pytest.fixture
-async def chromium():
-    found = shutil.which("chromium") or shutil.which("google-chrome")
-    if found is None:
-        missing("Chromium")
-    if not (static_dir() / "index.html").is_file():
-        missing("what `make pages` builds")
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
-    async with async_playwright() as play:
-        running = await play.chromium.launch(executable_path=found, args=FLAGS, env=clean)
-        yield running
-        await running.close()
 
 
 async def test_hostile_names_are_text_in_every_page_and_run_in_none(world: World, chromium) -> None:

@@ -16,6 +16,7 @@ from .story import (
     LISTENERS,
     SIGNALS,
     STREAM,
+    WATCHED,
     everything,
     hidden,
     listen,
@@ -35,9 +36,12 @@ BROADCAST = {
     browser.CommandNews,
     browser.DeviceNews,
     browser.AlarmNews,
+    browser.SightingNews,
     browser.EventNews,
     browser.InterlockNews,
 }
+# A sighting is for those who may see the camera's pictures, and no camera of this world is public.
+NEEDS = {**TO_BROWSER, browser.SightingNews: Need.VIEW}
 # About a site, not about a device.
 OF_SITES = {browser.SiteNews, browser.InterlockNews}
 # For the page alone that asked, or that holds the lease: here the operator's.
@@ -48,6 +52,8 @@ FOR_GUESTS = {
     browser.SiteNews,
     # That something is locked, not why, nor who overrides it.
     browser.InterlockNews,
+    # Of signals that are public.
+    browser.AnomalyNews,
     browser.Subscribed,
     browser.Values,
     browser.Pong,
@@ -59,19 +65,26 @@ FOR_GUESTS = {
 
 
 def about_of(message) -> str:
-    device = getattr(message, "device", "")
+    device = getattr(message, "device", "") or getattr(message, "camera", "").partition("/")[0]
     return f"{message.site}/{device}" if device else message.site
+
+
+def signal_of(message: browser.AnomalyNews) -> str:
+    return message.address.partition("/")[2]
 
 
 def wrong_in(each) -> list[str]:
     """List what a listener heard and should not have."""
     found = []
     for message in each.messages:
-        need = TO_BROWSER.get(type(message), Need.NEVER)
+        need = NEEDS.get(type(message), Need.NEVER)
         if isinstance(message, browser.Values):
             found += _wrong_values(each.actor, message)
         elif need is Need.SESSION:
             continue
+        elif isinstance(message, browser.AnomalyNews):
+            if not sees_channel(each.actor, about_of(message), signal_of(message)):
+                found.append(f"{each.actor} heard {message}")
         elif not meets(need, each.actor, about_of(message)):
             found.append(f"{each.actor} heard {message}")
     secrets = secrets_from(each.actor)
@@ -123,8 +136,19 @@ async def test_everyone_hears_what_is_theirs_and_nothing_else(world, heard) -> N
                     for message in each.messages
                 )
             }
-            entitled = {actor for actor in LISTENERS if meets(TO_BROWSER[kind], actor, about)}
+            entitled = {actor for actor in LISTENERS if meets(NEEDS[kind], actor, about)}
             assert (kind, about, got) == (kind, about, entitled)
+    for about in DEVICES:
+        for signal in WATCHED:
+            got = {
+                each.actor
+                for each in heard
+                for message in each.messages
+                if isinstance(message, browser.AnomalyNews)
+                and (about_of(message), signal_of(message)) == (about, signal)
+            }
+            entitled = {actor for actor in LISTENERS if sees_channel(actor, about, signal)}
+            assert (about, signal, got) == (about, signal, entitled)
     for kind in ACTING:
         got = {each.actor for each in heard if any(type(m) is kind for m in each.messages)}
         assert (kind, got) == (kind, {"operator"})
@@ -134,7 +158,7 @@ async def test_everyone_hears_what_is_theirs_and_nothing_else(world, heard) -> N
     assert {
         about_of(message)
         for message in neighbour.messages
-        if TO_BROWSER[type(message)] in {Need.VIEW, Need.USE}
+        if NEEDS[type(message)] in {Need.VIEW, Need.USE}
     } == {"agv/power"}
     values = [message for message in guest.messages if isinstance(message, browser.Values)]
     assert any(value.value for value in values)
@@ -195,6 +219,9 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
     looking = {
         about: await world.viewer("operator", about, STREAM) for about in ("agv/base", "agv/power")
     }
+    # One wants to know what is seen, too.
+    await looking["agv/base"].say(browser.BoxesAsk(on=True))
+    await world.gateways["agv"].hear(frames.Watch, lambda watch: watch.boxes == ["base/eye"])
     camera = await world.hub.camera()
     for about in looking:
         picture = frames.Picture(
@@ -206,6 +233,11 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
             height=2,
             data=hidden(about).encode(),
         )
+        thing = frames.Thing(
+            label=hidden(about), score=0.5, left=0.0, top=0.0, right=1.0, bottom=1.0
+        )
+        stream = picture.stream
+        await camera.say(frames.Boxes(stream=stream, seq=1, time_us=1, things=[thing]))
         await camera.say(picture)
     kinds = set()
     for about, viewer in looking.items():
@@ -213,6 +245,10 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
         assert shot.data == hidden(about).encode()
         kinds.add(type(shot))
         assert not any(isinstance(each, browser.Shot) for each in viewer.heard)
+    boxes = await looking["agv/base"].hear(browser.ShotBoxes)
+    assert [thing.label for thing in boxes.things] == [hidden("agv/base")]
+    kinds.add(type(boxes))
+    assert not looking["agv/power"].heard
     # With those of the other socket, every outbound type was produced by these tests.
     assert kinds | set(get_args(browser.ToBrowser)) == set(TO_BROWSER)
 

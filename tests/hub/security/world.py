@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import httpx
 from sqlalchemy import insert, select
 
+from talaia.hub.store.sightings import Sighted, SightingsAsked
 from talaia.hub.store.tables import metadata, permissions, role_permissions, roles
 from talaia.model.load import load_site
 from talaia.wire.frames import ArchiveOffer
@@ -30,14 +31,18 @@ _DEVICE = """
       open:
         name: Open
         visibility: {visibility}
+        anomalies: [{{detector: limits, maximum: 0}}]
         source: {{topic: /a, type: std_msgs/msg/Float64, field: data}}
-      shut: {{name: Shut, source: {{topic: /b, type: std_msgs/msg/Float64, field: data}}}}
+      shut:
+        name: Shut
+        anomalies: [{{detector: limits, maximum: 0}}]
+        source: {{topic: /b, type: std_msgs/msg/Float64, field: data}}
       words:
         name: Words
         type: text
         source: {{topic: /c, type: std_msgs/msg/String, field: data}}
     streams:
-      eye: {{name: Eye, source: {{topic: /i, type: sensor_msgs/msg/Image}}}}
+      eye: {{name: Eye, detect: {{}}, source: {{topic: /i, type: sensor_msgs/msg/Image}}}}
     commands:
       turn: {{name: Turn, target: /turn, type: std_srvs/srv/Trigger}}
     drive: {{topic: /v, max_speed: 1, max_turn: 1}}
@@ -235,6 +240,16 @@ class World:
             time_us=NOW,
         )  # fmt: skip
         return str((await self.hub.hub._archive.take(site, "UTC", offer, path)).id)
+
+    async def sighting(self, about: str) -> str:
+        """Have a camera see somebody, unless it has; give the sighting's number."""
+        site, _, device = about.partition("/")
+        store = self.hub.hub._sighting_store
+        picture = b"\xff\xd8not looked at\xff\xd9"
+        one = Sighted(site, f"{device}/eye", "person", NOW, NOW + 1, 1, 0.9, NOW, "b", picture)
+        await store.put([one], lambda _: None)
+        found, _ = await store.find(site, SightingsAsked(cameras=[one.camera]), 1)
+        return str(found[0].id)
 
     async def viewer(self, actor: str, about: str, stream: str):
         """Look at a stream of a device, as a page does."""

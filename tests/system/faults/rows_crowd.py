@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 import random
 import socket as sockets
 import time
@@ -25,7 +24,7 @@ from talaia.hub.store.sites import SiteRegistry
 from talaia.wire import browser, frames
 from talaia.wire.columns import Columns, pack, unpack
 
-from ..conftest import CHROMIUM_FLAGS, chromium_program, missing
+from ..conftest import chromium_program, launching, missing
 from ..people import PERIOD_S, page
 from ..stack import PASSWORD, Process, until
 from .crowd import hello
@@ -206,11 +205,8 @@ async def _hidden(world: World, run: Run, findings: Findings) -> None:
     program = chromium_program()
     if program is None:
         missing("Chromium")
-    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
     async with async_playwright() as play, page(world, "second") as watcher:
-        browsing = await play.chromium.launch(
-            executable_path=program, args=CHROMIUM_FLAGS, env=clean
-        )
+        browsing = await play.chromium.launch(**launching(program))
         try:
             tab = await browsing.new_page(viewport={"width": 1280, "height": 900})
             dialled: list[str] = []

@@ -50,6 +50,10 @@ export class Field extends LitElement {
         color: var(--t-muted);
         font-size: var(--t-size-s);
       }
+      /* Without an error it takes no room, not even a gap. */
+      [role="alert"]:empty {
+        position: absolute;
+      }
       .error {
         color: var(--t-bad);
         font-size: var(--t-size-s);

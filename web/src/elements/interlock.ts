@@ -85,18 +85,21 @@ export class InterlockLine extends LitElement {
 
   private locked(news: InterlockNews): TemplateResult {
     const refused = news.refuses.length === 0 ? "" : ` Refused: ${news.refuses.join(", ")}.`;
+    const slowed = news.slows.length === 0 ? "" : ` Slowed down: ${news.slows.join(", ")}.`;
+    // What only slows down locks nothing.
+    const word = news.refuses.length === 0 && slowed !== "" ? "So" : "Locked";
     const state = news.unsafe
       ? `${news.why || "unsafe now"}.`
       : `safe now; released in ${formatDuration(Math.ceil(this.clears / 1000))} if it stays so.`;
     return html`– ${state}
-      <span class="more">Locked since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}</span>`;
+      <span class="more">${word} since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}${slowed}</span>`;
   }
 
   private overridden(news: InterlockNews): TemplateResult {
     const left = formatDuration(Math.ceil(this.override_ / 1000));
     const unsafe = news.unsafe ? ` Unsafe now: ${news.why}.` : "";
     return html`– overridden by ${news.overridden_by} for ${left} more: “${news.reason}”.
-      <span class="more">It refuses nothing meanwhile.${unsafe}</span>`;
+      <span class="more">It refuses and slows nothing meanwhile.${unsafe}</span>`;
   }
 
   private readonly ask = (): void => {

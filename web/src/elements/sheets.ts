@@ -76,6 +76,24 @@ export const sheets = css`
     font-size: var(--t-size-s);
     overflow-wrap: anywhere;
   }
+  /* Links that lead on. */
+  .ways {
+    display: flex;
+    flex-wrap: wrap;
+    align-items: center;
+    gap: 0 var(--t-space-4);
+  }
+  .ways a {
+    display: inline-flex;
+    align-items: center;
+    min-block-size: var(--t-touch);
+    font-weight: var(--t-weight-strong);
+  }
+  /* Where an endless list goes on. */
+  .end {
+    min-block-size: 2rem;
+    color: var(--t-muted);
+  }
   .chip {
     display: inline-block;
     padding: 0 0.5em;

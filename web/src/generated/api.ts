@@ -90,6 +90,12 @@ export interface CommandShape {
   readonly arguments: readonly ArgumentShape[];
 }
 
+/** What of a camera's pictures is counted: classes, and how sure (0 to 1) at the least. */
+export interface DetectShape {
+  readonly classes: readonly string[];
+  readonly confidence: number;
+}
+
 /** A device as far as you may see it; ``rights`` are yours: view, use, admin. */
 export interface DeviceShape {
   readonly id: string;
@@ -138,7 +144,7 @@ export interface EventList {
   readonly more: boolean;
 }
 
-/** Something that happened. */
+/** Something that happened. ``sighting``: what a camera saw, while it is kept. */
 export interface EventShape {
   readonly id: string;
   readonly time_us: number;
@@ -147,6 +153,7 @@ export interface EventShape {
   readonly who: string;
   readonly message: string;
   readonly good: boolean;
+  readonly sighting?: SeenShape | null;
 }
 
 /** Samples that are lost, and why. */
@@ -296,13 +303,14 @@ export interface SiteSummary {
   readonly stale: number;
 }
 
-/** A camera. ``max_rate`` is in Hz. */
+/** A camera. ``max_rate`` is in Hz; ``detect`` is null where nothing is looked for. */
 export interface StreamShape {
   readonly id: string;
   readonly address: string;
   readonly name: string;
   readonly max_rate: number;
   readonly public: boolean;
+  readonly detect?: DetectShape | null;
 }
 
 /** A code from the authenticator. */
@@ -466,6 +474,24 @@ export interface ChannelStorageShape {
   readonly keep_days: number;
 }
 
+/** One for each channel, in the order asked for. */
+export interface OutlierList {
+  readonly outliers: readonly OutlierShape[];
+}
+
+/** How many of a window's samples lie far outside its quartiles. */
+export interface OutlierShape {
+  readonly address: string;
+  readonly samples: number;
+  readonly stored: number;
+  readonly first: number | null;
+  readonly third: number | null;
+  readonly low: number | null;
+  readonly high: number | null;
+  readonly count: number;
+  readonly exact: boolean;
+}
+
 /** Whether there is room for what comes; as in `StorageShape`. */
 export interface OutlookShape {
   readonly trouble: string;
@@ -552,10 +578,36 @@ export interface ValueShape {
   readonly text?: string | null;
 }
 
+/** The films of the cameras that you may see, the newest first. */
+export interface FilmListShape {
+  readonly films: readonly FilmShape[];
+  readonly more: boolean;
+  readonly unfilmed: readonly UnfilmedShape[];
+  readonly filming: readonly string[];
+  readonly may_film: boolean;
+  readonly why_not: string;
+}
+
+/** One film of a camera. A picture's time is `begin_us` and its time in the file. */
+export interface FilmShape {
+  readonly id: string;
+  readonly stream: string;
+  readonly state: "uploading" | "complete" | "failed";
+  readonly why: string;
+  readonly who: string;
+  readonly note: string;
+  readonly begin_us: number;
+  readonly end_us: number;
+  readonly size: number;
+  readonly have: number;
+  readonly pictures: number;
+}
+
 /** Begin or end a recording. */
 export interface RecordAskShape {
   readonly on: boolean;
   readonly why?: string;
+  readonly stream?: string;
 }
 
 /** How the gateway's recorder stands. */
@@ -569,6 +621,9 @@ export interface RecorderShape {
   readonly since_us: number;
   readonly problem: string;
   readonly topics: readonly string[];
+  readonly cameras: readonly string[];
+  readonly filming: readonly string[];
+  readonly can_film: boolean;
   readonly before_s: number;
   readonly may_record: boolean;
   readonly may_delete: boolean;
@@ -594,6 +649,15 @@ export interface RecordingShape {
   readonly have: number;
   readonly messages: number;
   readonly topics: readonly string[];
+  readonly stream: string;
+}
+
+/** A recording that has a camera's pictures as messages, and beside which there is no film. */
+export interface UnfilmedShape {
+  readonly recording: string;
+  readonly stream: string;
+  readonly begin_us: number;
+  readonly end_us: number;
 }
 
 /** One card of a header. */
@@ -952,7 +1016,12 @@ export interface AnomalyShape {
   readonly score: number;
   readonly scores: string;
   readonly began_us: number;
+  readonly from_us: number;
+  readonly to_us: number;
   readonly why: string;
+  readonly forgiven: boolean;
+  readonly learns: boolean;
+  readonly learning: number;
   readonly late: number;
 }
 
@@ -1075,4 +1144,33 @@ export interface WriteOnly {
   readonly password?: string | null;
   readonly url?: string | null;
   readonly token?: string | null;
+}
+
+/** A class of which a camera has seen something that is kept. */
+export interface LabelShape {
+  readonly camera: string;
+  readonly label: string;
+}
+
+/** Something that a camera saw. */
+export interface SeenShape {
+  readonly id: string;
+  readonly camera: string;
+  readonly label: string;
+  readonly many: number;
+  readonly confidence: number;
+  readonly began_us: number;
+  readonly ended_us: number | null;
+  readonly picture: boolean;
+}
+
+/** What may be asked for, in the order of the cameras' addresses. */
+export interface SightingLabels {
+  readonly labels: readonly LabelShape[];
+}
+
+/** The last to begin first. ``more``: earlier ones of the window were left out. */
+export interface SightingList {
+  readonly sightings: readonly SeenShape[];
+  readonly more: boolean;
 }

@@ -8,6 +8,17 @@ export type LeaseOp = "take" | "renew" | "free" | "ask" | "accept" | "deny";
 /** Where a one-shot command stands. The last five are final. */
 export type CommandPhase = "accepted" | "running" | "succeeded" | "failed" | "refused" | "cancelled" | "unknown";
 
+/** One thing on a picture; places are parts of its width and height, from the upper left. */
+export interface Thing {
+  readonly t: "thing";
+  readonly label: string;
+  readonly score: number;
+  readonly left: number;
+  readonly top: number;
+  readonly right: number;
+  readonly bottom: number;
+}
+
 /** Send me these channels of a site, at most every so many ms. */
 export interface Subscribe {
   readonly t: "subscribe";
@@ -231,6 +242,8 @@ export interface InterlockNews {
   readonly clears_ms: number;
   readonly refuses: readonly string[];
   readonly targets: readonly string[];
+  readonly slows: readonly string[];
+  readonly slowed: readonly string[];
   readonly overridable: boolean;
   readonly overridden_by: string;
   readonly reason: string;
@@ -274,6 +287,35 @@ export interface AlarmNews {
   readonly signals: readonly string[];
   readonly made: boolean;
   readonly gone: boolean;
+}
+
+/** Something came into sight of a camera, is seen surer or more often, or is gone. */
+export interface SightingNews {
+  readonly t: "sighting";
+  readonly site: string;
+  readonly id: number;
+  readonly camera: string;
+  readonly label: string;
+  readonly many: number;
+  readonly confidence: number;
+  readonly began_us: number;
+  readonly ended_us: number;
+}
+
+/** How a detector of a signal stands, told when that changes; its scores come as `Values`. */
+export interface AnomalyNews {
+  readonly t: "anomaly";
+  readonly site: string;
+  readonly device: string;
+  readonly address: string;
+  readonly detector: string;
+  readonly on: boolean;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly score: number;
+  readonly why: string;
+  readonly forgiven: boolean;
+  readonly learning: number;
 }
 
 /** Something happened at a site that people should know of. */
@@ -332,6 +374,14 @@ export interface Shot {
   readonly data: Uint8Array;
 }
 
+/** What is seen on the picture ``seq``, which may be shown already, or never come. */
+export interface ShotBoxes {
+  readonly t: "shot_boxes";
+  readonly seq: number;
+  readonly time_us: number;
+  readonly things: readonly (Thing)[];
+}
+
 /** The page has drawn picture ``seq``; the hub may send another. At most two are under way. */
 export interface Shown {
   readonly t: "shown";
@@ -342,6 +392,12 @@ export interface Shown {
 export interface Glance {
   readonly t: "glance";
   readonly still: boolean;
+}
+
+/** The page wants `ShotBoxes` from here on, or no more. */
+export interface BoxesAsk {
+  readonly t: "boxes_ask";
+  readonly on: boolean;
 }
 
 export type FromBrowser =
@@ -371,6 +427,8 @@ export type ToBrowser =
   | InterlockNews
   | DeviceNews
   | AlarmNews
+  | SightingNews
+  | AnomalyNews
   | EventNews
   | Pong
   | Problem
@@ -379,12 +437,14 @@ export type ToBrowser =
 
 export type MediaToBrowser =
   | Shot
+  | ShotBoxes
   | Problem
   | Ended;
 
 export type MediaFromBrowser =
   | Shown
-  | Glance;
+  | Glance
+  | BoxesAsk;
 
 /** The tags a page may be sent. */
 export const TO_BROWSER: ReadonlySet<string> = new Set([
@@ -401,6 +461,8 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
   "interlock_news",
   "device_news",
   "alarm",
+  "sighting",
+  "anomaly",
   "event",
   "pong",
   "problem",
@@ -410,6 +472,7 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
 
 export const MEDIA_TO_BROWSER: ReadonlySet<string> = new Set([
   "shot",
+  "shot_boxes",
   "problem",
   "ended",
 ]);
@@ -437,15 +500,19 @@ export const DEFAULTS = {
   stop_news: { confirmed: false, who: "", time_us: 0, id: "" },
   reset_key: { token: "", refused: "" },
   command_news: { message: "", progress: 0.0, who: "" },
-  interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0 },
+  interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0 },
   device_news: { why: "", since_us: 0 },
   alarm: { device: "", why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "", shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], made: false, gone: false },
+  sighting: { ended_us: 0 },
+  anomaly: { on: false, from_us: 0, to_us: 0, score: 0.0, why: "", forgiven: false, learning: 0 },
   event: { device: "", message: "", who: "", time_us: 0, good: true },
   pong: {},
   problem: { about: "" },
   session: { idle: false },
   ended: {},
   shot: { key: true, codec: "", small: false },
+  shot_boxes: {},
   shown: {},
   glance: {},
+  boxes_ask: {},
 } as const;

@@ -1,7 +1,7 @@
 /** The way between an admin's pages. */
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../elements/base.js";
 import type { PageName } from "../state/router.js";
@@ -64,6 +64,15 @@ export class AdminTabs extends LitElement {
   ];
 
   @property() page: PageName = "people";
+  @query("nav") private readonly nav!: HTMLElement | null;
+  @query("[aria-current]") private readonly open!: HTMLElement | null;
+
+  /** On a phone the tabs are wider than the page: the one that is open is brought into view. */
+  protected override firstUpdated(): void {
+    const { nav, open } = this;
+    if (nav === null || open === null) return;
+    nav.scrollLeft = open.offsetLeft - nav.offsetLeft - (nav.clientWidth - open.offsetWidth) / 2;
+  }
 
   override render(): TemplateResult {
     return html`<nav aria-label="Admin">

@@ -38,6 +38,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   },
   alarms: { tag: "t-page-alarms", title: "Alarms", load: () => import("./alarms/page-alarms.js") },
   logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
+  sightings: { tag: "t-page-sightings", title: "Sightings", load: () => import("./sightings/page-sightings.js") },
   ways: { tag: "t-page-ways", title: "Notification", load: () => import("./ways/page-ways.js") },
   drive: { tag: "t-page-drive", title: "Actuate", load: () => import("./drive/page-drive.js") },
   archive: { tag: "t-page-archive", title: "Archive", load: () => import("./archive/page-archive.js") },

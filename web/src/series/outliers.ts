@@ -46,12 +46,32 @@ export function outliersOf(times: ArrayLike<number>, values: ArrayLike<number>, 
   return { samples, count: out.length, low, high, times: out.map((i) => times[i] ?? NaN), values: out.map((i) => values[i] ?? NaN) };
 }
 
+/** What the hub found in all samples of a window; see `OutlierShape`. */
+export interface Fences {
+  readonly samples: number;
+  readonly count: number;
+  readonly low: number | null;
+  readonly high: number | null;
+}
+
+/** Points on a chart that lie beyond fences; counted are the samples that the hub has counted. */
+export function outliersBeyond(times: ArrayLike<number>, values: ArrayLike<number>, span: Span, fences: Fences): Outliers {
+  const { samples, count } = fences;
+  const [low, high] = [fences.low ?? NaN, fences.high ?? NaN];
+  const places: number[] = [];
+  for (let i = 0; i < times.length; i += 1) {
+    const [time, value] = [times[i] ?? NaN, values[i] ?? NaN];
+    if (time >= span.fromUs && time <= span.toUs && Number.isFinite(value) && (value < low || value > high)) places.push(i);
+  }
+  return { samples, count, low, high, times: places.map((i) => times[i] ?? NaN), values: places.map((i) => values[i] ?? NaN) };
+}
+
 /** What the outliers of one channel were found in; the same again costs nothing. */
 interface Asked {
   readonly of: object;
   readonly version: number;
   readonly span: Span;
-  readonly k: number;
+  readonly by: number | Fences;
 }
 
 /** Keeps the last answer for as long as the question is the same. */
@@ -59,17 +79,18 @@ export class OutlierMemo {
   private asked: Asked | null = null;
   private found: Outliers | null = null;
 
-  of(samples: { readonly times: ArrayLike<number>; readonly values: ArrayLike<number>; readonly version: number }, span: Span, k: number): Outliers {
+  /** @param by so many times the distance of the samples' own quartiles, or fences that are known */
+  of(samples: { readonly times: ArrayLike<number>; readonly values: ArrayLike<number>; readonly version: number }, span: Span, by: number | Fences): Outliers {
     const { asked, found } = this;
     const same =
       asked?.of === samples &&
       asked.version === samples.version &&
-      asked.k === k &&
+      asked.by === by &&
       asked.span.fromUs === span.fromUs &&
       asked.span.toUs === span.toUs;
     if (same && found !== null) return found;
-    this.asked = { of: samples, version: samples.version, span, k };
-    this.found = outliersOf(samples.times, samples.values, span, k);
+    this.asked = { of: samples, version: samples.version, span, by };
+    this.found = typeof by === "number" ? outliersOf(samples.times, samples.values, span, by) : outliersBeyond(samples.times, samples.values, span, by);
     return this.found;
   }
 }

@@ -61,7 +61,7 @@ export function horizontal({ ra, dec }: Equatorial, place: Place, ms: number): H
   const sine = Math.sin(lat) * Math.sin(d) + Math.cos(lat) * Math.cos(d) * Math.cos(hour);
   const y = -Math.cos(d) * Math.sin(hour);
   const x = Math.sin(d) * Math.cos(lat) - Math.cos(d) * Math.sin(lat) * Math.cos(hour);
-  return { alt: degrees(Math.asin(unit(sine))), az: turned(degrees(Math.atan2(y, x)), 360) };
+  return { alt: degrees(Math.atan2(sine, Math.hypot(x, y))), az: turned(degrees(Math.atan2(y, x)), 360) };
 }
 
 /** From the horizon to coordinates of date. */
@@ -73,7 +73,7 @@ export function equatorial({ alt, az }: Horizontal, place: Place, ms: number): E
   const y = -Math.cos(a) * Math.sin(z);
   const x = Math.sin(a) * Math.cos(lat) - Math.cos(a) * Math.sin(lat) * Math.cos(z);
   const hour = degrees(Math.atan2(y, x)) / 15;
-  return { ra: turned(siderealHours(ms, place.longitude) - hour, 24), dec: degrees(Math.asin(unit(sine))) };
+  return { ra: turned(siderealHours(ms, place.longitude) - hour, 24), dec: degrees(Math.atan2(sine, Math.hypot(x, y))) };
 }
 
 /** From the mean equinox J2000 to that of a date; Meeus 21.3 and 21.4. */
@@ -88,7 +88,7 @@ export function ofDate({ ra, dec }: Equatorial, ms: number): Equatorial {
   const first = Math.cos(d) * Math.sin(a);
   const next = Math.cos(theta) * Math.cos(d) * Math.cos(a) - Math.sin(theta) * Math.sin(d);
   const last = Math.sin(theta) * Math.cos(d) * Math.cos(a) + Math.cos(theta) * Math.sin(d);
-  return { ra: turned(degrees(Math.atan2(first, next) + z) / 15, 24), dec: degrees(Math.asin(unit(last))) };
+  return { ra: turned(degrees(Math.atan2(first, next) + z) / 15, 24), dec: degrees(Math.atan2(last, Math.hypot(first, next))) };
 }
 
 /** The angle between two directions (°). */

@@ -19,7 +19,9 @@ const PHASES: Readonly<Record<string, number>> = { active: 0, cleared: 1, acknow
 
 export class Alarms extends Store {
   private readonly known = new Map<string, AlarmNews>();
-  /** Those that were told to be active while this page looked on; a sound is made for each, once. */
+  /** When each was last raised, also over a lost connection: by it what is new is told from what was there. */
+  private readonly raisedAt = new Map<string, number>();
+  /** Those that were raised since this page was opened; a sound is made for each, once. */
   private fresh = 0;
 
   /** Listens for as long as the connection lives. */
@@ -30,10 +32,11 @@ export class Alarms extends Store {
     super();
     line.on("alarm", (news) => {
       const id = `${news.site}\n${news.alarm}`;
-      const before = this.known.get(id);
+      const before = this.raisedAt.get(id);
+      this.raisedAt.set(id, news.raised_us);
       if (news.gone) this.known.delete(id);
       else this.known.set(id, news);
-      if (before !== undefined && news.phase === "active" && news.raised_us !== before.raised_us && !this.shelved(news)) {
+      if (before !== undefined && news.phase === "active" && news.raised_us !== before && !this.shelved(news)) {
         this.fresh += 1;
       }
       this.changed();

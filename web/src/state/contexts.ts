@@ -3,6 +3,7 @@
 import { createContext } from "@lit/context";
 import type { Connection } from "../wire/connection.js";
 import type { HubApi } from "../wire/http.js";
+import type { AlarmSound } from "./alarm-sound.js";
 import type { Alarms } from "./alarms.js";
 import type { Interlocks } from "./interlocks.js";
 import type { LiveValues } from "./live.js";
@@ -14,6 +15,7 @@ import type { Sites } from "./sites.js";
 import type { ThemeChoice } from "./theme.js";
 
 export const alarmsContext = createContext<Alarms>(Symbol("alarms"));
+export const alarmSoundContext = createContext<AlarmSound>(Symbol("alarm sound"));
 export const apiContext = createContext<HubApi>(Symbol("api"));
 export const connectionContext = createContext<Connection>(Symbol("connection"));
 export const interlocksContext = createContext<Interlocks>(Symbol("interlocks"));

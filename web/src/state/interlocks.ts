@@ -57,6 +57,14 @@ export class Interlocks extends Store {
     return found?.news ?? null;
   }
 
+  /** What slows a device's driving down now; null where nothing does. */
+  slowOf(site: string, device: string): InterlockNews | null {
+    const found = this.list.find(
+      ({ news }) => news.site === site && news.overridden_by === "" && news.slowed.includes(`${device}/drive`),
+    );
+    return found?.news ?? null;
+  }
+
   /** How much is left of a time (ms) that was told with the news. */
   left(one: Interlock, ms: number): number {
     return Math.max(0, ms - (this.now() - one.heardAt));

@@ -61,6 +61,11 @@ export function samePermissions(a: readonly Permission[], b: readonly Permission
   return places.every((place) => ownLevel(a, place) === ownLevel(b, place));
 }
 
+/** Whether somebody may use a device; without one, the whole site. The hub checks it once more. */
+export function mayUse(person: { readonly permissions: readonly Permission[] } | null | undefined, site: string, device: string): boolean {
+  return rank(levelAt(person?.permissions ?? [], { site, device: device || ANY })) >= rank("use");
+}
+
 /** Whether somebody holds no right at all, and so sees what is public only. */
 export function seesOnlyPublic(person: { readonly admin: boolean; readonly permissions: readonly Permission[] }): boolean {
   return !person.admin && person.permissions.length === 0;

@@ -16,6 +16,7 @@ export type PageName =
   | "drive"
   | "alarms"
   | "logbook"
+  | "sightings"
   | "device"
   | "archive"
   | "cameras"
@@ -37,7 +38,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "cameras", "logbook"];
+const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -77,14 +78,24 @@ export function routeOf(path: string): Route {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook",
+  page: "live" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
+}
+
+/** A path with a query behind it, if there is one. */
+export function withQuery(path: string, query: string): string {
+  return query === "" ? path : `${path}?${query}`;
 }
 
 /** The path of the pictures that one camera took. */
 export function archivePath(site: string, device: string): string {
   return `${sitePath(site, "archive")}?device=${encodeURIComponent(device)}`;
+}
+
+/** The path of the page of alarms at one of them. */
+export function alarmPath(one: { readonly site: string; readonly alarm: string }): string {
+  return `/alarms?alarm=${encodeURIComponent(one.site)}/${encodeURIComponent(one.alarm)}`;
 }
 
 /** The path of a device's own page. */

@@ -98,8 +98,10 @@ export class NotifyApi {
     return this.hub.ask("GET", "/api/me/rules");
   }
 
-  async addRule(rule: RuleAsk): Promise<void> {
-    await this.hub.ask("POST", "/api/me/rules", rule);
+  /** @param id of the rule that is changed; empty for a new one */
+  async putRule(id: string, rule: RuleAsk): Promise<void> {
+    if (id === "") await this.hub.ask("POST", "/api/me/rules", rule);
+    else await this.hub.ask("PUT", `/api/me/rules/${encodeURIComponent(id)}`, rule);
   }
 
   async removeRule(id: string): Promise<void> {

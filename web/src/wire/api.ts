@@ -15,6 +15,8 @@ export type {
   HistoryAnswer as History,
   LimitShape as LimitInfo,
   Me as Person,
+  OutlierList,
+  OutlierShape as OutlierInfo,
   PermissionShape as Permission,
   PlaceShape as PlaceInfo,
   PointingShape as PointingInfo,

@@ -1,7 +1,7 @@
 /** The hub's HTTP interface as functions. */
 
 import type {
-  AnomalyList, DeviceRow, EventList, History, Person, SiteDetail, SiteRow, SkyList, StatisticsList, StoredInfo,
+  AnomalyList, DeviceRow, EventList, History, OutlierList, Person, SiteDetail, SiteRow, SkyList, StatisticsList, StoredInfo,
 } from "./api.js";
 
 /** The hub answered, and the answer was no. */
@@ -99,6 +99,13 @@ export class HubApi {
   statistics(site: string, channels: readonly string[], span: Window, signal?: AbortSignal): Promise<StatisticsList> {
     const search = windowQuery(span, channels);
     return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/statistics?${search.toString()}`, undefined, { signal });
+  }
+
+  /** The quartiles of a window (µs), of every sample in it, and how many lie `k` times their distance beyond them. */
+  outliers(site: string, channels: readonly string[], span: Window, k: number, signal?: AbortSignal): Promise<OutlierList> {
+    const search = windowQuery(span, channels);
+    search.set("k", String(k));
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/outliers?${search.toString()}`, undefined, { signal });
   }
 
   /** What goes by a name in the hub's catalogue of the sky. */

@@ -1,6 +1,6 @@
 /** One camera's pictures over a socket of their own, so that they never stand before a command. */
 
-import type { MediaToBrowser, Shot } from "../generated/wire.js";
+import type { MediaToBrowser, Shot, ShotBoxes } from "../generated/wire.js";
 import { backoffMs } from "./backoff.js";
 import { decodeMedia, encode, FrameError } from "./codec.js";
 
@@ -9,6 +9,8 @@ export type MediaState = "connecting" | "open" | "lost" | "refused";
 export interface MediaListener {
   /** Draw it, then call `shown` (also when it could not be drawn): the next one waits for that. */
   readonly onShot: (shot: Shot, shown: () => void) => void;
+  /** What is seen on a picture; only after `boxes(true)`. */
+  readonly onBoxes?: (boxes: ShotBoxes) => void;
   /** The camera gives pictures that cannot be shown; the next `onShot` ends that. */
   readonly onTrouble: (why: string) => void;
   /** `why` is the hub's sentence when it said one. */
@@ -27,6 +29,7 @@ export class MediaSocket {
   private timer: ReturnType<typeof setTimeout> | undefined;
   private attempt = 0;
   private still = false;
+  private boxed = false;
 
   constructor(
     private readonly options: MediaOptions,
@@ -47,6 +50,13 @@ export class MediaSocket {
     if (this.socket?.readyState === 1) this.socket.send(encode({ t: "glance", still }));
   }
 
+  /** Tells the hub whether to say what is seen on the pictures. */
+  boxes(on: boolean): void {
+    if (this.boxed === on) return;
+    this.boxed = on;
+    if (this.socket?.readyState === 1) this.socket.send(encode({ t: "boxes_ask", on }));
+  }
+
   /** Begins anew, as after a loss: what came cannot be gone on with. */
   again(): void {
     this.retry("");
@@ -60,6 +70,7 @@ export class MediaSocket {
     socket.onopen = () => {
       this.attempt = 0;
       if (this.still) socket.send(encode({ t: "glance", still: true }));
+      if (this.boxed) socket.send(encode({ t: "boxes_ask", on: true }));
       this.listener.onState("open", "");
     };
     socket.onmessage = (event: MessageEvent<unknown>) => {
@@ -88,6 +99,9 @@ export class MediaSocket {
         });
         return;
       }
+      case "shot_boxes":
+        this.listener.onBoxes?.(message);
+        return;
       case "problem":
         // A camera that is away may come back; one that is not ours, or not there, will not.
         if (message.code === "picture") this.listener.onTrouble(message.message);

@@ -21,12 +21,30 @@ export async function subscribe(key: string): Promise<PushAsk> {
   if ((await Notification.requestPermission()) !== "granted") throw new Error("Messages are not allowed in this browser.");
   const worker = await navigator.serviceWorker.register("/push.js");
   await navigator.serviceWorker.ready;
+  // One of a former key of the hub's stands in the way of the new one.
+  await (await worker.pushManager.getSubscription())?.unsubscribe();
   const made = await worker.pushManager.subscribe({ userVisibleOnly: true, applicationServerKey: bytesOf(key) });
   const { endpoint, keys } = made.toJSON();
   if (endpoint === undefined || keys?.["p256dh"] === undefined || keys["auth"] === undefined) {
     throw new Error("The browser gave no address for messages.");
   }
   return { endpoint, p256dh: keys["p256dh"], auth: keys["auth"] };
+}
+
+/** Tells where a message leads that was clicked on while this page was open. Returns the way to end it. */
+export function onOpened(show: (path: string) => void): () => void {
+  if (!("serviceWorker" in navigator)) return () => undefined;
+  const workers = navigator.serviceWorker;
+  const heard = (event: MessageEvent<unknown>): void => {
+    const said = event.data;
+    if (typeof said === "object" && said !== null && "open" in said && typeof said.open === "string") show(said.open);
+  };
+  workers.addEventListener("message", heard);
+  // A page that is not the worker's own gets nothing before it says that it listens.
+  workers.startMessages();
+  return () => {
+    workers.removeEventListener("message", heard);
+  };
 }
 
 function bytesOf(text: string): Uint8Array<ArrayBuffer> {

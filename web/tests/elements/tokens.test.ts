@@ -76,3 +76,9 @@ test("the night theme has hardly any green and blue, so that eyes stay adapted",
   });
   expect(glaring).toEqual([]);
 });
+
+test("words of boxes on a camera's picture have a contrast of 4.5 at least, on black", () => {
+  const boxes = [...css.matchAll(/--t-box-[a-z]+:\s*(#[0-9a-f]{6})/g)].map((match) => match[1] ?? "");
+  expect(boxes).toHaveLength(8);
+  expect(boxes.filter((colour) => contrast(colour, "#000000") < 4.5)).toEqual([]);
+});

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { outlierWords } from "../../src/series/outlier-words.js";
-import { OutlierMemo, outliersOf, quantile } from "../../src/series/outliers.js";
+import { OutlierMemo, outliersBeyond, outliersOf, quantile } from "../../src/series/outliers.js";
 
 const SPAN = { fromUs: 0, toUs: 99 };
 const times = Array.from({ length: 100 }, (_, i) => i);
@@ -44,6 +44,21 @@ describe("outliers", () => {
     const first = memo.of(samples, SPAN, 1.5);
     expect(memo.of(samples, { ...SPAN }, 1.5)).toBe(first);
     expect(memo.of({ ...samples, version: 2 }, SPAN, 1.5)).not.toBe(first);
+  });
+
+  it("of fences that the hub has found are the points beyond them, and counted are all samples", () => {
+    const fences = { samples: 8_640_000, count: 12, low: 11.9, high: 12.35 };
+    const found = outliersBeyond(times, level({ 10: 11.8, 20: NaN }), { fromUs: 5, toUs: 20 }, fences);
+    expect(found.times).toEqual([9, 10, 14, 19]);
+    expect(found).toMatchObject({ samples: 8_640_000, count: 12, low: 11.9, high: 12.35 });
+    expect(outlierWords(found, "V", 1, true)).toContain("12 outliers of 8 640 000 samples".replaceAll(" 6", "\u202f6").replaceAll(" 0", "\u202f0"));
+    expect(outlierWords(found, "V", 1, 2e8)).toContain("samples spread evenly among about 200");
+  });
+
+  it("of too few samples have no fences, and there are none", () => {
+    const found = outliersBeyond(times, level(), SPAN, { samples: 3, count: 0, low: null, high: null });
+    expect(found.times).toEqual([]);
+    expect(outlierWords(found, "V", 1, true)).toBe("Too few samples for quartiles");
   });
 
   it("quantiles lie between neighbours by share", () => {

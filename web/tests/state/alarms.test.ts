@@ -89,3 +89,13 @@ test("only what is raised while the page looks on makes a sound, once, and only 
   next.hear(2);
   expect(beeps).toBe(3);
 });
+
+test("what was raised while there was no connection is heard when it is back", () => {
+  line.say(news("low"));
+  line.say(news("old", { phase: "active", raised_us: 1 }));
+  line.become("lost");
+  line.say(news("old", { phase: "active", raised_us: 1 }));
+  expect(alarms.raised).toBe(0);
+  line.say(news("low", { phase: "active", raised_us: 2 }));
+  expect(alarms.raised).toBe(1);
+});

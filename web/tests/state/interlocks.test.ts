@@ -16,7 +16,7 @@ beforeEach(() => {
 function news(interlock: string, more: Partial<InterlockNews> = {}): InterlockNews {
   return {
     t: "interlock_news", site: "obs", interlock, name: interlock, locked: true, unsafe: true, why: "Rain is raining",
-    since_us: 1, clears_ms: 0, refuses: ["Dome: Open"], targets: ["dome/open"], overridable: true,
+    since_us: 1, clears_ms: 0, refuses: ["Dome: Open"], targets: ["dome/open"], slows: [], slowed: [], overridable: true,
     overridden_by: "", reason: "", override_ms: 0, longest_s: 0,
     ...more,
   };

@@ -4,6 +4,7 @@ import {
   EVERYWHERE,
   inheritedLevel,
   levelAt,
+  mayUse,
   ownLevel,
   samePermissions,
   seesOnlyPublic,
@@ -62,4 +63,10 @@ test("who holds no right sees only what is public", () => {
   expect(seesOnlyPublic({ admin: false, permissions: [] })).toBe(true);
   expect(seesOnlyPublic({ admin: false, permissions: [give("view", "agv", "base")] })).toBe(false);
   expect(seesOnlyPublic({ admin: true, permissions: [] })).toBe(false);
+});
+
+test("an alarm about more than one device is used by whoever may use the whole site", () => {
+  const person = { permissions: [{ right: "use", site: "agv", device: "base" }, { right: "view", site: "agv", device: ANY }] satisfies Permission[] };
+  expect([mayUse(person, "agv", "base"), mayUse(person, "agv", ""), mayUse(person, "dome", "base"), mayUse(null, "agv", "base")]).toEqual([true, false, false, false]);
+  expect(mayUse({ permissions: [{ right: "admin", site: ANY, device: ANY }] }, "agv", "")).toBe(true);
 });

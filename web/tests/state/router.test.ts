@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { devicePath, localPath, returnPath, routeOf, sitePath } from "../../src/state/router.js";
+import { alarmPath, devicePath, localPath, returnPath, routeOf, sitePath } from "../../src/state/router.js";
 
 describe("addresses", () => {
   test.each([
@@ -13,6 +13,7 @@ describe("addresses", () => {
     ["/sites/agv", "missing", ""],
     ["/sites/agv/home", "missing", ""],
     ["/sites/%E0%A4%A/live", "missing", ""],
+    ["/sites/agv/sightings", "sightings", "agv"],
     ["/elsewhere", "missing", ""],
     ["/constructor", "missing", ""],
     ["/logout", "logout", ""],
@@ -72,4 +73,8 @@ describe("a link", () => {
   ])("to %s is ours as %s", (href, path) => {
     expect(localPath(href, "https://hub.example")).toBe(path);
   });
+});
+
+test("an alarm has an address on the page of alarms", () => {
+  expect(alarmPath({ site: "agv", alarm: "battery_low" })).toBe("/alarms?alarm=agv/battery_low");
 });

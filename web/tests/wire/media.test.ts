@@ -1,12 +1,13 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { mediaPath, MediaSocket, socketUrl, type MediaState } from "../../src/wire/media.js";
-import type { Shot } from "../../src/generated/wire.js";
+import type { Shot, ShotBoxes } from "../../src/generated/wire.js";
 import { FakeSocket } from "./fake-socket.js";
 
 const sockets: FakeSocket[] = [];
 const states: [MediaState, string][] = [];
 const shots: [Shot, () => void][] = [];
 const troubles: string[] = [];
+const seen: ShotBoxes[] = [];
 
 function open(): MediaSocket {
   return new MediaSocket(
@@ -21,6 +22,7 @@ function open(): MediaSocket {
     },
     {
       onShot: (shot, shown) => shots.push([shot, shown]),
+      onBoxes: (boxes) => seen.push(boxes),
       onTrouble: (why) => troubles.push(why),
       onState: (state, why) => states.push([state, why]),
     },
@@ -31,7 +33,7 @@ const shot = { t: "shot", seq: 7, time_us: 1, hub_us: 2, width: 2, height: 1, fo
 
 beforeEach(() => {
   vi.useFakeTimers();
-  for (const list of [sockets, states, shots, troubles]) list.length = 0;
+  for (const list of [sockets, states, shots, troubles, seen]) list.length = 0;
 });
 afterEach(() => {
   vi.useRealTimers();
@@ -99,6 +101,23 @@ test("a hidden page says so once, and again to a fresh socket", () => {
   expect(sockets[1]?.sent).toEqual([{ t: "glance", still: true }]);
   media.glance(false);
   expect(sockets[1]?.sent.at(-1)).toEqual({ t: "glance", still: false });
+});
+
+test("boxes are asked for once, of a fresh socket again, and cost no receipt", () => {
+  const media = open();
+  sockets[0]?.onopen?.();
+  media.boxes(true);
+  media.boxes(true);
+  const boxes = { t: "shot_boxes", seq: 7, time_us: 1, things: [{ t: "thing", label: "dog", score: 0.5, left: 0, top: 0, right: 1, bottom: 1 }] };
+  sockets[0]?.say(boxes);
+  expect(seen).toEqual([boxes]);
+  expect(sockets[0]?.sent).toEqual([{ t: "boxes_ask", on: true }]);
+  sockets[0]?.die();
+  vi.advanceTimersByTime(125);
+  sockets[1]?.onopen?.();
+  expect(sockets[1]?.sent).toEqual([{ t: "boxes_ask", on: true }]);
+  media.boxes(false);
+  expect(sockets[1]?.sent.at(-1)).toEqual({ t: "boxes_ask", on: false });
 });
 
 test("nothing is opened after it was closed", () => {

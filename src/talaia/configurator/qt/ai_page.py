@@ -39,7 +39,7 @@ class AiPage(Page):
         for switch, sentence in (
             (self.visualization, "Live charts, history, camera and map. Always on."),
             (self.anomalies, "Marks readings that are out of the ordinary."),
-            (self.objects, "Not yet: no part of Talaia names and frames what the cameras see."),
+            (self.objects, "Counts persons, vehicles and animals on every camera."),
         ):
             switch.setAccessibleName(switch.text().replace("&", ""))
             switch.setAccessibleDescription(sentence)
@@ -64,8 +64,6 @@ class AiPage(Page):
         services = ai_services(self._editor.site)
         self.anomalies.setChecked(services.anomaly_detection)
         self.objects.setChecked(services.object_detection)
-        # What nothing does yet can only be switched off.
-        self.objects.setEnabled(services.object_detection)
         rows = [row for row in rows_at(self._editor.site, ()) if row.key in _SHOWN]
         wrong = {
             ".".join(each.spot.field): str(each)

@@ -26,7 +26,7 @@ from talaia.configurator.places import at, put
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.widgets import Card, Inner, Page, button, label, row
-from talaia.configurator.rows import Row, rows_at
+from talaia.configurator.rows import Row, kept, rows_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -263,5 +263,5 @@ class DevicesPage(Page):
         path = self.selected()
         self._editor.apply(
             f"change {field.label.lower()} of {path[-1] if path else 'the site'}",
-            lambda site: put(site, (*path, *field.path), value),
+            lambda site: put(site, (*path, *field.path), kept(field, value)),
         )

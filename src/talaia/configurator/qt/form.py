@@ -27,7 +27,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Form"]
 
-_HEADINGS = {"source": "Where it comes from", "stop": "Software stop"}
+_HEADINGS = {
+    "source": "Where it comes from",
+    "stop": "Software stop",
+    "detect": "Object detection",
+}
 _LINES = 3
 
 
@@ -64,7 +68,7 @@ class _Field:
 
     def _made(self) -> QWidget:
         row = self.row
-        if row.kind is RowKind.TRUTH:
+        if row.kind in (RowKind.TRUTH, RowKind.PART):
             switch = Switch("")
             switch.clicked.connect(lambda on=False: self._typed("true" if on else "false"))
             return switch

@@ -206,14 +206,29 @@ class Relay:
 
     def _pass_on(self, near: socket.socket, *, playing: bool) -> bool:
         """Carry what has come from the camera; false when it has hung up."""
-        while True:
-            got = self._far.recv(_PIECE)
+        while (got := self._heard()) is not None:
             if not got:
                 return False
             near.sendall(got if playing else self._answers.take(got))
             # What is decrypted already wakes no selector.
             if not isinstance(self._far, ssl.SSLSocket) or not self._far.pending():
-                return True
+                break
+        return True
+
+    def _heard(self) -> bytes | None:
+        """Give what the camera has sent, nothing when it has hung up, `None` for no words yet.
+
+        An encrypted line wakes us for a ticket, or for a part of a record, which hold no words:
+        who waited for some here would keep the client's next question from the camera.
+        """
+        patience = self._far.gettimeout()
+        self._far.settimeout(0)
+        try:
+            return self._far.recv(_PIECE)
+        except (ssl.SSLWantReadError, BlockingIOError):
+            return None
+        finally:
+            self._far.settimeout(patience)
 
 
 def _connected(addresses: Iterable[str], port: int, timeout: float) -> socket.socket:

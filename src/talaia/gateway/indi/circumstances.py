@@ -59,7 +59,7 @@ def precessed(ra_deg: float, dec_deg: float, unix_s: float) -> tuple[float, floa
     b = math.cos(theta) * math.cos(dec) * math.cos(ra) + math.sin(theta) * math.sin(dec)
     c = -math.sin(theta) * math.cos(dec) * math.cos(ra) + math.cos(theta) * math.sin(dec)
     there = math.atan2(a, b) - zeta
-    return (there / _DEG) % 360.0, math.asin(max(-1.0, min(1.0, c))) / _DEG
+    return (there / _DEG) % 360.0, math.atan2(c, math.hypot(a, b)) / _DEG
 
 
 def circumstances(

@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 from talaia.gateway.errors import FieldError
 from talaia.gateway.pictures import jpeg
 from talaia.gateway.pictures.pixels import Pixels, pixels_of, rgb_of, thinned
+from talaia.gateway.ports import Filming
 from talaia.wire.frames import Form, Picture
 
 try:
     from talaia.gateway.pictures import h264
+    from talaia.gateway.pictures.reel import Reel
 
     ABLE = h264.can_encode()
 except ImportError:
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import PictureSink
     from talaia.model.site import Stream
 
-__all__ = ["IMAGE", "PictureStream", "Stamp", "Taken"]
+__all__ = ["ABLE", "IMAGE", "PictureStream", "Stamp", "Taken"]
 
 IMAGE = "sensor_msgs/msg/Image"
 COMPRESSED = "sensor_msgs/msg/CompressedImage"
@@ -168,6 +170,7 @@ class PictureStream:
         self._due_ns = 0
         self._seq = 0
         self._rungs: dict[Form, _Rung] = {}
+        self._reel = Reel() if ABLE else None
 
     def is_due(self, mono_ns: int) -> bool:
         """Tell whether the rate allows a picture now; if so, count it as taken."""
@@ -187,17 +190,50 @@ class PictureStream:
         forms = _served(sink.asked(self.address))
         for form in self._rungs.keys() - forms.keys():
             del self._rungs[form]
-        if not forms:
+        filming = Filming.NO if self._reel is None else sink.filming(self.address)
+        if not forms and filming is Filming.NO:
             return
         share = sink.room()
+        large: Picture | None = None
         try:
             for form, served in forms.items():
                 picture = self._made(taken, stamp, form, served, share, sink)
                 if picture is not None:
                     self._told = ""
                     sink.offer(picture)
+                    large = picture if form is Form.H264 else large
+            # Last: those who look on do not wait for it.
+            self._film(taken, stamp, large, filming, sink, whole=Form.H264 in forms and share >= 1)
         except _UNREADABLE as error:
             self._complain(str(error) or type(error).__name__, mono_us, sink)
+
+    def _film(
+        self,
+        taken: Taken,
+        stamp: Stamp,
+        large: Picture | None,
+        filming: Filming,
+        sink: PictureSink,
+        *,
+        whole: bool,
+    ) -> None:
+        """Give the film its next picture: what viewers get where they get all, else one for it."""
+        reel = self._reel
+        if reel is None:
+            return
+        if filming is Filming.NO:
+            reel.rest()
+            return
+        picture = large if whole else None
+        if not reel.shares(picture, whole=whole, anew=filming is Filming.ANEW):
+            pixels = taken.pixels()
+            width, height, bits = self._film_size(pixels, Form.H264, self._stream.max_rate)
+            picture = reel.own(
+                self.address, stamp, pixels, (width, height, bits, self._stream.max_rate)
+            )
+        if picture is not None:
+            self._told = ""
+            sink.film(picture)
 
     def _complain(self, why: str, mono_us: int, sink: PictureSink) -> None:
         where = self._stream.source.topic or self._stream.source.url or self._stream.source.file
@@ -261,15 +297,8 @@ class PictureStream:
         asked: bool,
     ) -> Picture | None:
         pixels = taken.pixels()
-        most = self._stream.width or pixels.width
-        if form is Form.H264_SMALL:
-            most = min(most, SMALL_PX)
-        by = max(1, -(-pixels.width // most))
-        width, height = max(16, pixels.width // by & ~1), max(16, pixels.height // by & ~1)
         rate = 1e6 / rung.period_us
-        bits = self._stream.kbits * 1000 or h264.bits_for(width, height, rate)
-        if form is Form.H264_SMALL:
-            bits = min(bits, SMALL_BITS)
+        width, height, bits = self._film_size(pixels, form, rate)
         bits = round(bits * share)
         encoder = rung.encoder
         size = (width, height, bits)
@@ -283,6 +312,16 @@ class PictureStream:
             format="h264", forms=served, key=made.key, codec=encoder.codec if made.key else "",
             data=made.data,
         )  # fmt: skip
+
+    def _film_size(self, pixels: Pixels, form: Form, rate: float) -> tuple[int, int, int]:
+        """Give width and height (px) and bit rate (bit/s) of a film of these pictures."""
+        most = self._stream.width or pixels.width
+        if form is Form.H264_SMALL:
+            most = min(most, SMALL_PX)
+        by = max(1, -(-pixels.width // most))
+        width, height = max(16, pixels.width // by & ~1), max(16, pixels.height // by & ~1)
+        bits = self._stream.kbits * 1000 or h264.bits_for(width, height, rate)
+        return width, height, min(bits, SMALL_BITS) if form is Form.H264_SMALL else bits
 
 
 def _served(asked: Collection[str]) -> dict[Form, list[str]]:

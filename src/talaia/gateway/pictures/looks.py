@@ -80,6 +80,18 @@ class Looks:
                 newest.stamp, newest.decode = stamp, decode
                 self._arrived.notify_all()
 
+    def arrived(self, stream: str, since_us: int = 0, wait_s: float = 0.0) -> int:
+        """See `Pictures.arrived`."""
+        with self._lock:
+
+            def there() -> bool:
+                held = self._of.get(stream)
+                return held is not None and held.decode is not None and held.stamp[2] > since_us
+
+            if there() or (wait_s and self._arrived.wait_for(there, wait_s)):
+                return self._of[stream].stamp[2]
+            return 0
+
     def newest(self, stream: str, after: int = 0, wait_s: float = 0.0) -> Look | None:
         """See `Pictures.newest`."""
         with self._lock:
@@ -92,8 +104,10 @@ class Looks:
                 return None
             newest = self._of[stream]
             stamp, decode = newest.stamp, newest.decode
-            if newest.look is not None and newest.look.seq == stamp[0]:
-                return newest.look
+            # Its moment, too: a camera that is connected anew begins to number anew.
+            look = newest.look
+            if look is not None and (look.seq, look.mono_us) == (stamp[0], stamp[2]):
+                return look
         rgb = None if decode is None else decode()
         if rgb is None:
             return None

@@ -9,6 +9,7 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 
 from talaia import __version__
+from talaia.gateway.recording.shelf import Saved
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -112,7 +113,7 @@ class McapFile:
         return self._begun
 
 
-def recover(broken: Path, whole: Path) -> None:
+def recover(broken: Path, whole: Path) -> Saved:
     """Copy all that can be read of a file into one with an index.
 
     Raises:
@@ -122,7 +123,7 @@ def recover(broken: Path, whole: Path) -> None:
     """
     schemas: dict[int, int] = {}
     channels: dict[int, int] = {}
-    count = 0
+    count = end_ns = 0
     with broken.open("rb") as source, whole.open("wb") as target:
         records = StreamReader(source, validate_crcs=True).records
         header = next(records, None)
@@ -155,12 +156,14 @@ def recover(broken: Path, whole: Path) -> None:
                         record.sequence,
                     )
                     count += 1
+                    end_ns = max(end_ns, record.log_time)
                 case _:
                     continue
         writer.finish()  # type: ignore[no-untyped-call]
     if not count:
         whole.unlink()
         raise ValueError("it holds no message")
+    return Saved(count, end_ns // 1000)
 
 
 def _writer(stream: object, profile: str) -> Writer:

@@ -1,7 +1,8 @@
 """Recordings on the gateway's disk: begun, finished, waiting for the hub, gone.
 
-A recording is ``<id>.mcap`` with ``<id>.json`` beside it. While it is written its name ends in
-``.part``; what a killed gateway has left so is made whole again at the next start.
+A recording is ``<id>.mcap`` (of a camera ``<id>.mp4``) with ``<id>.json`` beside it. While it is
+written its name ends in ``.part``; what a killed gateway has left so is made whole again at the
+next start.
 """
 
 from __future__ import annotations
@@ -12,22 +13,21 @@ import logging
 import os
 import secrets
 import shutil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
 from talaia.gateway.errors import GatewayError
-from talaia.wire.frames import FileOffer
+from talaia.wire.frames import FileOffer, FilmOffer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["Kept", "NoRoom", "Shelf", "new_id", "offer_of"]
+__all__ = ["FILM", "Kept", "NoRoom", "Saved", "Shelf", "new_id", "offer_of"]
 
 log = logging.getLogger(__name__)
-PART = ".mcap.part"
-WHOLE = ".mcap"
+MESSAGES, FILM = ".mcap", ".mp4"
 
 
 class NoRoom(GatewayError):
@@ -40,6 +40,8 @@ class Kept(msgspec.Struct, kw_only=True):
     Attributes:
         digest: SHA-256 of the whole file; empty while it is written.
         note: what is missing in it.
+        stream: the camera that it is a film of; empty where it holds messages.
+        messages: how many it holds; of a film its pictures.
 
     """
 
@@ -53,21 +55,49 @@ class Kept(msgspec.Struct, kw_only=True):
     digest: str = ""
     topics: list[str] = []
     note: str = ""
+    stream: str = ""
 
 
-def offer_of(kept: Kept) -> FileOffer:
+class Saved(NamedTuple):
+    """What could be read of a file that was cut off.
+
+    Attributes:
+        number: of messages, or pictures.
+        end_us: when the last of them came.
+
+    """
+
+    number: int
+    end_us: int
+
+
+def offer_of(kept: Kept) -> FileOffer | FilmOffer:
     """Say what a recording is."""
+    why, who, note = kept.why[:2000], kept.who[:200], kept.note[:2000]
+    if kept.stream:
+        return FilmOffer(
+            id=kept.id,
+            stream=kept.stream,
+            size=kept.size,
+            digest=kept.digest,
+            begin_us=kept.begin_us,
+            end_us=kept.end_us,
+            pictures=kept.messages,
+            why=why,
+            who=who,
+            note=note,
+        )
     return FileOffer(
         id=kept.id,
         size=kept.size,
         digest=kept.digest,
         begin_us=kept.begin_us,
         end_us=kept.end_us,
-        why=kept.why[:2000],
-        who=kept.who[:200],
+        why=why,
+        who=who,
         messages=kept.messages,
         topics=kept.topics[:1000],
-        note=kept.note[:2000],
+        note=note,
     )
 
 
@@ -80,14 +110,18 @@ def new_id(wall_ns: int) -> str:
 class Shelf:
     """The folder of recordings. Its methods block; each may be called from any thread."""
 
-    def __init__(self, folder: Path, max_bytes: int, spare: int) -> None:
-        """Use ``folder`` up to ``max_bytes``, and leave ``spare`` bytes of the disk alone."""
+    def __init__(self, folder: Path, max_bytes: int, spare: int, ending: str = MESSAGES) -> None:
+        """Use ``folder`` up to ``max_bytes``, and leave ``spare`` bytes of the disk alone.
+
+        All recordings in it end in ``ending``.
+        """
         self._folder = folder
+        self._whole, self._part = ending, f"{ending}.part"
         self._max_bytes = max_bytes
         self._spare = spare
         self._refused: set[str] = set()
 
-    def open(self, recover: Callable[[Path, Path], None]) -> None:
+    def open(self, recover: Callable[[Path, Path], Saved]) -> None:
         """Make the folder, and make whole what a killed gateway left.
 
         Args:
@@ -98,11 +132,12 @@ class Shelf:
 
         """
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        for part in self._folder.glob(f"*{PART}"):
-            name = part.name.removesuffix(PART)
+        for part in self._folder.glob(f"*{self._part}"):
+            name = part.name.removesuffix(self._part)
             kept = self._read(name) or Kept(id=name, why="cut off")
             try:
-                recover(part, self.whole(name))
+                saved = recover(part, self.whole(name))
+                kept.messages, kept.end_us = saved.number, max(kept.begin_us, saved.end_us)
                 kept.note = "the gateway was ended in the middle of it"
                 self.finish(kept)
                 log.info("the recording %s was cut off, and is whole again", name)
@@ -113,11 +148,11 @@ class Shelf:
 
     def part(self, name: str) -> Path:
         """Give the file that is being written."""
-        return self._folder / (name + PART)
+        return self._folder / (name + self._part)
 
     def whole(self, name: str) -> Path:
         """Give the file of a finished recording."""
-        return self._folder / (name + WHOLE)
+        return self._folder / (name + self._whole)
 
     def check_room(self) -> None:
         """See that the disk has room beside what must be left free.
@@ -163,13 +198,13 @@ class Shelf:
     def waiting(self, *, refused: bool = False) -> list[Kept]:
         """List the finished recordings, oldest first; those that the hub refused only if asked."""
         found = []
-        for path in sorted(self._folder.glob(f"*{WHOLE}")):
-            kept = self._read(path.name.removesuffix(WHOLE))
+        for path in sorted(self._folder.glob(f"*{self._whole}")):
+            kept = self._read(path.name.removesuffix(self._whole))
             if kept is not None and kept.digest and (refused or kept.id not in self._refused):
                 found.append(kept)
         return found
 
-    def offers(self) -> list[FileOffer]:
+    def offers(self) -> list[FileOffer | FilmOffer]:
         """Say of each that waits what it is, oldest first."""
         return [offer_of(each) for each in self.waiting()]
 

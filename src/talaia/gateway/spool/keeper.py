@@ -75,6 +75,12 @@ class Keeper:
         """See `Spool.sync`."""
         await self._do(self._spool.sync)
 
+    async def keep_syncing(self, period_s: float) -> None:
+        """Force what was given to disk so often, until cancelled."""
+        while True:
+            await asyncio.sleep(period_s)
+            await self.sync()
+
     async def gaps(self) -> list[Gap]:
         """See `Spool.gaps`."""
         return await self._do(self._spool.gaps)

@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 
     from talaia.gateway.settings import Settings
     from talaia.gateway.uplink.tls import Trust
-    from talaia.wire.frames import ArchiveOffer, FileOffer
+    from talaia.wire.frames import ArchiveOffer, FileOffer, FilmOffer
+
+    Offer = FileOffer | FilmOffer | ArchiveOffer
 
 __all__ = ["Lane", "Sending", "Source", "send_files"]
 
@@ -38,7 +40,7 @@ MOST_DAMAGED = 3
 class Source(Protocol):
     """Where files wait on the disk. Its methods block; any thread."""
 
-    def offers(self) -> Sequence[FileOffer | ArchiveOffer]:
+    def offers(self) -> Sequence[Offer]:
         """List what waits, oldest first."""
         ...
 
@@ -80,7 +82,7 @@ class Sending(NamedTuple):
 
     busy: Callable[[], bool]
     up: Callable[[], None]
-    refused: Callable[[FileOffer | ArchiveOffer, str], None]
+    refused: Callable[[Offer, str], None]
 
 
 class _Unknown(Exception):
@@ -116,7 +118,7 @@ async def send_files(
                 left.remove(lane)
 
 
-async def _next(lanes: Sequence[Lane]) -> tuple[Lane, FileOffer | ArchiveOffer] | None:
+async def _next(lanes: Sequence[Lane]) -> tuple[Lane, Offer] | None:
     for lane in lanes:
         offers = await asyncio.to_thread(lane.source.offers)
         if offers:
@@ -127,7 +129,7 @@ async def _next(lanes: Sequence[Lane]) -> tuple[Lane, FileOffer | ArchiveOffer] 
 async def _send(
     socket: ClientConnection,
     lane: Lane,
-    offer: FileOffer | ArchiveOffer,
+    offer: Offer,
     sending: Sending,
     before: Sequence[Lane],
 ) -> None:
@@ -162,9 +164,7 @@ async def _send(
         await asyncio.to_thread(lane.source.remove, offer.id)
 
 
-async def _ask(
-    socket: ClientConnection, frame: FileOffer | ArchiveOffer | FilePiece, within_s: float
-) -> FileHave:
+async def _ask(socket: ClientConnection, frame: Offer | FilePiece, within_s: float) -> FileHave:
     await socket.send(FILES_FROM_GATEWAY.encode(frame))
     try:
         async with asyncio.timeout(within_s):

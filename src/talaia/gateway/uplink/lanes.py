@@ -25,6 +25,7 @@ from talaia.wire.frames import (
     LeaseState,
     RecordState,
     ResetToken,
+    Seen,
     StopState,
     Tick,
 )
@@ -43,7 +44,8 @@ class Lane(IntEnum):
     CONTROL = 0
     COMMANDS = 1
     LIVE = 2
-    BACKFILL = 3
+    SEEN = 3
+    BACKFILL = 4
 
 
 _CONTROL = (
@@ -67,6 +69,7 @@ class Lanes:
     CONTROL lives for one link: after a loss the state is told anew, nothing is replayed. COMMANDS
     outlives it: results and events are facts; of more than ``MAX_COMMANDS`` the oldest go. LIVE
     over ``MAX_LIVE`` bytes is emptied whole: what was in it is in the spool, and comes behind.
+    SEEN has thumbnails, and who fills it waits until it is empty; what is lost is told again.
     """
 
     MAX_CONTROL = 2_000
@@ -98,7 +101,7 @@ class Lanes:
             if len(lane) >= self.MAX_CONTROL:
                 lane.popleft()
         else:
-            lane = self._lanes[Lane.BACKFILL]
+            lane = self._lanes[Lane.SEEN if isinstance(message, Seen) else Lane.BACKFILL]
         lane.append(Waiting(LINK_FROM_GATEWAY.encode(message)))
         self._wake()
 
@@ -132,6 +135,11 @@ class Lanes:
         return any(self._lanes[lane] for lane in (Lane.CONTROL, Lane.COMMANDS, Lane.LIVE))
 
     @property
+    def seen_waiting(self) -> int:
+        """How many sightings wait."""
+        return len(self._lanes[Lane.SEEN])
+
+    @property
     def backfill_waiting(self) -> int:
         """How many old frames wait."""
         return len(self._lanes[Lane.BACKFILL])
@@ -158,5 +166,5 @@ class Lanes:
         self.overflowed = None
         self.owed.clear()
         self._live_bytes = 0
-        for lane in (Lane.CONTROL, Lane.LIVE, Lane.BACKFILL):
+        for lane in (Lane.CONTROL, Lane.LIVE, Lane.SEEN, Lane.BACKFILL):
             self._lanes[lane].clear()

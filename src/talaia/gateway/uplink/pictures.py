@@ -12,6 +12,7 @@ import threading
 from collections import deque
 from typing import TYPE_CHECKING
 
+from talaia.gateway.ports import Filming
 from talaia.gateway.uplink.room import Room
 from talaia.wire.frames import MEDIA_FROM_GATEWAY, Beat, Form, Trouble
 
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.pictures.looks import Looks
-    from talaia.wire.frames import BeatReply, Picture
+    from talaia.gateway.recording.films import Films
+    from talaia.wire.frames import BeatReply, Boxes, Picture
 
 __all__ = ["Pictures"]
 
@@ -36,8 +38,15 @@ _FOR_OLD_HUB = frozenset({Form.JPEG.value})
 class Pictures:
     """A `PictureSink`. Beside pictures it carries the connection's few small messages."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, clock: Clock, looks: Looks) -> None:
-        """Take the loop that sends, and where those at the gateway look."""
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        clock: Clock,
+        looks: Looks,
+        films: Films | None = None,
+    ) -> None:
+        """Take the loop that sends, where those at the gateway look, and who films."""
+        self._films = films
         self._loop = loop
         self._clock = clock
         self._looks = looks
@@ -52,13 +61,20 @@ class Pictures:
         self._asked: Mapping[str, frozenset[str]] = {}
         self._keys: set[tuple[str, str]] = set()
         self._tells_trouble = False
+        self._boxed: frozenset[str] = frozenset()
         self.dropped = 0
 
     # ── what is wanted ──
 
-    def watch(self, streams: Collection[str], forms: Mapping[str, Sequence[str]]) -> None:
-        """Take from the hub what is looked at, and as what."""
+    def watch(
+        self,
+        streams: Collection[str],
+        forms: Mapping[str, Sequence[str]],
+        boxes: Collection[str] = (),
+    ) -> None:
+        """Take from the hub what is looked at, as what, and where boxes are wanted, too."""
         with self._lock:
+            self._boxed = frozenset(boxes)
             self._asked = {
                 each: frozenset(forms[each]) if each in forms else _FOR_OLD_HUB for each in streams
             }
@@ -72,7 +88,8 @@ class Pictures:
 
     def watched(self) -> frozenset[str]:
         """Name the streams to be read: by those at the hub or those at the gateway."""
-        return self._looks.held() | self._asked.keys()
+        filmed = frozenset() if self._films is None else self._films.wanted()
+        return self._looks.held() | filmed | self._asked.keys()
 
     # ── PictureSink, for the encoding threads ──
 
@@ -102,6 +119,15 @@ class Pictures:
         """See `PictureSink.look`."""
         self._looks.put(stream, stamp, decode)
 
+    def filming(self, stream: str) -> Filming:
+        """See `PictureSink.filming`."""
+        return Filming.NO if self._films is None else self._films.filming(stream)
+
+    def film(self, picture: Picture) -> None:
+        """See `PictureSink.film`."""
+        if self._films is not None:
+            self._films.put(picture)
+
     def offer(self, picture: Picture) -> None:
         """Take one picture; any thread."""
         if self._linked:
@@ -114,6 +140,11 @@ class Pictures:
             self._loop.call_soon_threadsafe(self.say, told)
 
     # ── on the loop ──
+
+    def boxes(self, boxes: Boxes) -> None:
+        """Take what is seen on a picture, for those who want to know."""
+        if self._linked and boxes.stream in self._boxed:
+            self.say(MEDIA_FROM_GATEWAY.encode(boxes))
 
     def _put(self, picture: Picture) -> None:
         if not self._linked:

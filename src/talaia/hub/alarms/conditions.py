@@ -12,12 +12,15 @@ from talaia.model.expression import Expression, parse
 from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from talaia.model.check_alarms import Addresses
     from talaia.model.expression import Value
 
-__all__ = ["Condition", "Reading", "Seen", "Truth", "Verdict"]
+__all__ = ["Condition", "Reading", "Seen", "Truth", "Verdict", "told"]
+
+# Smaller numbers are written without an exponent.
+_PLAIN = 1e15
 
 
 class Truth(Enum):
@@ -149,13 +152,15 @@ class Condition:
         if not isinstance(value, float):
             return self._unknown(address, readings)
         slack = alarm.hysteresis if held else 0.0
-        said = f"{self._signals[address].name} is {self._number(address, value)}"
+        limits = [each for each in (alarm.above, alarm.below) if each is not None]
+        name, unit = self._signals[address].name, self._signals[address].unit
+        said = f"{name} is {_with(unit, told(value, limits))}"
         if alarm.above is not None and value > alarm.above - slack:
             word = "above" if value > alarm.above else "not yet well below"
-            return Verdict(Truth.HOLDS, f"{said}, {word} {self._number(address, alarm.above)}")
+            return Verdict(Truth.HOLDS, f"{said}, {word} {_with(unit, f'{alarm.above:.15g}')}")
         if alarm.below is not None and value < alarm.below + slack:
             word = "below" if value < alarm.below else "not yet well above"
-            return Verdict(Truth.HOLDS, f"{said}, {word} {self._number(address, alarm.below)}")
+            return Verdict(Truth.HOLDS, f"{said}, {word} {_with(unit, f'{alarm.below:.15g}')}")
         return Verdict(Truth.FALSE, said)
 
     def _state(self, readings: Mapping[str, Reading]) -> Verdict:
@@ -212,11 +217,26 @@ class Condition:
         return Verdict(Truth.HOLDS if found else Truth.FALSE, said[:400])
 
     def _said(self, address: str, value: Value) -> str:
-        return self._number(address, value) if isinstance(value, float) else repr(value)
+        if not isinstance(value, float):
+            return repr(value)
+        return _with(self._signals[address].unit, told(value))
 
-    def _number(self, address: str, value: float) -> str:
-        unit = self._signals[address].unit
-        return f"{value:.6g}" + (f" {unit}" if unit else "")
+
+def told(value: float, limits: Sequence[float] = ()) -> str:
+    """Say a number in four digits, or in as many as it takes to stand where it does to limits."""
+    text = ""
+    for digits in range(4, 18):
+        text = f"{value:.{digits}g}"
+        said = float(text)
+        if abs(value) < _PLAIN and "e+" in text:
+            continue
+        if all((said > each, said < each) == (value > each, value < each) for each in limits):
+            break
+    return text
+
+
+def _with(unit: str, number: str) -> str:
+    return f"{number} {unit}" if unit else number
 
 
 def _seconds(age_s: float) -> str:

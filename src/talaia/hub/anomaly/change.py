@@ -42,7 +42,8 @@ class Change(Detector, kw_only=True):
         self.values[self.end], self.times[self.end] = tame(value), time_us
         self.end += 1
         for at, pace in enumerate(_PACES):
-            if self.end < 3 * pace:
+            # With less before it, a signal that drifts changes more with every sample.
+            if self.end < (_BEFORE + 1) * pace:
                 break
             newest, before = self._levels(pace)
             self.changes[at] = newest - before
@@ -61,7 +62,7 @@ class Change(Detector, kw_only=True):
         """Name the pace at which the change is rarest."""
         at = max(range(len(_PACES)), key=lambda each: self.scores[each])
         pace = _PACES[at]
-        if self.end < 3 * pace:
+        if self.end < (_BEFORE + 1) * pace:
             return "too few samples yet"
         newest, before = self._levels(pace)
         first = max(0, self.end - pace - _BEFORE * pace)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 
 import msgspec
 
 __all__ = ["Episodes", "Turn"]
+
+# While it learns, the bar is so much higher.
+_STRICTER = 0.08
 
 
 class Turn(StrEnum):
@@ -23,6 +27,8 @@ class Episodes(msgspec.Struct, kw_only=True):
         bar: a score from here on is an anomaly.
         rest: after one began, no other begins for so many samples.
         calm: it is over once so many samples in a row scored below the bar.
+        quiet: for so many more samples none begins: what is usual is not known yet.
+        learning: for so many more samples one begins only above a higher bar.
         began_us: when the anomaly that is on began; -1 while there is none.
         top: the greatest score of the one that is on.
 
@@ -31,6 +37,8 @@ class Episodes(msgspec.Struct, kw_only=True):
     bar: float
     rest: int = 100
     calm: int = 10
+    quiet: int = 0
+    learning: int = 0
     began_us: int = -1
     top: float = 0.0
     last_us: int = -1
@@ -39,6 +47,11 @@ class Episodes(msgspec.Struct, kw_only=True):
 
     def take(self, time_us: int, score: float) -> Turn | None:
         """Take the next score; say whether an anomaly begins or ends with it."""
+        turn = self._turn(time_us, score)
+        self.quiet, self.learning = max(0, self.quiet - 1), max(0, self.learning - 1)
+        return turn
+
+    def _turn(self, time_us: int, score: float) -> Turn | None:
         self.since += 1
         high = score >= self.bar
         if self.began_us >= 0:
@@ -49,11 +62,17 @@ class Episodes(msgspec.Struct, kw_only=True):
             if self.below >= self.calm:
                 return Turn.ENDED
             return None
-        if high and self.since >= self.rest:
+        if high and self.since >= self.rest and score >= self._beginning():
             self.began_us = self.last_us = time_us
             self.top, self.below, self.since = score, 0, 0
             return Turn.BEGAN
         return None
+
+    def _beginning(self) -> float:
+        """Give the score from which one begins now."""
+        if self.quiet > 0:
+            return math.inf
+        return self.bar + _STRICTER if self.learning > 0 else self.bar
 
     def close(self) -> tuple[int, int, float]:
         """End the anomaly that is on: when it began, its last high sample, its greatest score."""

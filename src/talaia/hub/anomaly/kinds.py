@@ -25,18 +25,26 @@ class Kind(NamedTuple):
         make: its class.
         bar: a score from here on is an anomaly, unless the description says another.
         name: as pages call it.
+        quiet: it tells of nothing before it has seen so many samples.
+        learning: and of what is clear only before it has seen so many.
+        learns: a person can tell it what is usual.
 
     """
 
     make: type[Detector]
     bar: float
     name: str
+    quiet: int = 0
+    learning: int = 0
+    learns: bool = True
 
 
+# A signal that drifts slowly looks new with every sample until a long stretch of it is known.
+_QUIET, _LEARNING = 250, 1_000
 KINDS: dict[str, Kind] = {
-    "together": Kind(Together, 0.65, "all together"),
-    "change": Kind(Change, 0.66, "change of level"),
-    "nearest": Kind(Nearest, 0.51, "nearest stretches (KNN-CAD)"),
+    "together": Kind(Together, 0.65, "all together", _QUIET, _LEARNING),
+    "change": Kind(Change, 0.66, "change of level", _QUIET, _LEARNING),
+    "nearest": Kind(Nearest, 0.51, "nearest stretches (KNN-CAD)", _QUIET, _LEARNING),
     "season": Kind(Season, 0.7, "time of day"),
     "baseline": Kind(Baseline, 0.5, "robust baseline"),
     "context": Kind(Context, 0.7, "context"),
@@ -44,5 +52,5 @@ KINDS: dict[str, Kind] = {
     "still": Kind(Still, 0.5, "flat line"),
     "missing": Kind(Missing, 0.5, "missing data"),
     "rate": Kind(RateOfChange, 0.5, "rate of change"),
-    "limits": Kind(Limits, 0.5, "limits"),
+    "limits": Kind(Limits, 0.5, "limits", learns=False),
 }

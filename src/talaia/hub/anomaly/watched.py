@@ -24,6 +24,8 @@ SCORES = "~"
 # A score is written down when it has moved so far, and at least this often (µs).
 _MOVED = 0.05
 _EVERY_US = 60_000_000
+# What is kept: the watch, the detector, and the counts of its episodes: since, quiet, learning.
+_KEPT = tuple[bytes, bytes, tuple[int, int, int]]
 
 
 def score_address(address: str, detector: str) -> str:
@@ -80,6 +82,9 @@ class Watched:
         watch: as the description has it.
         score: the newest.
         why: of the anomaly that is on, or of the last one.
+        from_us: when the newest anomaly began (µs); 0 before the first.
+        to_us: its last high sample (µs); 0 while it is on.
+        forgiven: whether a person said that the newest anomaly was none.
         changed: whether it has learned since it was kept last.
         late: samples that were older than the newest, and not looked at.
 
@@ -89,9 +94,16 @@ class Watched:
         """Go on with what was ``kept``; begin anew where there is nothing, or it does not fit."""
         self.address, self.unit, self.watch = address, unit, watch
         self.detector = detector_of(watch, unit)
-        bar = watch.bar or KINDS[watch.detector].bar
-        self.episodes = Episodes(bar=bar, rest=watch.rest)
+        kind = KINDS[watch.detector]
+        self.episodes = Episodes(
+            bar=watch.bar or kind.bar,
+            rest=watch.rest,
+            quiet=kind.quiet,
+            learning=kind.learning,
+        )
         self.score, self.why, self.changed, self.late = 0.0, "", False, 0
+        self.from_us, self.to_us, self.forgiven = 0, 0, False
+        self._learned = False
         self._newest_us = self._written_us = -1
         self._written = -1.0
         if kept is not None:
@@ -99,10 +111,11 @@ class Watched:
 
     def _wake(self, kept: bytes) -> None:
         try:
-            asked, state, since = msgspec.msgpack.decode(kept, type=tuple[bytes, bytes, int])
+            asked, state, counts = msgspec.msgpack.decode(kept, type=_KEPT)
             if asked == msgspec.msgpack.encode(self.watch):
                 self.detector = wake(type(self.detector), state)
-                self.episodes.since = since
+                episodes = self.episodes
+                episodes.since, episodes.quiet, episodes.learning = counts
         except (msgspec.MsgspecError, ValueError):
             # Of another version: it learns anew.
             return
@@ -111,7 +124,13 @@ class Watched:
         """Give what is to be kept over a restart."""
         self.changed = False
         asked = msgspec.msgpack.encode(self.watch)
-        return msgspec.msgpack.encode((asked, keep(self.detector), self.episodes.since))
+        counts = (self.episodes.since, self.episodes.quiet, self.episodes.learning)
+        return msgspec.msgpack.encode((asked, keep(self.detector), counts))
+
+    @property
+    def learning(self) -> int:
+        """So many samples until it has learned; before, it tells of what is clear at the most."""
+        return self.episodes.learning
 
     def see(self, time_us: int, value: float) -> Began | Ended | None:
         """Look at one sample; those that are not numbers or not newer are passed over."""
@@ -131,19 +150,36 @@ class Watched:
             return None
         return self._take(time_us, score)
 
+    def forgive(self) -> bool:
+        """Learn that the newest peak was no anomaly; false where nothing can be learned."""
+        self.changed = True
+        self.forgiven = self.detector.forgive()
+        return self.forgiven
+
+    def take_learned(self) -> bool:
+        """Tell once that it has seen enough to tell of anomalies."""
+        learned, self._learned = self._learned, False
+        return learned
+
     def _take(self, time_us: int, score: float) -> Began | Ended | None:
         self.score = score
+        learning = self.episodes.learning
         turn = self.episodes.take(time_us, score)
+        self._learned = self._learned or (learning > 0 and not self.episodes.learning)
         if turn is Turn.BEGAN:
             self.why = self.detector.why()
+            self.from_us, self.to_us, self.forgiven = time_us, 0, False
             return Began(time_us, score, self.why)
-        if turn is Turn.ENDED:
-            return Ended(*self.episodes.close(), self.why)
-        return None
+        return self._close() if turn is Turn.ENDED else None
 
     def end(self) -> Ended | None:
         """End an anomaly that is on, because its signal is no longer watched."""
-        return None if self.episodes.began_us < 0 else Ended(*self.episodes.close(), self.why)
+        return None if self.episodes.began_us < 0 else self._close()
+
+    def _close(self) -> Ended:
+        ended = Ended(*self.episodes.close(), self.why)
+        self.to_us = ended.ended_us
+        return ended
 
     def worth_writing(self, time_us: int) -> bool:
         """Tell whether the newest score is news against the one written last, and take it so."""

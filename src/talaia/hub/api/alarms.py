@@ -39,7 +39,8 @@ from talaia.model.check_alarms import Addresses, alarm_findings
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.hub.live.alarms import Alarms, LiveAlarm
+    from talaia.hub.live.alarm import LiveAlarm
+    from talaia.hub.live.alarms import Alarms
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.ports import History
     from talaia.hub.store.alarms import AlarmStore

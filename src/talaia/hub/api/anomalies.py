@@ -79,6 +79,11 @@ def _shape(watched: Watched) -> AnomalyShape:
         score=watched.score,
         scores=score_address(watched.address, detector),
         began_us=watched.episodes.began_us,
+        from_us=watched.from_us,
+        to_us=watched.to_us,
         why=watched.why,
+        forgiven=watched.forgiven,
+        learns=KINDS[detector].learns,
+        learning=watched.learning,
         late=watched.late,
     )

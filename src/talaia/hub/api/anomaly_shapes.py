@@ -21,7 +21,14 @@ class AnomalyShape(BaseModel):
     score: float = Field(description="the newest, 0 to 1")
     scores: str = Field(description="the channel of the history that holds its scores")
     began_us: int = Field(description="since when an anomaly is on; -1 while there is none")
+    from_us: int = Field(description="when the newest anomaly began; 0 before the first")
+    to_us: int = Field(description="its last high sample; 0 while it is on")
     why: str = Field(description="of the anomaly that is on, or of the last one")
+    forgiven: bool = Field(description="whether a person said that it was none")
+    learns: bool = Field(description="whether it can be told so: limits are changed by hand")
+    learning: int = Field(
+        description="so many samples until it has learned; before, it tells little"
+    )
     late: int = Field(description="samples that came after newer ones and were not looked at")
 
 

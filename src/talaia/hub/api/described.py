@@ -16,6 +16,7 @@ from talaia.hub.api.people_shapes import DeviceSummary
 from talaia.hub.api.shapes import (
     ArgumentShape,
     CommandShape,
+    DetectShape,
     DeviceShape,
     DriveShape,
     SignalShape,
@@ -24,11 +25,13 @@ from talaia.hub.api.shapes import (
     StreamShape,
 )
 from talaia.hub.auth.permissions import Grants, Right, sees_device, sees_signal, sees_stream
+from talaia.model.seen import detect_of
 from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, parts_of
 from talaia.model.unit import unit_of
 
 if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite
+    from talaia.model.detection import Detect
     from talaia.model.site import Command, Device, Drive, Signal, Site
 
 __all__ = ["describe", "list_devices", "summarise"]
@@ -143,6 +146,7 @@ def _device(site: Site, device_id: str, device: Device, grants: Grants) -> Devic
                 name=stream.name,
                 max_rate=stream.max_rate,
                 public=stream.visibility is Visibility.PUBLIC,
+                detect=_detect(detect_of(site, stream)),
             )
             for stream_id, stream in device.streams.items()
             if sees_stream(grants, site, device_id, stream_id)
@@ -193,6 +197,12 @@ def _signal(device_id: str, signal_id: str, signal: Signal) -> SignalShape:
         public=signal.visibility is Visibility.PUBLIC,
         channels=[address + (f".{part}" if part else "") for part in parts_of(signal)],
     )
+
+
+def _detect(detect: Detect | None) -> DetectShape | None:
+    if detect is None:
+        return None
+    return DetectShape(classes=list(detect.classes), confidence=detect.confidence)
 
 
 def _command(command_id: str, command: Command) -> CommandShape:

@@ -5,12 +5,15 @@ Times ending in ``_us`` are microseconds since the epoch (UTC).
 
 from __future__ import annotations
 
-from typing import Literal
+import math
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 __all__ = [
     "ChannelStorageShape",
+    "OutlierList",
+    "OutlierShape",
     "OutlookShape",
     "ReadingShape",
     "StatisticsList",
@@ -21,6 +24,14 @@ __all__ = [
     "ValueList",
     "ValueShape",
 ]
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+# What is no number is null: JSON has no other word for it.
+Number = Annotated[float | None, BeforeValidator(_finite)]
 
 
 class _Shape(BaseModel):
@@ -34,7 +45,7 @@ class ValueShape(_Shape):
 
     address: str
     t_us: int
-    v: float | None
+    v: Number
     text: str | None = None
 
 
@@ -48,7 +59,7 @@ class ReadingShape(_Shape):
     """One sample; ``v`` is null where there is no number."""
 
     t_us: int
-    v: float | None
+    v: Number
     text: str | None = None
 
 
@@ -64,8 +75,8 @@ class StatisticsShape(_Shape):
     numbers: int
     low: ReadingShape | None
     high: ReadingShape | None
-    mean: float | None
-    deviation: float | None
+    mean: Number
+    deviation: Number
     first: ReadingShape | None
     last: ReadingShape | None
     gap_us: int
@@ -75,6 +86,32 @@ class StatisticsList(_Shape):
     """One for each channel, in the order asked for."""
 
     statistics: list[StatisticsShape]
+
+
+class OutlierShape(_Shape):
+    """How many of a window's samples lie far outside its quartiles.
+
+    ``low`` and ``high`` are the fences, ``k`` times the distance of the quartiles below ``first``
+    and above ``third``; null of fewer than eight numbers. ``exact``: all ``samples`` finite numbers
+    of the window were looked at; otherwise those of blocks spread evenly over it, of about
+    ``stored`` in all. ``count`` is of those looked at.
+    """
+
+    address: str
+    samples: int
+    stored: int
+    first: Number
+    third: Number
+    low: Number
+    high: Number
+    count: int
+    exact: bool
+
+
+class OutlierList(_Shape):
+    """One for each channel, in the order asked for."""
+
+    outliers: list[OutlierShape]
 
 
 class StoredShape(_Shape):

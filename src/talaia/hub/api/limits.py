@@ -34,11 +34,14 @@ class Rate(NamedTuple):
 HISTORY = Rate(burst=300, per_s=30.0)
 # Each reads much or all of a table.
 HEAVY = Rate(burst=10, per_s=0.2)
+# One of a long window keeps a core busy for seconds; a window that follows asks again and again.
+OUTLIERS = Rate(burst=30, per_s=1.0)
 ANY = Rate(burst=600, per_s=100.0)
 RATES: Mapping[str, Rate] = {
     "/api/sites/{site}/history": HISTORY,
     "/api/sites/{site}/last": HISTORY,
     "/api/sites/{site}/statistics": HISTORY,
+    "/api/sites/{site}/outliers": OUTLIERS,
     "/api/sites/{site}/stored": HISTORY,
     "/api/sites/{site}/export": HEAVY,
     "/api/storage": HEAVY,

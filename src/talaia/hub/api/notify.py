@@ -67,6 +67,7 @@ class NotifyPages:
         router.get("/api/me/ways")(self.choices)
         router.get("/api/me/rules")(self.rules)
         router.post("/api/me/rules", status_code=201)(self.add_rule)
+        router.put("/api/me/rules/{rule}", status_code=204)(self.change_rule)
         router.delete("/api/me/rules/{rule}", status_code=204)(self.remove_rule)
         router.post("/api/me/rules/{rule}/test")(self.test_rule)
         router.get("/api/me/push")(self.push)
@@ -120,28 +121,25 @@ class NotifyPages:
 
     async def add_rule(self, asked: RuleAsk, request: Request) -> NoticeRuleShape:
         """Be told of alarms, of those that you may view."""
-        who = who_of(request)
-        found = await self._store.way(int(asked.way))
-        if found is None:
-            raise ApiProblem(422, "invalid", "there is no such way")
-        if found[0].kind is WayKind.MAIL and not _MAIL.match(asked.target):
-            raise ApiProblem(422, "invalid", "target: expected one mail address")
-        rule = Rule(
-            id=0, user=who.user, site=asked.site, way=int(asked.way), target=asked.target,
-            least=Severity(asked.least), over=asked.over, quiet_from=asked.quiet_from,
-            quiet_to=asked.quiet_to, quiet_least=Severity(asked.quiet_least), zone=asked.zone,
-            group_s=asked.group_s,
-        )  # fmt: skip
+        way, rule = await self._rule(0, asked, request)
         number = await self._store.add_rule(rule)
         if number is None:
             raise ApiProblem(409, "too_many", "you have as many rules as one person may have")
-        self._note(request, "rule of alarms added", f"{found[0].name} {asked.site}")
+        self._note(request, "rule of alarms added", f"{way.name} {asked.site}")
         return NoticeRuleShape(id=str(number), **asked.model_dump())
+
+    async def change_rule(self, rule: str, asked: RuleAsk, request: Request) -> None:
+        """Change one of your rules. What waits to be told by it goes where it says from now on."""
+        way, wanted = await self._rule(number_of(rule, "rule"), asked, request)
+        if not await self._store.change_rule(wanted):
+            raise ApiProblem(404, "unknown", "you have no such rule")
+        self._note(request, "rule of alarms changed", f"{way.name} {asked.site}")
 
     async def remove_rule(self, rule: str, request: Request) -> None:
         """Be told by this rule no more."""
         if not await self._store.remove_rule(who_of(request).user, number_of(rule, "rule")):
             raise ApiProblem(404, "unknown", "you have no such rule")
+        self._note(request, "rule of alarms removed", rule)
 
     async def test_rule(self, rule: str, request: Request) -> WentShape:
         """Send a test by one of your rules."""
@@ -183,6 +181,20 @@ class NotifyPages:
             who_of(request).user, number_of(browser, "browser")
         ):
             raise ApiProblem(404, "unknown", "you have no such browser")
+
+    async def _rule(self, number: int, asked: RuleAsk, request: Request) -> tuple[Way, Rule]:
+        """Give what was asked for as a rule of that number, and the way it tells by."""
+        found = await self._store.way(int(asked.way))
+        if found is None:
+            raise ApiProblem(422, "invalid", "there is no such way")
+        if found[0].kind is WayKind.MAIL and not _MAIL.match(asked.target):
+            raise ApiProblem(422, "invalid", "target: expected one mail address")
+        return found[0], Rule(
+            id=number, user=who_of(request).user, site=asked.site, way=int(asked.way),
+            target=asked.target, least=Severity(asked.least), over=asked.over,
+            quiet_from=asked.quiet_from, quiet_to=asked.quiet_to,
+            quiet_least=Severity(asked.quiet_least), zone=asked.zone, group_s=asked.group_s,
+        )  # fmt: skip
 
     async def _put(self, number: int | None, asked: WayAsk) -> int | None:
         secrets = {

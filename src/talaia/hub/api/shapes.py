@@ -16,6 +16,7 @@ from talaia.hub.api.observatory_shapes import (  # noqa: TC001 - pydantic reads 
     PointingShape,
     RuleShape,
 )
+from talaia.hub.api.sighting_shapes import SeenShape  # noqa: TC001 - pydantic reads it
 
 __all__ = [
     "ArgumentShape",
@@ -27,6 +28,7 @@ __all__ = [
     "CodeAsk",
     "CodeShape",
     "CommandShape",
+    "DetectShape",
     "DeviceShape",
     "DriveShape",
     "EnrolAnswer",
@@ -165,14 +167,22 @@ class SignalShape(Shape):
     channels: list[str]
 
 
+class DetectShape(Shape):
+    """What of a camera's pictures is counted: classes, and how sure (0 to 1) at the least."""
+
+    classes: list[str]
+    confidence: float
+
+
 class StreamShape(Shape):
-    """A camera. ``max_rate`` is in Hz."""
+    """A camera. ``max_rate`` is in Hz; ``detect`` is null where nothing is looked for."""
 
     id: str
     address: str
     name: str
     max_rate: float
     public: bool
+    detect: DetectShape | None = None
 
 
 class ArgumentShape(Shape):
@@ -280,7 +290,7 @@ class HistoryAnswer(Shape):
 
 
 class EventShape(Shape):
-    """Something that happened."""
+    """Something that happened. ``sighting``: what a camera saw, while it is kept."""
 
     id: str
     time_us: int
@@ -289,6 +299,7 @@ class EventShape(Shape):
     who: str
     message: str
     good: bool
+    sighting: SeenShape | None = None
 
 
 class EventList(Shape):
@@ -397,8 +408,9 @@ _TEXT = Field(default=None, max_length=200, pattern=r"^[^\x00]*$")
 class AuditAsk(Shape):
     """Which rows of the audit log are meant; what is left out does not matter.
 
-    ``kind`` is its beginning: ``command`` finds all about commands. ``from_us`` is included,
-    ``to_us`` is not; ``before`` is the id of a row, for the ones after it in the list.
+    ``kind`` is its beginning: ``command`` finds all about commands, ``command,stop`` all about
+    either. ``from_us`` is included, ``to_us`` is not; ``before`` is the id of a row, for the ones
+    after it in the list.
     """
 
     who: str | None = _TEXT

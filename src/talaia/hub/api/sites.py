@@ -16,13 +16,19 @@ from talaia.hub.api.shapes import (
     SiteShape,
     SiteSummary,
 )
+from talaia.hub.api.sightings import seen_shape
 from talaia.hub.auth.permissions import Right, sees_site
+from talaia.hub.live.sightings import KIND as SIGHTING
 from talaia.hub.store.audit import Filter
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from talaia.clock import Clock
+    from talaia.hub.api.sighting_shapes import SeenShape
     from talaia.hub.live.sites import Sites
-    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.audit import Audit, Row
+    from talaia.hub.store.sightings import SightingStore
 
 __all__ = ["SitePages"]
 
@@ -34,10 +40,11 @@ _Text = Annotated[str | None, Query(max_length=200, pattern=r"^[^\x00]*$")]
 class SitePages:
     """The routes of sites."""
 
-    def __init__(self, sites: Sites, audit: Audit, clock: Clock) -> None:
+    def __init__(self, sites: Sites, audit: Audit, sightings: SightingStore, clock: Clock) -> None:
         """Answer from what is live and what was written down."""
         self._sites = sites
         self._audit = audit
+        self._sightings = sightings
         self._clock = clock
 
     def router(self) -> APIRouter:
@@ -92,7 +99,8 @@ class SitePages:
         """List what happened at a site, newest first, of the devices you may view.
 
         ``from_us`` and ``to_us`` are both included. ``before`` is the id of the last one of a
-        page, for the next page; ``kind`` is its beginning; ``text`` stands anywhere in it.
+        page, for the next page; ``kind`` is its beginning, or several with commas between;
+        ``text`` stands anywhere in it.
         A device that the description no longer has is open to those who have a right on it.
         """
         devices = who_of(request).grants.devices(Right.VIEW, site)
@@ -101,6 +109,7 @@ class SitePages:
             device=device, text=text, good=good, devices=devices,
         )  # fmt: skip
         rows, more = await self._audit.find(wanted, limit)
+        sighted = await self._sighted(site, rows)
         return EventList(
             more=more,
             events=[
@@ -112,9 +121,19 @@ class SitePages:
                     who=entry.who,
                     message=entry.message,
                     good=entry.good,
+                    sighting=sighted.get((entry.time_us, entry.device)),
                 )
                 for number, entry in rows
                 # A database may compare names without regard to case; a right does not.
                 if devices is None or entry.device in devices
             ],
         )
+
+    async def _sighted(self, site: str, rows: Sequence[Row]) -> dict[tuple[int, str], SeenShape]:
+        """Find the sightings that lines are about, by the time and the device of the line."""
+        times = {row.entry.time_us for row in rows if row.entry.kind == SIGHTING}
+        found = await self._sightings.noted(site, times)
+        return {
+            (each.noted_us, each.sighted.camera.partition("/")[0]): seen_shape(each)
+            for each in found
+        }

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.media import Media
     from talaia.hub.live.reporting import Reporting
     from talaia.hub.live.seats import Seats
+    from talaia.hub.live.sightings import Sightings
     from talaia.hub.live.sites import Sites
     from talaia.wire.browser import FromBrowser, Subscribe
 
@@ -53,6 +54,7 @@ class Sockets:
         fanout: Fanout,
         commanding: Commanding,
         reporting: Reporting,
+        sightings: Sightings,
         media: Media,
         gateways: Gateways,
         clock: Clock,
@@ -67,6 +69,7 @@ class Sockets:
         self._fanout = fanout
         self._commanding = commanding
         self._reporting = reporting
+        self._sightings = sightings
         self._media = media
         self._gateways = gateways
         self._clock = clock
@@ -102,6 +105,7 @@ class Sockets:
             )
         )
         self._reporting.greet(browser)
+        self._sightings.greet(browser)
         try:
             await browser.serve(self._handle, lambda: self._commanding.leave(browser))
         finally:

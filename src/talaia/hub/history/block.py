@@ -21,7 +21,16 @@ from talaia.hub.history.errors import HistoryError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["EMPTY", "Samples", "concatenate", "cut", "decode", "encode", "in_order"]
+__all__ = [
+    "EMPTY",
+    "Samples",
+    "concatenate",
+    "cut",
+    "decode",
+    "decode_values",
+    "encode",
+    "in_order",
+]
 
 VERSION = 1
 _HEAD = struct.Struct("<BI")
@@ -126,19 +135,41 @@ def decode(body: bytes) -> Samples:
 
     """
     try:
-        version, length = _HEAD.unpack_from(body)
-        if version != VERSION:
-            raise HistoryError(
-                f"a block has version {version}, this program reads version {VERSION}",
-                "open the database with the program that wrote it, or a newer one",
-            )
-        at = _HEAD.size
-        times = standalone.simple_decompress(body[at : at + length])
-        at += length
-        (length,) = _LENGTH.unpack_from(body, at)
-        at += _LENGTH.size
-        values = standalone.simple_decompress(body[at : at + length])
-        texts = _TEXTS.decode(body[at + length :]) if len(body) > at + length else {}
+        times, values, texts = _split(body)
+        time_us = np.asarray(standalone.simple_decompress(times), np.int64)
+        value = np.asarray(standalone.simple_decompress(values), np.float64)
+        return Samples(time_us, value, _TEXTS.decode(texts) if texts else {})
     except (struct.error, RuntimeError, msgspec.DecodeError) as error:
-        raise HistoryError(f"a block of {len(body)} bytes is damaged: {error}") from error
-    return Samples(np.asarray(times, np.int64), np.asarray(values, np.float64), texts)
+        raise _damaged(body, error) from error
+
+
+def decode_values(body: bytes) -> NDArray[np.float64]:
+    """Give a block's values without its times, which takes less than half as long.
+
+    Raises:
+        HistoryError: see `decode`.
+
+    """
+    try:
+        return np.asarray(standalone.simple_decompress(_split(body)[1]), np.float64)
+    except (struct.error, RuntimeError) as error:
+        raise _damaged(body, error) from error
+
+
+def _split(body: bytes) -> tuple[bytes, bytes, bytes]:
+    """Give the bytes of times, values and texts."""
+    version, length = _HEAD.unpack_from(body)
+    if version != VERSION:
+        raise HistoryError(
+            f"a block has version {version}, this program reads version {VERSION}",
+            "open the database with the program that wrote it, or a newer one",
+        )
+    at = _HEAD.size + length
+    times = body[_HEAD.size : at]
+    (length,) = _LENGTH.unpack_from(body, at)
+    at += _LENGTH.size
+    return times, body[at : at + length], body[at + length :]
+
+
+def _damaged(body: bytes, error: Exception) -> HistoryError:
+    return HistoryError(f"a block of {len(body)} bytes is damaged: {error}")

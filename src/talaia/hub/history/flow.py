@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import and_, or_, select
 
+from talaia.hub.history.asked import window_of
 from talaia.hub.history.block import EMPTY, Samples, concatenate, in_order
-from talaia.hub.history.window import FARTHEST_US, bodies, window_of
+from talaia.hub.history.window import FARTHEST_US, bodies
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:

@@ -28,6 +28,7 @@ class Limits(NamedTuple):
         tidy_s: what is too old or too much is looked for this often (s); 0 is never.
         bytes: blocks may take so many bytes; then the oldest go. 0 sets no limit.
         cached: of blocks that were read, so many samples are held (16 bytes each).
+        counted: of windows with more samples, outliers are sought in an even part of them.
         texts: of more texts than this the newest are shown, for they have no rollups.
 
     """
@@ -40,6 +41,7 @@ class Limits(NamedTuple):
     delete: int = 256
     raw: int = 250_000
     cached: int = 1_000_000
+    counted: int = 100_000_000
     texts: int = 500_000
     linger_s: float = 0.05
     show_s: float = 2.0

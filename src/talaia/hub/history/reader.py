@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sqlalchemy import select, union_all
 
+from talaia.hub.history.asked import window_of
 from talaia.hub.history.block import Samples, concatenate, in_order
 from talaia.hub.history.cache import BlockCache
 from talaia.hub.history.columns import columns_of
@@ -27,7 +28,6 @@ from talaia.hub.history.window import (
     outside_rollups,
     overlapping,
     raw,
-    window_of,
 )
 from talaia.hub.store import history_tables as tables
 

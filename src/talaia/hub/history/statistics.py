@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from sqlalchemy import select, union_all
 
+from talaia.hub.history.asked import window_of
 from talaia.hub.history.block import Samples, concatenate, in_order
 from talaia.hub.history.rollup import WIDTHS, Cells, cover, join, merge, summarise
 from talaia.hub.history.rows import rows_to_cells, summary_of
@@ -17,7 +18,6 @@ from talaia.hub.history.window import (
     outside_rollups,
     overlapping,
     raw,
-    window_of,
 )
 from talaia.hub.store import history_tables as tables
 

@@ -24,6 +24,7 @@ from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Rename, 
 from talaia.hub.history.joined import joined
 from talaia.hub.history.ledger import Ledger
 from talaia.hub.history.limits import Limits
+from talaia.hub.history.outliers import find_outliers
 from talaia.hub.history.reader import Reader
 from talaia.hub.history.retention import too_much, too_old
 from talaia.hub.history.sensors import (
@@ -43,6 +44,7 @@ from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
     from collections.abc import (
+        AsyncGenerator,
         AsyncIterator,
         Awaitable,
         Callable,
@@ -56,6 +58,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.history.channels import StoredChannel
     from talaia.hub.history.forms import ExportColumn, FileForm
+    from talaia.hub.history.outliers import Outliers
     from talaia.hub.history.sensors import SensorKind
     from talaia.hub.history.series import Series
     from talaia.hub.history.statistics import Statistics
@@ -110,6 +113,7 @@ class HistoryStore:
         self._tasks: list[asyncio.Task[None]] = []
         self._showing: set[asyncio.Task[None]] = set()
         self._one_site = asyncio.Lock()
+        self._one_count = asyncio.Lock()
         self._closing = False
 
     async def create_tables(self) -> None:
@@ -357,6 +361,28 @@ class HistoryStore:
             read_statistics, self._reading, self._ledger, self._limits,
             site, addresses, from_us, to_us,
         )  # fmt: skip
+
+    async def outliers(
+        self, site: str, address: str, from_us: int, to_us: int, k: float
+    ) -> AsyncGenerator[Outliers | None]:
+        """Find how many samples of a window, both ends included, are far outside its quartiles.
+
+        It gives None again and again, so that who asks may stop, and what was found at the end.
+        One channel after the other is looked at, whoever asks: of many samples it takes seconds.
+
+        Raises:
+            HistoryError: the database cannot be read.
+
+        """
+        async with self._one_count:
+            steps = find_outliers(
+                self._reading, self._ledger, site, address, from_us, to_us, k, self._limits.counted
+            )
+            found = None
+            while found is None:
+                # Behind the charts, in turn with exports.
+                found = await self._run(self._exporter, lambda: next(steps))
+                yield found
 
     async def channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
         """List every channel of a site that has history, those of former descriptions too.

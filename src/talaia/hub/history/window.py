@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Connection
 
     from talaia.hub.history.cache import BlockCache
-    from talaia.hub.history.ledger import Ledger
     from talaia.hub.history.rollup import Piece
 
 __all__ = [
@@ -32,7 +31,6 @@ __all__ = [
     "outside_rollups",
     "overlapping",
     "raw",
-    "window_of",
 ]
 
 _LOG = logging.getLogger(__name__)
@@ -64,27 +62,6 @@ class Window(NamedTuple):
             _block.c.last_us >= self.from_us,
             _block.c.id < self.before_block,
         ]
-
-
-def window_of(
-    ledger: Ledger, site: str, address: str, from_us: int, to_us: int
-) -> tuple[Window, Samples] | None:
-    """Find a channel's window and what of the channel stands in memory; None if it has none.
-
-    It comes before the database is asked: what is sealed after this look is still in the
-    snapshot, and its blocks stay out of the window. The other way round, samples could be in
-    neither.
-    """
-    run, names, tails = ledger.run, ledger.names, ledger.tails
-    channel = names.channels.get((site, address))
-    # A driver would take numpy's whole numbers for something else.
-    from_us = max(-FARTHEST_US, min(FARTHEST_US, int(from_us)))
-    to_us = max(-FARTHEST_US, min(FARTHEST_US, int(to_us)))
-    if channel is None or from_us > to_us:
-        return None
-    samples, before = tails.snapshot(channel)
-    window = Window(channel, from_us, to_us, names.longest_us[channel], before, run)
-    return window, samples
 
 
 def count_in_blocks(connection: Connection, window: Window) -> int:

@@ -1,11 +1,11 @@
 """The alarms of all sites: samples and news in; states, messages and marks out.
 
-Two halves. The first never waits: it holds each sample against the conditions that look at it,
-and puts what begins or ceases to count into a queue. The second takes the queue, one thing after
-the other, what people ask for among it, and tells nobody of anything before it is in the
-database. What cannot be written waits there, and is tried again.
+Two halves. The first never waits (`SiteAlarms`): it holds each sample against the conditions that
+look at it, and puts what begins or ceases to count into a queue. The second, here, takes the
+queue, one thing after the other, what people ask for among it, and tells nobody of anything
+before it is in the database. What cannot be written waits there, and is tried again.
 
-Long, because an alarm's whole way through the hub is told here, in its order.
+Long, because all that comes of an alarm is told here, in its order.
 """
 
 from __future__ import annotations
@@ -14,43 +14,25 @@ import asyncio
 import contextlib
 import logging
 from collections import deque
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
-import numpy as np
 
 from talaia.clock import SECOND
-from talaia.hub.alarms.conditions import Condition, Reading, Seen, Truth, Verdict
-from talaia.hub.alarms.machine import (
-    Clear,
-    Event,
-    Happened,
-    NotNow,
-    Phase,
-    Raise,
-    Retire,
-    State,
-    Unshelve,
-    What,
-    step,
-)
-from talaia.hub.alarms.watch import Turn, Watch
+from talaia.hub.alarms.conditions import Seen
+from talaia.hub.alarms.machine import Event, NotNow, Phase, Retire, State, What, step
 from talaia.hub.errors import StoreDown
-from talaia.hub.live.conflate import conflate, pick
+from talaia.hub.live.alarm import LiveAlarm, alarm_news, event_news, ghost
+from talaia.hub.live.alarm_watching import SiteAlarms
 from talaia.hub.store.alarms import Change, Made
-from talaia.hub.store.notices import About
-from talaia.model.alarm import Alarm, AlarmKind
-from talaia.model.check_alarms import Addresses, alarm_findings, signals_of
-from talaia.wire import browser as page
+from talaia.model.alarm import Alarm
 from talaia.wire.frames import RecordAsk
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
-
     from talaia.clock import Clock
+    from talaia.hub.alarms.machine import Happened
     from talaia.hub.live.browsers import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalyNews, Sighting
@@ -59,41 +41,15 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
-__all__ = ["Alarms", "LiveAlarm", "device_of"]
+__all__ = ["Alarms"]
 
 _LOG = logging.getLogger(__name__)
 # Conditions are looked at so often at least: values age, delays end (s).
 _TICK_S = 0.5
 _TICK_NS = round(_TICK_S * SECOND)
 _RETRY_S = 1.0
-# A batch with more samples of what is watched is made fewer, its extremes kept.
-_MOST_AT_ONCE = 256
 # A batch of what happened is one transaction of at most so many.
 _MOST_A_COMMIT = 200
-
-
-@dataclass(slots=True, eq=False)
-class LiveAlarm:
-    """One alarm, now.
-
-    Attributes:
-        alarm: what it is; None once it is described no more.
-        made: made in the page, not by the description.
-        state: as the database has it.
-        condition: None when the description does not fit it, and then ``problem`` says why.
-        undelivered: why a message of it did not reach somebody; empty: none failed.
-
-    """
-
-    about: About
-    alarm: Alarm | None
-    made: bool
-    state: State
-    watch: Watch
-    condition: Condition | None = None
-    problem: str = ""
-    undelivered: str = ""
-    shown_unknown: str = ""
 
 
 class _Ask(NamedTuple):
@@ -102,22 +58,6 @@ class _Ask(NamedTuple):
     live: LiveAlarm
     event: Event
     done: asyncio.Future[State] | None = None
-
-
-class _Site:
-    """What is known of one site for its alarms."""
-
-    def __init__(self) -> None:
-        self.alarms: dict[str, LiveAlarm] = {}
-        # For each channel of the wire's list, whether anybody looks at it, and who does.
-        self.watched: NDArray[np.bool_] = np.zeros(0, bool)
-        self.lookers: dict[int, list[LiveAlarm]] = {}
-        self.addresses: tuple[str, ...] = ()
-        self.texts: frozenset[int] = frozenset()
-        # The newest value, its text and when it came (monotonic ns), by address.
-        self.values: dict[str, tuple[float, str, int]] = {}
-        # What goes on now, as detectors say, by whom and of what.
-        self.seen: dict[tuple[str, str], dict[tuple[int, str], Seen]] = {}
 
 
 class Alarms:
@@ -137,7 +77,7 @@ class Alarms:
         self._store = store
         self._notices = notices
         self._clock = clock
-        self._of: dict[str, _Site] = {}
+        self._of: dict[str, SiteAlarms] = {}
         self._states: dict[tuple[str, str], State] = {}
         self._made: dict[str, dict[str, Made]] = {}
         self._queue: deque[_Ask] = deque()
@@ -163,14 +103,14 @@ class Alarms:
 
     def described(self, live: LiveSite) -> None:
         """Take a site's description, new or the same; alarms that stay keep their state."""
-        known = self._of.setdefault(live.name, _Site())
-        before, known.alarms = known.alarms, {}
-        addresses = Addresses(live.description)
-        for name, alarm, made in self._definitions(live.description):
-            known.alarms[name] = self._live(
-                live, addresses, name, alarm, before.get(name), made=made
-            )
-        self._index(live, known)
+        known = self._of.get(live.name)
+        if known is None:
+            known = self._of[live.name] = SiteAlarms(self._clock, self._put, self._tell)
+        before = known.described(
+            live,
+            self._definitions(live.description),
+            lambda name, was: self._begins(live.name, name, was),
+        )
         for name, gone in before.items():
             if name not in known.alarms:
                 self._retire(gone)
@@ -178,7 +118,7 @@ class Alarms:
         for site, name in [key for key in self._states if key[0] == live.name]:
             state = self._states[site, name]
             if name not in known.alarms and name not in before and _stands(state):
-                self._retire(_ghost(live, name, state))
+                self._retire(ghost(live, name, state))
         for each in known.alarms.values():
             self._tell(each)
         self._news.set()
@@ -204,62 +144,17 @@ class Alarms:
             except msgspec.MsgspecError:
                 _LOG.exception("the alarm %s of %s cannot be read", name, site.site)
 
-    def _live(
-        self,
-        live: LiveSite,
-        addresses: Addresses,
-        name: str,
-        alarm: Alarm,
-        before: LiveAlarm | None,
-        *,
-        made: bool,
-    ) -> LiveAlarm:
-        site = live.description
-        state = before.state if before else self._states.get((live.name, name), State())
+    def _begins(self, site: str, name: str, before: LiveAlarm | None) -> State:
+        """Give how an alarm stands when it is described: as before, or as the database has it."""
+        if before is None:
+            return self._states.get((site, name), State())
+        state = before.state
         # One whose former self is in the queue yet: the database will have it so.
         for ask in self._queue:
-            if ask.live is before and before is not None:
+            if ask.live is before:
                 with contextlib.suppress(NotNow):
                     state = step(state, ask.event)[0]
-        finding = next(iter(alarm_findings(addresses, "$", alarm)), None)
-        about = About(
-            live.name, name, device_of(addresses, alarm), alarm.severity, alarm.name, site.name,
-            alarm.advice,
-        )  # fmt: skip
-        same = before is not None and before.alarm == alarm and before.condition is not None
-        if before is not None and same and finding is None:
-            before.about, before.made = about, made
-            before.condition = Condition(addresses, alarm)
-            return before
-        return LiveAlarm(
-            about,
-            alarm,
-            made,
-            state,
-            Watch(alarm, on=state.on),
-            None if finding else Condition(addresses, alarm),
-            str(finding).removeprefix("$.") if finding else "",
-            before.undelivered if before else "",
-        )
-
-    def _index(self, live: LiveSite, known: _Site) -> None:
-        number = {channel.address: at for at, channel in enumerate(live.channels)}
-        known.watched = np.zeros(len(live.channels), bool)
-        known.addresses = tuple(channel.address for channel in live.channels)
-        known.lookers = {}
-        for each in known.alarms.values():
-            for address in each.condition.channels if each.condition else ():
-                at = number[address]
-                known.watched[at] = True
-                known.lookers.setdefault(at, []).append(each)
-        latest = live.latest
-        known.values = {
-            known.addresses[at]: (
-                float(latest.value[at]), latest.texts.get(at, ""), int(latest.arrived_ns[at])
-            )
-            for at in known.lookers
-            if latest.arrived_ns[at] != np.iinfo(np.int64).min
-        }  # fmt: skip
+        return state
 
     def _retire(self, gone: LiveAlarm) -> None:
         gone.alarm = None
@@ -271,23 +166,8 @@ class Alarms:
     def take(self, live: LiveSite, columns: Columns) -> None:
         """Hold live samples against the conditions that look at them; never waits."""
         known = self._of.get(live.name)
-        if known is None or not known.lookers or not len(columns):
-            return
-        if len(known.watched) != len(live.channels):
-            return
-        keep = known.watched[columns.channel]
-        if not keep.any():
-            return
-        mine = pick(columns, keep)
-        if len(mine) > _MOST_AT_ONCE:
-            mine = conflate(mine)
-        now = self._clock.monotonic_ns()
-        values = mine.value.tolist()
-        for place, at in enumerate(mine.channel.tolist()):
-            text = mine.texts.get(place, "")
-            known.values[known.addresses[at]] = (values[place], text, now)
-            for each in known.lookers[at]:
-                self._judge(live, known, each, now)
+        if known is not None:
+            known.take(live, columns)
 
     def anomaly(self, news: AnomalyNews) -> None:
         """Take what a detector of anomalies says; see `talaia.hub.ports.AnomalySink`."""
@@ -304,66 +184,17 @@ class Alarms:
 
     def look(self) -> None:
         """Hold what is known against every condition: values age, and delays end."""
-        now, now_us = self._clock.monotonic_ns(), self._now_us()
         for site, known in self._of.items():
             live = self._sites.get(site)
-            if live is None:
-                continue
-            for each in known.alarms.values():
-                self._judge(live, known, each, now)
-                until = each.state.shelved_until_us
-                if until and until <= now_us:
-                    self._put(each, Unshelve(now_us))
+            if live is not None:
+                known.look(live)
 
     def _happens(
         self, site: str, what: tuple[str, str], which: tuple[int, str], seen: Seen, *, over: bool
     ) -> None:
         known, live = self._of.get(site), self._sites.get(site)
-        if known is None or live is None:
-            return
-        going = known.seen.setdefault(what, {})
-        now = self._clock.monotonic_ns()
-        # Told only when it was over, it has been there all the same.
-        going[which] = seen
-        mine = [
-            each
-            for each in known.alarms.values()
-            if each.condition is not None and each.condition.happening == what
-        ]
-        for each in mine:
-            self._judge(live, known, each, now)
-        if over:
-            del going[which]
-            for each in mine:
-                self._judge(live, known, each, now)
-
-    def _judge(self, live: LiveSite, known: _Site, each: LiveAlarm, now: int) -> None:
-        edge = each.watch.take(self._verdict(live, known, each, now), now)
-        if edge is not None:
-            kind = Raise if edge.turn is Turn.RAISE else Clear
-            self._put(each, kind(self._now_us(), edge.why))
-        # Of what is not known, without its age, which grows by itself.
-        unknown = "" if each.watch.known else each.watch.why.partition(" is ")[0]
-        if unknown != each.shown_unknown:
-            each.shown_unknown = unknown
-            self._tell(each)
-
-    @staticmethod
-    def _verdict(live: LiveSite, known: _Site, each: LiveAlarm, now: int) -> Verdict:
-        condition = each.condition
-        if condition is None:
-            return Verdict(Truth.UNKNOWN, each.problem)
-        readings = {
-            address: Reading(value, text, (now - arrived) / SECOND)
-            for address in condition.channels
-            if (found := known.values.get(address)) is not None
-            for value, text, arrived in (found,)
-            if not live.unreached or address.partition("/")[0] not in live.unreached
-        }
-        seen: tuple[Seen, ...] = ()
-        if condition.happening is not None:
-            seen = tuple(known.seen.get(condition.happening, {}).values())
-        return condition.judge(readings, seen, held=each.watch.on, online=live.online)
+        if known is not None and live is not None:
+            known.happens(live, what, which, seen, over=over)
 
     # ── what comes of it ────────────────────────────────────────────────────────────────────
 
@@ -475,7 +306,7 @@ class Alarms:
             self._tell(live)
         for live, change in changes:
             for happened in change.happened:
-                self._tell_event(live, happened)
+                self._browsers.tell(event_news(live, happened))
                 if happened.what is What.RAISED:
                     live.undelivered = ""
                     self._record(live, happened)
@@ -514,60 +345,8 @@ class Alarms:
     def _tell(self, each: LiveAlarm) -> None:
         self._browsers.tell(alarm_news(each))
 
-    def _tell_event(self, each: LiveAlarm, happened: Happened) -> None:
-        about = each.about
-        self._browsers.tell(
-            page.EventNews(
-                site=about.site,
-                kind=f"alarm {happened.what}",
-                device=about.device,
-                message=f"{about.name}: {happened.message}".rstrip(": ")[:500],
-                who=happened.who,
-                time_us=happened.time_us,
-                good=happened.what not in {What.RAISED, What.UNSHELVED},
-            )
-        )
-
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000
-
-
-def device_of(addresses: Addresses, alarm: Alarm) -> str:
-    """Name the one device that an alarm is about; empty when it is about more: the whole site."""
-    devices = {address.partition("/")[0] for address in signals_of(addresses, alarm)}
-    if alarm.stream:
-        devices = {alarm.stream.partition("/")[0]}
-    return next(iter(devices)) if len(devices) == 1 else ""
-
-
-def alarm_news(each: LiveAlarm) -> page.AlarmNews:
-    """Say how an alarm stands."""
-    about, state, alarm = each.about, each.state, each.alarm
-    return page.AlarmNews(
-        site=about.site,
-        alarm=about.alarm,
-        device=about.device,
-        name=about.name,
-        kind=alarm.kind.value if alarm else "",
-        severity=about.severity.value,
-        phase=state.phase.value,
-        why=state.why[:500] if state.phase is not Phase.NORMAL else "",
-        known=each.watch.known,
-        unknown_why="" if each.watch.known else each.watch.why[:500],
-        raised_us=state.raised_us,
-        cleared_us=state.cleared_us,
-        acked_us=state.acked_us,
-        acked_by=state.acked_by,
-        assigned=state.assigned,
-        shelved_until_us=state.shelved_until_us,
-        shelved_by=state.shelved_by,
-        shelved_why=state.shelved_why[:500],
-        undelivered=each.undelivered[:500],
-        advice=about.advice[:500],
-        signals=list(each.condition.channels) if each.condition else [],
-        made=each.made,
-        gone=alarm is None,
-    )
 
 
 def _worked_out(
@@ -592,10 +371,3 @@ def _worked_out(
 
 def _stands(state: State) -> bool:
     return state.phase is not Phase.NORMAL or bool(state.shelved_until_us)
-
-
-def _ghost(live: LiveSite, name: str, state: State) -> LiveAlarm:
-    """Give an alarm of which nothing is known any more but how it stood."""
-    alarm = Alarm(name=name, kind=AlarmKind.LIMIT)
-    about = About(live.name, name, "", alarm.severity, name, live.description.name, "")
-    return LiveAlarm(about, None, made=True, state=state, watch=Watch(alarm, on=state.on))

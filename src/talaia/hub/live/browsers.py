@@ -14,6 +14,7 @@ from talaia.wire.browser import (
     FROM_BROWSER,
     TO_BROWSER,
     AlarmNews,
+    AnomalyNews,
     Command,
     CommandNews,
     DeviceNews,
@@ -28,6 +29,7 @@ from talaia.wire.browser import (
     Problem,
     Reset,
     SessionNews,
+    SightingNews,
     SiteNews,
     Stop,
     StopNews,
@@ -245,6 +247,10 @@ def _state_key(message: ToBrowser) -> Hashable | None:
             return type(message), message.site, message.device
         case AlarmNews():
             return AlarmNews, message.site, message.alarm
+        case SightingNews():
+            return SightingNews, message.site, message.id
+        case AnomalyNews():
+            return AnomalyNews, message.site, message.address, message.detector
         case InterlockNews():
             return InterlockNews, message.site, message.interlock
         case StopNews():

@@ -14,6 +14,7 @@ from talaia.wire.frames import (
     MEDIA_FROM_HUB,
     Beat,
     BeatReply,
+    Boxes,
     Bye,
     Picture,
     Trouble,
@@ -48,13 +49,14 @@ class GatewayCamera:
         self,
         take: Callable[[Picture], None],
         trouble: Callable[[Trouble], None],
+        boxes: Callable[[Boxes], None],
         now_us: Callable[[], int],
     ) -> None:
         """Hand each picture to ``take`` until either side ends it; answer beats.
 
-        ``trouble`` is told what cannot be shown.
+        ``trouble`` is told what cannot be shown, ``boxes`` what is seen.
         """
-        results = await until_first(self._read(take, trouble, now_us), self._over.wait())
+        results = await until_first(self._read(take, trouble, boxes, now_us), self._over.wait())
         reason, code = self._reason, 1000
         for result in results:
             if isinstance(result, PeerError):
@@ -72,6 +74,7 @@ class GatewayCamera:
         self,
         take: Callable[[Picture], None],
         trouble: Callable[[Trouble], None],
+        boxes: Callable[[Boxes], None],
         now_us: Callable[[], int],
     ) -> None:
         while True:
@@ -88,5 +91,7 @@ class GatewayCamera:
                     await self._socket.send_bytes(MEDIA_FROM_HUB.encode(reply))
                 case Trouble():
                     trouble(message)
+                case Boxes():
+                    boxes(message)
                 case BeatReply():
                     pass

@@ -20,18 +20,10 @@ from talaia.wire.errors import PeerError
 from talaia.wire.sealing import inflated
 
 if TYPE_CHECKING:
-    from talaia.hub.live.alarms import Alarms
-    from talaia.hub.live.browsers import Browsers
-    from talaia.hub.live.changes import Changes
-    from talaia.hub.live.fanout import Fanout
     from talaia.hub.live.ingest import Ingest
     from talaia.hub.live.lists import ChannelLists
-    from talaia.hub.live.media import Media
-    from talaia.hub.live.reporting import Reporting
-    from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.hub.ports import History
-    from talaia.hub.store.descriptions import Descriptions
-    from talaia.hub.store.sites import SiteRegistry
+    from talaia.hub.live.parts import Parts
+    from talaia.hub.live.sites import LiveSite
     from talaia.model.site import Site
 
 __all__ = ["Describing", "Redescription", "source_of"]
@@ -54,30 +46,20 @@ def source_of(message: frames.Hello | frames.Described) -> str:
 class Describing:
     """Puts another description in a site's place: history, tables, pages, versions."""
 
-    def __init__(
-        self,
-        sites: Sites,
-        browsers: Browsers,
-        fanout: Fanout,
-        alarms: Alarms,
-        reporting: Reporting,
-        media: Media,
-        history: History,
-        registry: SiteRegistry,
-        versions: Descriptions,
-        changes: Changes,
-    ) -> None:
+    def __init__(self, parts: Parts) -> None:
         """Take the parts that follow a description."""
-        self._sites = sites
-        self._browsers = browsers
-        self._fanout = fanout
-        self._alarms = alarms
-        self._reporting = reporting
-        self._media = media
-        self._history = history
-        self._registry = registry
-        self._versions = versions
-        self._changes = changes
+        self._sites = parts.sites
+        self._browsers = parts.browsers
+        self._fanout = parts.fanout
+        self._alarms = parts.alarms
+        self._sightings = parts.sightings
+        self._detecting = parts.detecting
+        self._reporting = parts.reporting
+        self._media = parts.media
+        self._history = parts.history
+        self._registry = parts.registry
+        self._versions = parts.versions
+        self._changes = parts.changes
 
     async def greeted(
         self, hello: frames.Hello, description: Site, source: str, gateway: int
@@ -152,6 +134,8 @@ class Describing:
                 del known[device]
         self._fanout.redescribed(live)
         self._alarms.described(live)
+        self._sightings.described(live)
+        self._detecting.described(live)
         self._media.watch(live.name)
         self._browsers.tell(site_news(live))
         for browser in self._browsers:

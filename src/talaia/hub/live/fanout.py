@@ -58,7 +58,7 @@ class Fanout:
             return
         self.unsubscribe(browser, asked.sub)
         selection = select_channels(
-            asked.channels, live.description, live.channels, browser.who.grants
+            asked.channels, live.description, live.every, browser.who.grants
         )
         group = self._group(live, selection, asked.every_ms)
         group.members[browser, asked.sub] = asked

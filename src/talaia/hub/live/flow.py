@@ -87,6 +87,11 @@ class Flow:
         self._calm_us = 0
         self._probe_us = _PROBE_US
 
+    @property
+    def waits(self) -> bool:
+        """Whether a picture waits for the connection."""
+        return bool(self._waiting)
+
     def wants(self, forms: Collection[str]) -> bool:
         """Tell whether a picture for these forms is for this page; none is for everyone."""
         return not forms or self.form in forms

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.hub.auth.permissions import sees_stream
 from talaia.hub.policy import (
     FROM_BROWSER,
     TO_BROWSER,
@@ -11,7 +12,7 @@ from talaia.hub.policy import (
     allows,
     need_of_message,
 )
-from talaia.wire.browser import Lease, Problem, Stop
+from talaia.wire.browser import Lease, Problem, SightingNews, Stop
 from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
@@ -62,7 +63,12 @@ class Gate:
             return True
         site, device = _object(message)
         live = self._sites.get(site)
-        return allows(need, grants, live.description if live else None, device)
+        described = live.description if live else None
+        if isinstance(message, SightingNews):
+            # Like the pictures themselves.
+            camera, _, stream = message.camera.partition("/")
+            return described is not None and sees_stream(grants, described, camera, stream)
+        return allows(need, grants, described, device)
 
 
 def _makes_safe(message: Message) -> bool:

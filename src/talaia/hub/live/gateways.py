@@ -37,22 +37,11 @@ if TYPE_CHECKING:
 
     from starlette.websockets import WebSocket
 
-    from talaia.clock import Clock
     from talaia.hub.live.admission import Admission
-    from talaia.hub.live.alarms import Alarms
-    from talaia.hub.live.browsers import Browsers
     from talaia.hub.live.describing import Describing
-    from talaia.hub.live.fanout import Fanout
-    from talaia.hub.live.links import Links
-    from talaia.hub.live.media import Media
-    from talaia.hub.live.recordings import Recordings
-    from talaia.hub.live.reporting import Reporting
-    from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.hub.live.uploads import Uploads
-    from talaia.hub.live.watching import Watching
-    from talaia.hub.ports import History
-    from talaia.hub.settings import Settings
-    from talaia.hub.store.sites import GatewayKey, SiteRegistry
+    from talaia.hub.live.parts import Parts
+    from talaia.hub.live.sites import LiveSite
+    from talaia.hub.store.sites import GatewayKey
     from talaia.model.site import Site
 
 __all__ = ["Gateways", "told_by"]
@@ -70,43 +59,27 @@ TRY_LATER = 1013
 class Gateways:
     """Takes links in, reads them, and lets them go."""
 
-    def __init__(
-        self,
-        sites: Sites,
-        browsers: Browsers,
-        fanout: Fanout,
-        reporting: Reporting,
-        alarms: Alarms,
-        media: Media,
-        history: History,
-        registry: SiteRegistry,
-        links: Links,
-        uploads: Uploads,
-        recordings: Recordings,
-        watching: Watching,
-        describing: Describing,
-        admission: Admission,
-        settings: Settings,
-        clock: Clock,
-    ) -> None:
+    def __init__(self, parts: Parts, describing: Describing, admission: Admission) -> None:
         """Take the parts that a gateway's words go to."""
-        self._uploads = uploads
-        self._recordings = recordings
+        self._uploads = parts.uploads
+        self._recordings = parts.recordings
         self._describing = describing
-        self._sites = sites
-        self._browsers = browsers
-        self._fanout = fanout
-        self._reporting = reporting
-        self._alarms = alarms
-        self._rivals = Rivals(reporting)
-        self._media = media
-        self._history = history
-        self._registry = registry
-        self._links = links
-        self._watching = watching
+        self._sites = parts.sites
+        self._browsers = parts.browsers
+        self._fanout = parts.fanout
+        self._reporting = parts.reporting
+        self._alarms = parts.alarms
+        self._sightings = parts.sightings
+        self._detecting = parts.detecting
+        self._rivals = Rivals(parts.reporting)
+        self._media = parts.media
+        self._history = parts.history
+        self._registry = parts.registry
+        self._links = parts.links
+        self._watching = parts.watching
         self._admission = admission
-        self._settings = settings
-        self._clock = clock
+        self._settings = parts.settings
+        self._clock = parts.clock
         self._cameras: dict[str, GatewayCamera] = {}
         self._parting = asyncio.Lock()
 
@@ -150,7 +123,12 @@ class Gateways:
             await link.farewell(KEPT_OUT, REPLACED)
             return
         link.send(
-            frames.Welcome(version=__version__, acked=acked, time_us=self._clock.wall_ns() // 1000)
+            frames.Welcome(
+                version=__version__,
+                acked=acked,
+                time_us=self._clock.wall_ns() // 1000,
+                takes=["seen"],
+            )
         )
         live = self._attach(link, hello, description)
         live.told, live.source, live.accepts = told, source, hello.accepts
@@ -180,6 +158,7 @@ class Gateways:
                 await camera.serve(
                     self._picture(site),
                     lambda said: self._media.trouble(site, said),
+                    lambda boxes: self._media.boxes(site, boxes),
                     self._now_us,
                 )
         finally:
@@ -241,6 +220,7 @@ class Gateways:
         if live.boot != hello.boot:
             live.boot = hello.boot
             live.rivals.discard(hello.boot)
+        self._sightings.attached(live)
         live.since_us = self._clock.wall_ns() // 1000
         live.why = ""
         live.stops.clear()
@@ -250,6 +230,8 @@ class Gateways:
         if changed:
             self._fanout.redescribed(live)
             self._alarms.described(live)
+            self._sightings.described(live)
+            self._detecting.described(live)
         self._browsers.tell(site_news(live))
         self._reporting.event(live, "gateway connected", message=f"version {hello.version}")
         if changed and before is not None:
@@ -323,6 +305,8 @@ class Gateways:
                     redescription.later(message)
                 case frames.Gap():
                     ingest.put(message)
+                case frames.Seen():
+                    self._sightings.seen(live, message)
                 case frames.Beat():
                     link.send(
                         frames.BeatReply(

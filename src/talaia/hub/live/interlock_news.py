@@ -35,9 +35,8 @@ def interlock_news(
     state, heard_ns = live.interlocks[name]
     # Reasons name values and people: only for those who may view the whole site.
     views = grants.may(Right.VIEW, live.name)
-    seen = [
-        each for each in rule.refuse if sees_device(grants, live.description, each.split("/", 1)[0])
-    ]
+    seen = [each for each in rule.refuse if _sees(live, grants, each)]
+    slowed = [each for each in rule.slow if _sees(live, grants, each)]
     passed_ms = (mono_ns - heard_ns) // MS
     since_us = (wall_ns // MS - state.for_ms - passed_ms) * 1000
     return InterlockNews(
@@ -51,6 +50,11 @@ def interlock_news(
         clears_ms=max(0, state.clears_ms - passed_ms),
         refuses=[_named(live.description, each) for each in seen],
         targets=seen,
+        slows=[
+            f"{_named(live.description, each)} to {rule.slow[each] * 100:.0f}\u202f%"
+            for each in slowed
+        ],
+        slowed=slowed,
         overridable=rule.longest_override > 0,
         overridden_by=state.overridden_by if views or not state.overridden_by else "an admin",
         reason=state.reason if views else "",
@@ -59,8 +63,12 @@ def interlock_news(
     )
 
 
+def _sees(live: LiveSite, grants: Grants, target: str) -> bool:
+    return sees_device(grants, live.description, target.split("/", 1)[0])
+
+
 def _named(site: Site, target: str) -> str:
-    """Say what an interlock refuses, as people call it."""
+    """Say what an interlock refuses or slows down, as people call it."""
     device_id, _, what = target.partition("/")
     device = site.devices[device_id]
     if what == "*":

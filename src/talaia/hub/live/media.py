@@ -10,15 +10,18 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from talaia.hub.live.flow import Ready
-from talaia.wire.browser import MEDIA_TO_BROWSER, Shot
+from talaia.wire.browser import MEDIA_TO_BROWSER, Shot, ShotBoxes
 from talaia.wire.frames import Form, KeyAsk, Watch
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from talaia.clock import Clock
     from talaia.hub.live.clocks import ClockOffset
+    from talaia.hub.live.outbox import Frame
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.live.viewer import Viewer
-    from talaia.wire.frames import Picture, Trouble
+    from talaia.wire.frames import Boxes, Picture, Trouble
 
 __all__ = ["Media"]
 
@@ -36,6 +39,9 @@ class Media:
         self._viewers: dict[tuple[str, str], set[Viewer]] = {}
         self._timers: dict[tuple[str, str], asyncio.TimerHandle] = {}
         self._forms: dict[tuple[str, str], frozenset[Form]] = {}
+        self._boxed: set[tuple[str, str]] = set()
+        # Who looks for the hub itself: in which form, and who is handed each picture.
+        self._eyes: dict[tuple[str, str], tuple[Form, Callable[[Picture], None]]] = {}
         self._troubles: dict[tuple[str, str], str] = {}
 
     def join(self, viewer: Viewer) -> None:
@@ -71,7 +77,39 @@ class Media:
                 for (where, stream), wanted in sorted(self._forms.items())
                 if where == site
             }
-            live.link.send(Watch(streams=list(forms), forms=forms))
+            boxed = sorted(stream for where, stream in self._boxed if where == site)
+            live.link.send(Watch(streams=list(forms), forms=forms, boxes=boxed))
+
+    def look(self, site: str, stream: str, form: Form, take: Callable[[Picture], None]) -> None:
+        """Let the hub itself look at a stream: ``take`` gets each picture, at once."""
+        self._eyes[site, stream] = (form, take)
+        self._look((site, stream))
+
+    def look_away(self, site: str, stream: str) -> None:
+        """Look no more."""
+        if self._eyes.pop((site, stream), None) is not None:
+            self._look((site, stream))
+
+    def looked_at(self, site: str, stream: str) -> bool:
+        """Tell whether a page wants to know what is seen on a stream."""
+        return (site, stream) in self._boxed
+
+    def boxes(self, site: str, boxes: Boxes) -> None:
+        """Hand what is seen on a picture to those who asked; written once for all of them."""
+        key = (site, boxes.stream)
+        if key not in self._boxed:
+            return
+        said = ShotBoxes(seq=boxes.seq, time_us=boxes.time_us, things=boxes.things)
+        written: dict[bool, Frame] = {}
+        for viewer in self._viewers.get(key, ()):
+            if viewer.wants_boxes:
+                frame = written.get(viewer.text)
+                if frame is None:
+                    encode = (
+                        MEDIA_TO_BROWSER.encode_text if viewer.text else MEDIA_TO_BROWSER.encode
+                    )
+                    frame = written[viewer.text] = encode(said)
+                viewer.boxes(frame)
 
     def close(self) -> None:
         """Stop the timers."""
@@ -83,6 +121,9 @@ class Media:
         """Hand a picture to its viewers; written once for all who read the same form."""
         key = (live.name, picture.stream)
         self._troubles.pop(key, None)
+        eye = self._eyes.get(key)
+        if eye is not None and (not picture.forms or eye[0] in picture.forms):
+            eye[1](picture)
         wanting = [each for each in self._viewers.get(key, ()) if each.flow.wants(picture.forms)]
         if not wanting:
             return
@@ -136,15 +177,25 @@ class Media:
                 live.link.send(KeyAsk(stream=viewer.stream, form=viewer.flow.form))
 
     def _look(self, key: tuple[str, str]) -> None:
-        wanted = frozenset(each.flow.form for each in self._viewers.get(key, ()))
-        if wanted and self._forms.get(key) != wanted:
-            self._forms[key] = wanted
-            self.watch(key[0])
+        viewers = self._viewers.get(key, ())
+        wanted = frozenset(each.flow.form for each in viewers)
+        if not wanted and key in self._viewers:
+            # The last one has just gone, and may be back in a moment.
+            return
+        if key in self._eyes:
+            wanted |= {self._eyes[key][0]}
+        boxed = any(each.wants_boxes for each in viewers)
+        if self._forms.get(key, frozenset()) == wanted and (key in self._boxed) == boxed:
+            return
+        self._forms[key] = wanted
+        if not wanted:
+            del self._forms[key]
+            self._troubles.pop(key, None)
+        (self._boxed.add if boxed else self._boxed.discard)(key)
+        self.watch(key[0])
 
     def _rest(self, key: tuple[str, str]) -> None:
         del self._timers[key]
         if not self._viewers.get(key):
             self._viewers.pop(key, None)
-            self._forms.pop(key, None)
-            self._troubles.pop(key, None)
-            self.watch(key[0])
+            self._look(key)

@@ -1,8 +1,8 @@
 """Recordings that gateways hand over: taken in piece by piece, checked, kept within a size.
 
-A recording is the file ``recordings/<site>/<id>.mcap`` with ``<id>.json`` beside it, and a row. The
-files come first: a row that was lost is made anew from them at the next start, and nothing is
-deleted because a list does not name it.
+A recording is the file ``recordings/<site>/<id>.mcap`` (a camera's film: ``<id>.mp4``) with
+``<id>.json`` beside it, and a row. The files come first: a row that was lost is made anew from
+them at the next start, and nothing is deleted because a list does not name it.
 
 Long, because every way a file may come, stop coming or go must leave file and row in step.
 """
@@ -34,6 +34,7 @@ from talaia.wire.frames import (
     FileHave,
     FileOffer,
     FilePiece,
+    FilmOffer,
 )  # fmt: skip
 
 if TYPE_CHECKING:
@@ -49,7 +50,9 @@ __all__ = ["FOLDER", "GatewayFiles", "Recordings"]
 
 _LOG = logging.getLogger(__name__)
 FOLDER = "recordings"
-_WHOLE, _PART, _ABOUT = ".mcap", ".mcap.part", ".json"
+_MESSAGES, _FILM, _PART, _ABOUT = ".mcap", ".mp4", ".part", ".json"
+# Of a film beside which nothing says whose it is.
+_UNKNOWN = "unknown"
 _ID = re.compile(r"[0-9A-Za-z]{1,32}(-[0-9a-z]{1,16})?", re.ASCII)
 _SITE = re.compile(r"[a-z][a-z0-9_]{0,62}", re.ASCII)
 _FAREWELL_S = 0.5
@@ -92,7 +95,7 @@ class GatewayFiles:
             return
 
     async def _read(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
-        offered: FileOffer | ArchiveOffer | None = None
+        offered: FileOffer | FilmOffer | ArchiveOffer | None = None
         while True:
             event = await self._socket.receive()
             if event["type"] == "websocket.disconnect":
@@ -100,7 +103,7 @@ class GatewayFiles:
             data = event.get("bytes")
             message = FILES_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
             match message:
-                case FileOffer():
+                case FileOffer() | FilmOffer():
                     offered = message
                     answer = await recordings.offered(site, message)
                 case ArchiveOffer():
@@ -109,7 +112,7 @@ class GatewayFiles:
                 case _:
                     if offered is None or offered.id != message.id:
                         raise PeerError("a piece of a file that was not offered")
-                    if isinstance(offered, FileOffer):
+                    if not isinstance(offered, ArchiveOffer):
                         answer = await recordings.take(site, offered, message)
                     else:
                         answer = await uploads.take(site, offered, message)
@@ -131,11 +134,15 @@ class Recordings:
 
     def path(self, recorded: Recorded) -> Path:
         """Give the file of a complete recording."""
-        return self._folder / recorded.site / (recorded.id + _WHOLE)
+        return self._file(recorded, _ending(recorded))
 
     async def of(self, site: str) -> list[Recorded]:
         """List a site's recordings, the newest first."""
         return await self._rows.of(site)
+
+    async def between(self, site: str, from_us: int, to_us: int) -> list[Recorded]:
+        """List what a site has of a stretch of time (µs, UTC), the newest first."""
+        return await self._rows.between(site, from_us, to_us)
 
     async def find(self, site: str, name: str) -> Recorded | None:
         """Find one."""
@@ -162,7 +169,7 @@ class Recordings:
                 await self._rows.put(failed)
                 _LOG.warning("the file of the recording %s of %s is not there", key[1], key[0])
 
-    async def offered(self, site: str, offer: FileOffer) -> FileHave:
+    async def offered(self, site: str, offer: FileOffer | FilmOffer) -> FileHave:
         """Answer an offer: how much of it is here."""
         async with self._turn:
             row = await self._rows.find(site, offer.id)
@@ -175,21 +182,7 @@ class Recordings:
                 return FileHave(id=offer.id, refused=why)
             if not _SITE.fullmatch(site) or not offer.size:
                 return FileHave(id=offer.id, refused="it cannot be kept")
-            recorded = Recorded(
-                site=site,
-                id=offer.id,
-                state=RecordingState.UPLOADING,
-                why=offer.why,
-                who=offer.who,
-                note=offer.note,
-                begin_us=offer.begin_us,
-                end_us=offer.end_us,
-                size=offer.size,
-                have=0,
-                messages=offer.messages,
-                digest=offer.digest,
-                topics=tuple(offer.topics),
-            )
+            recorded = _recorded(site, offer)
             if not await self._make_room(recorded):
                 why = "what comes already fills all the room that recordings may take"
                 return FileHave(id=offer.id, refused=why)
@@ -202,7 +195,7 @@ class Recordings:
                 return await self._finish(recorded)
             return FileHave(id=offer.id, have=have)
 
-    async def take(self, site: str, offer: FileOffer, piece: FilePiece) -> FileHave:
+    async def take(self, site: str, offer: FileOffer | FilmOffer, piece: FilePiece) -> FileHave:
         """Take a piece of an offered file.
 
         Raises:
@@ -281,6 +274,9 @@ class Recordings:
     def _file(self, recorded: Recorded, ending: str) -> Path:
         return self._folder / recorded.site / (recorded.id + ending)
 
+    def _part(self, recorded: Recorded) -> Path:
+        return self._file(recorded, _ending(recorded) + _PART)
+
     def _begin(self, recorded: Recorded) -> int:
         folder = self._folder / recorded.site
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -291,7 +287,7 @@ class Recordings:
         partial = about.with_suffix(".json.tmp")
         partial.write_text(json.dumps({**recorded._asdict(), "state": recorded.state.value}))
         partial.replace(about)
-        part = self._file(recorded, _PART)
+        part = self._part(recorded)
         have = part.stat().st_size if part.exists() else 0
         if have > recorded.size:
             part.unlink()
@@ -299,7 +295,7 @@ class Recordings:
         return have
 
     def _write(self, recorded: Recorded, piece: FilePiece) -> int:
-        number = os.open(self._file(recorded, _PART), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        number = os.open(self._part(recorded), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         try:
             have = os.fstat(number).st_size
             # Only what follows: a piece that came twice is there already.
@@ -314,27 +310,32 @@ class Recordings:
             os.close(number)
 
     def _close(self, recorded: Recorded) -> bool:
-        part = self._file(recorded, _PART)
+        part = self._part(recorded)
         with part.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
             os.fsync(file.fileno())
         if digest != recorded.digest:
             part.unlink()
             return False
-        part.rename(self._file(recorded, _WHOLE))
+        part.rename(self.path(recorded))
         return True
 
     def _unlink(self, recorded: Recorded) -> None:
-        for ending in (_WHOLE, _PART, _ABOUT):
-            self._file(recorded, ending).unlink(missing_ok=True)
+        for path in (self.path(recorded), self._part(recorded), self._file(recorded, _ABOUT)):
+            path.unlink(missing_ok=True)
 
     def _scan(self) -> dict[tuple[str, str], Recorded]:
         found = {}
-        for path in sorted(self._folder.glob("*/*.mcap*")):
+        endings = {kind + state: kind for kind in (_MESSAGES, _FILM) for state in ("", _PART)}
+        for path in sorted(self._folder.glob("*/*.m*")):
             site, name = path.parent.name, path.name.split(".", 1)[0]
             ending = path.name[len(name) :]
-            if ending in (_WHOLE, _PART) and _ID.fullmatch(name) and _SITE.fullmatch(site):
-                found[site, name] = self._described(path, site, name, whole=ending == _WHOLE)
+            if ending in endings and _ID.fullmatch(name) and _SITE.fullmatch(site):
+                described = self._described(path, site, name, whole=ending == endings[ending])
+                # What stands beside it may say nothing, but the ending tells a film.
+                film = endings[ending] == _FILM
+                stream = (described.stream or _UNKNOWN) if film else ""
+                found[site, name] = described._replace(stream=stream)
         return found
 
     def _described(self, path: Path, site: str, name: str, *, whole: bool) -> Recorded:
@@ -351,3 +352,26 @@ class Recordings:
         return Recorded(
             site, name, state, "found in the folder", "", "", end_us, end_us, size, size, 0, "", ()
         )
+
+
+def _ending(recorded: Recorded) -> str:
+    return _FILM if recorded.stream else _MESSAGES
+
+
+def _recorded(site: str, offer: FileOffer | FilmOffer) -> Recorded:
+    return Recorded(
+        site=site,
+        id=offer.id,
+        state=RecordingState.UPLOADING,
+        why=offer.why,
+        who=offer.who,
+        note=offer.note,
+        begin_us=offer.begin_us,
+        end_us=offer.end_us,
+        size=offer.size,
+        have=0,
+        messages=offer.pictures if isinstance(offer, FilmOffer) else offer.messages,
+        digest=offer.digest,
+        topics=() if isinstance(offer, FilmOffer) else tuple(offer.topics),
+        stream=(offer.stream or _UNKNOWN) if isinstance(offer, FilmOffer) else "",
+    )

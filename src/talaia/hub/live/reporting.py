@@ -8,14 +8,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.clock import MS
+from talaia.hub.auth.permissions import sees_signal
 from talaia.hub.live.interlock_news import interlock_news
 from talaia.wire import browser as page, frames
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
+    from talaia.hub.anomaly.watched import Watched
     from talaia.hub.live.alarms import Alarms
     from talaia.hub.live.browsers import Browser, Browsers
+    from talaia.hub.live.outbox import Frame
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalyNews
     from talaia.hub.store.audit import Audit
@@ -165,6 +168,30 @@ class Reporting:
             kind, time_us = "anomaly ended", news.ended_us
         good = news.ended_us is not None
         self.event(live, kind, device, f"{name}: {news.why}", good=good, time_us=time_us)
+
+    def detector(self, site: str, watched: Watched) -> None:
+        """Tell everyone who may see the signal how a detector stands; see `DetectorSink`."""
+        live = self._sites.get(site)
+        if live is None:
+            return
+        device, _, signal = watched.address.partition("/")
+        news = page.AnomalyNews(
+            site=site,
+            device=device,
+            address=watched.address,
+            detector=str(watched.watch.detector),
+            on=watched.episodes.began_us >= 0,
+            from_us=watched.from_us,
+            to_us=watched.to_us,
+            score=watched.score,
+            why=watched.why,
+            forgiven=watched.forgiven,
+            learning=watched.learning,
+        )
+        encoded: dict[bool, Frame] = {}
+        for browser in self._browsers:
+            if sees_signal(browser.who.grants, live.description, device, signal):
+                browser.tell(news, encoded)
 
     def rival_seen(self, live: LiveSite) -> None:
         """Show people that another gateway has this one's key, for as long as it goes on."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from talaia.hub.anomaly.wanted import score_channels
 from talaia.hub.live.latest import Latest
 
 if TYPE_CHECKING:
@@ -51,6 +52,9 @@ class LiveSite:
     """One site, now.
 
     Attributes:
+        every: what a page may subscribe to: ``channels``, and after them those of the scores of
+            its detectors.
+        latest: the newest sample of each of ``every``.
         since_us: when it went online or offline (UTC).
         loop_ms: hub to gateway and back, by the last beat.
         skew_ms: how far the gateway's wall clock is ahead of ours.
@@ -74,6 +78,7 @@ class LiveSite:
     description: Site
     catalogue: str
     channels: tuple[Channel, ...]
+    every: tuple[Channel, ...]
     latest: Latest
     since_us: int = 0
     last_seen_us: int = 0
@@ -139,13 +144,15 @@ class Sites:
         """
         live = self._sites.get(description.site)
         channels = description.channels()
+        every = (*channels, *score_channels(description, len(channels)))
         if live is None:
-            live = LiveSite(description, catalogue, channels, Latest(len(channels)))
+            live = LiveSite(description, catalogue, channels, every, Latest(len(every)))
             self._sites[description.site] = live
             return live
-        if channels != live.channels:
-            live.latest = _moved(live.latest, live.channels, channels, renamed or {})
-        live.description, live.catalogue, live.channels = description, catalogue, channels
+        if every != live.every:
+            live.latest = _moved(live.latest, live.every, every, renamed or {})
+        live.description, live.catalogue = description, catalogue
+        live.channels, live.every = channels, every
         return live
 
 

@@ -14,6 +14,7 @@ from talaia.hub.live.race import until_first
 from talaia.wire.browser import (
     MEDIA_FROM_BROWSER,
     MEDIA_TO_BROWSER,
+    BoxesAsk,
     Ended,
     Glance,
     Problem,
@@ -69,12 +70,15 @@ class Viewer:
         self.text = text
         self.flow = Flow(able)
         self.hears_problems = bool(able)
-        # Told that the form it wants, or its need of a picture to begin with, may have changed.
+        # What is seen on the pictures is wanted, too.
+        self.wants_boxes = False
+        # Told that what it wants, or its need of a picture to begin with, may have changed.
         self.on_flow: Callable[[Viewer], None] = lambda _viewer: None
         self._told = self.flow.form
         self._now_us = now_us
         self._socket = socket
         self._notes: deque[Frame] = deque(maxlen=_MOST_NOTES)
+        self._boxes: Frame | None = None
         self._wake = asyncio.Event()
         self._over = asyncio.Event()
         self._reason = ""
@@ -84,6 +88,11 @@ class Viewer:
         self.flow.offer(ready, self._now_us())
         self._wake.set()
         self._tell()
+
+    def boxes(self, frame: Frame) -> None:
+        """Hand over what is seen on a picture, in place of what has not gone out yet."""
+        self._boxes = frame
+        self._wake.set()
 
     def _tell(self) -> None:
         if self.flow.broken or self.flow.form is not self._told:
@@ -135,6 +144,8 @@ class Viewer:
                     self.flow.shown(message.seq, self._now_us())
                 case Glance():
                     self.flow.glance(still=message.still)
+                case BoxesAsk():
+                    self._ask_boxes(on=message.on)
             self._wake.set()
             self._tell()
 
@@ -146,6 +157,16 @@ class Viewer:
                 await self._send(self._notes.popleft())
             while (frame := self.flow.take(self._now_us())) is not None:
                 await self._send(frame)
+            # While a picture waits for the connection, boxes must not take it up.
+            if self._boxes is not None and not self.flow.waits:
+                boxes, self._boxes = self._boxes, None
+                await self._send(boxes)
+
+    def _ask_boxes(self, *, on: bool) -> None:
+        if on != self.wants_boxes:
+            self.wants_boxes = on
+            self._boxes = None
+            self.on_flow(self)
 
     async def _send(self, frame: Frame) -> None:
         if isinstance(frame, str):

@@ -2,8 +2,8 @@
 
 The link hands over its samples and goes on: they wait in a bounded queue, and those that find no
 room are skipped and counted. Detectors run on the event loop a millisecond at a time, behind all
-that is ready to run. Scores go into the history as channels of their own, under a run of the
-hub's; what was learned goes to the database now and then, and at the end.
+that is ready to run. Scores go to the pages that look, and into the history as channels of their
+own, under a run of the hub's; what was learned goes to the database now and then, and at the end.
 
 Long, because the whole life of a detector at the hub is told here.
 """
@@ -22,20 +22,21 @@ import numpy as np
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
+from talaia.hub.anomaly.wanted import MOST_BY_DEFAULT, wanted
 from talaia.hub.anomaly.watched import Began, Ended, Watched, score_address
 from talaia.hub.live.thinning import Thinning
 from talaia.hub.ports import AnomalyNews
-from talaia.model.anomaly import DetectorKind, Watch
-from talaia.model.site import SignalType
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from talaia.clock import Clock
+    from talaia.hub.live.fanout import Fanout
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.hub.ports import AnomalySink, History
+    from talaia.hub.ports import AnomalySink, DetectorSink, History
     from talaia.hub.store.learned import Learned
+    from talaia.model.anomaly import Watch
     from talaia.model.site import Site
 
 __all__ = ["Watching"]
@@ -51,10 +52,6 @@ _SAVES_A_TICK = 4
 _SAVE_EVERY_S = 900.0
 # Scores that may wait for a database that does not answer.
 _MOST_SCORES = 100_000
-# What `services.anomaly_detection` of a site sets to work, on how many of its signals at the most:
-# each takes 96 kB, and up to a hundred microseconds a second.
-_BY_DEFAULT = (Watch(detector=DetectorKind.TOGETHER),)
-_MOST_BY_DEFAULT = 1_000
 _FAILS = (SQLAlchemyError, TalaiaError, OSError)
 
 
@@ -78,6 +75,10 @@ class _SiteWatch:
         self.chosen = np.zeros(0, bool)
         self.addresses: list[str] = []
         self.thinning = Thinning(np.zeros(0, bool))
+        # A score's address to its number among the channels that a page may subscribe to.
+        self.places: dict[str, int] = {}
+        # Scores that pages have not been shown yet: number, time (µs), score.
+        self.fresh: list[tuple[int, int, float]] = []
 
     def every(self) -> list[Watched]:
         """List all detectors."""
@@ -92,13 +93,17 @@ class Watching:
 
     """
 
-    def __init__(self, sites: Sites, history: History, learned: Learned, clock: Clock) -> None:
-        """Keep scores in ``history`` and what is learned in ``learned``."""
+    def __init__(
+        self, sites: Sites, history: History, learned: Learned, fanout: Fanout, clock: Clock
+    ) -> None:
+        """Keep scores in ``history`` and what is learned in ``learned``; show scores live."""
         self._sites = sites
+        self._fanout = fanout
         self._history = history
         self._learned = learned
         self._clock = clock
         self._sinks: list[AnomalySink] = []
+        self._shown_to: list[DetectorSink] = []
         self._of: dict[str, _SiteWatch] = {}
         self._waiting: deque[_Piece] = deque()
         self._count = 0
@@ -110,9 +115,18 @@ class Watching:
         self._saved_at: dict[tuple[str, str, str], float] = {}
         self._failing = False
 
+    @property
+    def waiting(self) -> int:
+        """So many samples wait to be looked at."""
+        return self._count
+
     def listen(self, sink: AnomalySink) -> None:
         """Tell ``sink`` of every anomaly from now on."""
         self._sinks.append(sink)
+
+    def show(self, sink: DetectorSink) -> None:
+        """Tell ``sink`` from now on whenever a detector stands otherwise."""
+        self._shown_to.append(sink)
 
     def put(self, live: LiveSite, columns: Columns) -> None:
         """Take what is watched out of a batch; never waits."""
@@ -151,12 +165,14 @@ class Watching:
         found = [] if live is None else self._watch(live).watched.get(address, [])
         for each in found:
             if each.watch.detector == detector:
-                learns = each.detector.forgive()
-                each.changed = True
+                learns = each.forgive()
                 # A person's word is kept with the next tick.
                 self._saved_at[site, address, detector] = -_SAVE_EVERY_S
-                if learns and (ended := each.end()) is not None and live is not None:
-                    self._tell(live, each, ended)
+                if learns and live is not None:
+                    if (ended := each.end()) is not None:
+                        self._tell(live, each, ended)
+                    else:
+                        self._stands(live, each)
                 return learns
         return None
 
@@ -197,19 +213,49 @@ class Watching:
                     )
                     watch.watched[address][place] = Watched(address, each.unit, each.watch)
                     continue
-                self._after(piece.live, each, turn, time_us)
+                self._after(piece.live, watch, each, turn, time_us)
             if time.perf_counter() > until:
+                self._publish(piece.live, watch)
                 await asyncio.sleep(0)
                 until = time.perf_counter() + _SLICE_S
+        self._publish(piece.live, watch)
 
     def _after(
-        self, live: LiveSite, each: Watched, turn: Began | Ended | None, time_us: int
+        self,
+        live: LiveSite,
+        watch: _SiteWatch,
+        each: Watched,
+        turn: Began | Ended | None,
+        time_us: int,
     ) -> None:
         if turn is not None:
             self._tell(live, each, turn)
+        elif each.take_learned():
+            self._stands(live, each)
+        address = score_address(each.address, each.watch.detector)
+        place = watch.places.get(address)
+        if place is not None:
+            watch.fresh.append((place, time_us, each.score))
         waiting = self._scores.setdefault(live.name, [])
         if each.worth_writing(time_us) and len(waiting) < _MOST_SCORES:
-            waiting.append((score_address(each.address, each.watch.detector), time_us, each.score))
+            waiting.append((address, time_us, each.score))
+
+    def _publish(self, live: LiveSite, watch: _SiteWatch) -> None:
+        """Show pages the newest scores."""
+        if not watch.fresh:
+            return
+        fresh, watch.fresh = watch.fresh, []
+        if watch.description is not live.description:
+            # Numbered by another list of channels.
+            return
+        columns = Columns(
+            np.array([place for place, _, _ in fresh], np.uint16),
+            np.array([time_us for _, time_us, _ in fresh], np.int64),
+            np.array([score for _, _, score in fresh], np.float64),
+            {},
+        )
+        live.latest.update(columns, self._clock.monotonic_ns())
+        self._fanout.publish(live, columns)
 
     def _watch(self, live: LiveSite) -> _SiteWatch:
         """Give a site's detectors; made anew for another description, as they were if they fit."""
@@ -221,7 +267,15 @@ class Watching:
         )
         fresh = self._of[live.name] = _SiteWatch(live.description)
         thin = set()
-        for wish in _wanted(live.description):
+        wishes, left_out = wanted(live.description)
+        if left_out:
+            _LOG.warning(
+                "anomaly detection of %s: the first %d signals are watched, %d more are not",
+                live.name,
+                MOST_BY_DEFAULT,
+                left_out,
+            )
+        for wish in wishes:
             fresh.watched[wish.address] = [
                 _again(before, wish.address, each) or Watched(wish.address, wish.unit, each)
                 for each in wish.watches
@@ -231,6 +285,8 @@ class Watching:
         fresh.ready = not fresh.watched or (watch is not None and watch.ready)
         fresh.addresses = [each.address for each in live.channels] if fresh.watched else []
         fresh.chosen = np.array([each in fresh.watched for each in fresh.addresses], bool)
+        scores = range(len(live.channels), len(live.every))
+        fresh.places = {live.every[at].address: at for at in scores}
         fresh.thinning = Thinning(np.array([each in thin for each in fresh.addresses], bool))
         for each in before.values():
             if (ended := each.end()) is not None:
@@ -263,6 +319,11 @@ class Watching:
         )
         for sink in self._sinks:
             sink.anomaly(news)
+        self._stands(live, each)
+
+    def _stands(self, live: LiveSite, each: Watched) -> None:
+        for sink in self._shown_to:
+            sink.detector(live.name, each)
 
     async def _tick(self) -> None:
         while True:
@@ -284,10 +345,12 @@ class Watching:
             if not live.online:
                 continue
             now_us = self._clock.wall_ns() // 1000 + round(live.skew_ms * 1000)
-            for each in self._watch(live).every():
+            watch = self._watch(live)
+            for each in watch.every():
                 turn = each.idle(now_us)
                 if turn is not None:
-                    self._after(live, each, turn, now_us)
+                    self._after(live, watch, each, turn, now_us)
+            self._publish(live, watch)
 
     async def _write_scores(self) -> None:
         for site in [site for site, waiting in self._scores.items() if waiting]:
@@ -336,34 +399,3 @@ def _again(before: dict[tuple[str, Watch], Watched], address: str, watch: Watch)
     """Take a detector over from the description of before, if it is asked for alike."""
     key = (address, watch)
     return before.pop(key) if key in before else None
-
-
-class _Wish(NamedTuple):
-    """What watches a signal; ``thin`` where only a sample a second is looked at."""
-
-    address: str
-    unit: str
-    watches: Sequence[Watch]
-    thin: bool
-
-
-def _wanted(site: Site) -> list[_Wish]:
-    """List what is described at signals, and what `services.anomaly_detection` adds to it."""
-    own, more = [], []
-    for device_id, device in site.devices.items():
-        for signal_id, signal in device.signals.items():
-            address = f"{device_id}/{signal_id}"
-            if signal.anomalies:
-                own.append(_Wish(address, signal.unit, signal.anomalies, thin=False))
-            elif signal.primary and signal.type is SignalType.NUMBER:
-                more.append(_Wish(address, signal.unit, _BY_DEFAULT, thin=True))
-    if site.services is None or not site.services.anomaly_detection:
-        return own
-    if len(more) > _MOST_BY_DEFAULT:
-        _LOG.warning(
-            "anomaly detection of %s: the first %d of %d signals are watched",
-            site.site,
-            _MOST_BY_DEFAULT,
-            len(more),
-        )
-    return own + more[:_MOST_BY_DEFAULT]

@@ -26,8 +26,9 @@ class AddressRefused(OSError):
 
     def __init__(self, host: str, address: str) -> None:
         """Say which, and what to do."""
+        said = f"{host} is" if host == address else f"{host} is {address},"
         super().__init__(
-            f"{host} is {address}, which is no public address; "
+            f"{said} no public address; "
             "start the hub with --notify-network for its network if that is meant"
         )
 

@@ -117,7 +117,11 @@ class Delivering:
     async def _deliver(self, parcel: Parcel) -> None:
         try:
             if parcel.notices:
-                await self._settled(parcel, await self._send(parcel))
+                found = await self._store.way(parcel.way)
+                # Asked before: while it is under way its rule may change and the way be removed.
+                same = found is not None and _repeatable(found[0].kind)
+                went = await self._send(parcel, found)
+                await self._settled(parcel, went, same=same)
                 await self._told()
         except StoreDown:
             # It stays as being sent: the next start finds it so, and says so.
@@ -129,8 +133,7 @@ class Delivering:
             self._turns.release()
             self._news.set()
 
-    async def _send(self, parcel: Parcel) -> Went:
-        found = await self._store.way(parcel.way)
+    async def _send(self, parcel: Parcel, found: tuple[Way, dict[str, str]] | None) -> Went:
         if found is None:
             return Went(Outcome.FAILED, "the way it was to go is there no more")
         way, secrets = found
@@ -144,11 +147,13 @@ class Delivering:
             return Went(Outcome.AGAIN, went.problem)
         return went
 
-    async def _settled(self, parcel: Parcel, went: Went) -> None:
+    async def _settled(self, parcel: Parcel, went: Went, *, same: bool) -> None:
         now = self._now_us()
         match went.outcome:
             case Outcome.SENT:
                 await self._notices.sent(parcel, now)
+                if parcel.tries > 1:
+                    _LOG.info("a message about an alarm was delivered at try %s", parcel.tries)
                 return
             case Outcome.FAILED:
                 await self._notices.failed(parcel, now, went.problem)
@@ -159,9 +164,10 @@ class Delivering:
                 await self._notices.failed(parcel, now, went.problem)
             case Outcome.AGAIN:
                 due = now + _AGAIN_S[parcel.tries - 1] * _SECOND_US
-                found = await self._store.way(parcel.way)
-                same = found is not None and _repeatable(found[0].kind)
                 await self._notices.again(parcel, due, went.problem, same=same)
+                if parcel.tries > 1:
+                    # It was said at the first try, and is said once more when it has failed.
+                    return
         _LOG.warning("a message about an alarm was not delivered: %s", went.problem)
 
     def _now_us(self) -> int:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Message", "compose", "trial"]
 
+_ALARMS = "/alarms"
 _WORDS = {What.CLEARED: "over: "}
 
 
@@ -25,6 +26,7 @@ class Message(NamedTuple):
         key: names it; the same when it is sent again.
         severity: of the worst in it.
         sites: whom it is about.
+        open: path of the hub's page that shows it.
 
     """
 
@@ -33,6 +35,7 @@ class Message(NamedTuple):
     body: str
     severity: str
     sites: tuple[str, ...]
+    open: str = _ALARMS
 
 
 def compose(key: str, notices: Sequence[Notice], zone: str) -> Message:
@@ -49,7 +52,10 @@ def compose(key: str, notices: Sequence[Notice], zone: str) -> Message:
     else:
         title = f"{len(notices)} alarms are over"
     body = "\n\n".join(_said(notice, local) for notice in notices)
-    return Message(key, title, body, worst.severity.value, sites)
+    about = {(notice.site, notice.alarm) for notice in notices}
+    # Of several there is no one page but that of all.
+    shown = f"{_ALARMS}?alarm={first.site}/{first.alarm}" if len(about) == 1 else _ALARMS
+    return Message(key, title, body, worst.severity.value, sites, shown)
 
 
 def trial(key: str, who: str) -> Message:

@@ -24,7 +24,15 @@ _LONGEST_S = 60.0
 # Where to is said by a person's browser there, not by an admin: public addresses only.
 _NETWORKS_OF_PUSH: tuple[str, ...] = ()
 # What a child needs of our surroundings; secrets of the hub's are not among it.
-_SURROUNDINGS = ("PATH", "PYTHONPATH", "LANG", "SSL_CERT_FILE", "SSL_CERT_DIR", "SYSTEMROOT")
+_SURROUNDINGS = (
+    "PATH",
+    "PYTHONPATH",
+    "LANG",
+    "SSL_CERT_FILE",
+    "SSL_CERT_DIR",
+    "REQUESTS_CA_BUNDLE",
+    "SYSTEMROOT",
+)
 
 
 class Outcome(StrEnum):

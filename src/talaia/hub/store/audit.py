@@ -66,7 +66,8 @@ class Filter:
     """Which rows are meant; what is None does not matter.
 
     Attributes:
-        kind: the beginning of the kind: ``command`` finds all about commands.
+        kind: the beginning of the kind: ``command`` finds all about commands; of several kinds,
+            with commas between.
         from_us: not before. to_us: before.
         before: only rows with a smaller number.
         devices: only about one of these; not of the site as a whole.
@@ -94,7 +95,8 @@ class Filter:
             and getattr(self, each.name) is not None
         ]
         if self.kind is not None:
-            said.append(audit.c.kind.startswith(self.kind, autoescape=True))
+            kinds = [each for each in self.kind.split(",") if each] or [self.kind]
+            said.append(or_(*(audit.c.kind.startswith(each, autoescape=True) for each in kinds)))
         if self.from_us is not None:
             said.append(audit.c.time_us >= self.from_us)
         if self.to_us is not None:

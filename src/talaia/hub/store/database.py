@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from alembic import command
 from alembic.config import Config
@@ -20,6 +20,7 @@ from talaia.hub.store.tables import write_turn
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
     from talaia.hub.store.reach import Reach
@@ -127,6 +128,8 @@ def _engine(found: Reach) -> AsyncEngine:
     if not server:
         event.listen(engine.sync_engine, "connect", open_sqlite("foreign_keys=ON"))
         event.listen(engine.sync_engine, "begin", _begin_sqlite)
+    elif found.url.get_backend_name() == "mysql":
+        event.listen(engine.sync_engine, "connect", _let_bytes_pass)
     return engine
 
 
@@ -142,6 +145,22 @@ def _remedy(engine: AsyncEngine) -> str:
     if engine.dialect.name == "sqlite":
         return "check that its folder exists and is writable"
     return "check that the server runs, and that the database and its user are there"
+
+
+def _let_bytes_pass(connection: DBAPIConnection, _record: object) -> None:
+    """Write bytes as MariaDB reads them: aiomysql 0.3 has lost how.
+
+    It imports from PyMySQL what is not there any more since its 1.2:
+    https://github.com/PyMySQL/PyMySQL/issues/1274.
+    """
+    driver: Any = connection.driver_connection
+    escape = driver.escape
+
+    def with_bytes(value: object) -> str:
+        said: str = f"_binary X'{value.hex()}'" if isinstance(value, bytes) else escape(value)
+        return said
+
+    driver.escape = with_bytes
 
 
 def _begin_sqlite(connection: Connection) -> None:

@@ -174,6 +174,9 @@ def _text(about: About, happened: Happened) -> str:
 
 async def _with_the_others(connection: AsyncConnection, rule: Rule, now_us: int, due: int) -> int:
     """Go out with what waits already: a burst is one message, counted from its first."""
+    if due > now_us + rule.group_s * 1_000_000:
+        # It waits for the end of quiet hours, also when something worse goes out in them.
+        return due
     found = await connection.execute(
         select(func.min(notices.c.due_us)).where(
             notices.c.rule == rule.id,
@@ -207,7 +210,9 @@ class Notices:
     async def take(self, now_us: int) -> Parcel | None:
         """Take what is due by one rule as one message; from now on it is ``sending``.
 
-        What was part of a message before (it is sent once more) keeps its key and goes alone.
+        What was part of a message before (it is sent once more) keeps its key and goes alone, by
+        the way that it went: it may have arrived there. All else goes by the way that its rule
+        names by now, which is not always that of the moment when it happened.
         """
         pending = notices.c.state == NoticeState.PENDING.value
         async with self._database.write() as connection:
@@ -239,14 +244,21 @@ class Notices:
             if found_target is None:
                 await self._mark(connection, ids, NoticeState.DROPPED, now_us, "")
                 return Parcel(key, first.rule, 0, 0, "", "UTC", 0, ())
+            rule_way, target, zone = found_target
+            way = rows[0].way if first.parcel else rule_way
             await connection.execute(
                 update(notices)
                 .where(notices.c.id.in_(ids))
-                .values(state=NoticeState.SENDING.value, parcel=key, tries=notices.c.tries + 1)
+                .values(
+                    state=NoticeState.SENDING.value,
+                    way=way,
+                    parcel=key,
+                    tries=notices.c.tries + 1,
+                )
             )
         told = tuple(_notice(row) for row in rows)
         tries = max(row.tries for row in rows) + 1
-        return Parcel(key, first.rule, rows[0].user_id, rows[0].way, *found_target, tries, told)
+        return Parcel(key, first.rule, rows[0].user_id, way, target, zone, tries, told)
 
     async def sent(self, parcel: Parcel, now_us: int) -> None:
         """It has arrived."""
@@ -337,11 +349,11 @@ class Notices:
             return {(row.site, row.alarm): row.problem for row in rows}
 
     @staticmethod
-    async def _target(connection: AsyncConnection, row: object) -> tuple[str, str] | None:
-        """Give where to, and the person's zone; None when rule, person or right are gone."""
+    async def _target(connection: AsyncConnection, row: object) -> tuple[int, str, str] | None:
+        """Give the way, where to, and the zone; None when rule, person or right are gone."""
         found = row._mapping  # type: ignore[attr-defined]  # noqa: SLF001 - SQLAlchemy's own name
         rows = await connection.execute(
-            select(notify_rules.c.target, notify_rules.c.zone, users.c.role_id)
+            select(notify_rules.c.way, notify_rules.c.target, notify_rules.c.zone, users.c.role_id)
             .join(users, users.c.id == notify_rules.c.user_id)
             .where(notify_rules.c.id == found["rule"], users.c.disabled.is_(False))
         )
@@ -351,7 +363,7 @@ class Notices:
         grants = await grants_of(connection, OF_ROLES, {there.role_id})
         if not grants[there.role_id].may(Right.VIEW, found["site"], found["device"] or ANY):
             return None
-        return str(there.target), str(there.zone)
+        return int(there.way), str(there.target), str(there.zone)
 
     async def _settle(self, parcel: Parcel, state: NoticeState, now_us: int, problem: str) -> None:
         ids = [notice.id for notice in parcel.notices]

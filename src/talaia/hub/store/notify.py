@@ -154,26 +154,27 @@ class NotifyStore:
 
     async def add_rule(self, rule: Rule) -> int | None:
         """Add a rule; None when the person has too many."""
-        row = {
-            "user_id": rule.user,
-            "site": rule.site,
-            "way": rule.way,
-            "target": rule.target,
-            "least": rule.least.value,
-            "over": rule.over,
-            "quiet_from": rule.quiet_from,
-            "quiet_to": rule.quiet_to,
-            "quiet_least": rule.quiet_least.value,
-            "zone": rule.zone,
-            "group_s": rule.group_s,
-        }
         async with self._database.write() as connection:
             mine = select(func.count()).where(notify_rules.c.user_id == rule.user)
             if int((await connection.execute(mine)).scalar_one()) >= MOST_RULES:
                 return None
-            added = await connection.execute(insert(notify_rules).values(**row))
+            added = await connection.execute(insert(notify_rules).values(_row_of(rule)))
             key = added.inserted_primary_key
         return int(key[0]) if key else 0
+
+    async def change_rule(self, rule: Rule) -> bool:
+        """Change one of a person's rules; it keeps its number.
+
+        What waits in the outbox by it is told all the same, at the time that it was to be told:
+        whoever delivers asks the rule where to (`Notices.take`).
+        """
+        async with self._database.write() as connection:
+            done = await connection.execute(
+                update(notify_rules)
+                .where(notify_rules.c.id == rule.id, notify_rules.c.user_id == rule.user)
+                .values(_row_of(rule))
+            )
+        return done.rowcount == 1
 
     async def remove_rule(self, user: int, number: int) -> bool:
         """Remove one of a person's rules."""
@@ -252,6 +253,22 @@ class NotifyStore:
         )
         opened: dict[str, str] = json.loads(text) if text else {}
         return opened
+
+
+def _row_of(rule: Rule) -> dict[str, object]:
+    return {
+        "user_id": rule.user,
+        "site": rule.site,
+        "way": rule.way,
+        "target": rule.target,
+        "least": rule.least.value,
+        "over": rule.over,
+        "quiet_from": rule.quiet_from,
+        "quiet_to": rule.quiet_to,
+        "quiet_least": rule.quiet_least.value,
+        "zone": rule.zone,
+        "group_s": rule.group_s,
+    }
 
 
 def _about_way(number: int) -> str:

@@ -27,12 +27,14 @@ class RecordingState(StrEnum):
 
 
 class Recorded(NamedTuple):
-    """A recording of raw topics.
+    """A recording of raw topics, or a film of a camera.
 
     Attributes:
+        messages: how many are in it; of a film its pictures.
         have: bytes that are here.
         digest: SHA-256 of all of it, as its gateway said.
         note: what is missing in it, or why it failed.
+        stream: the camera that it is a film of (``device/stream``); empty where it holds topics.
 
     """
 
@@ -49,6 +51,7 @@ class Recorded(NamedTuple):
     messages: int
     digest: str
     topics: tuple[str, ...]
+    stream: str = ""
 
 
 class RecordingList:
@@ -61,6 +64,12 @@ class RecordingList:
     async def of(self, site: str) -> list[Recorded]:
         """List a site's recordings, the newest first."""
         return await self._select(_table.c.site == site)
+
+    async def between(self, site: str, from_us: int, to_us: int) -> list[Recorded]:
+        """List what a site has of a stretch of time, the newest first."""
+        return await self._select(
+            _table.c.site == site, _table.c.begin_us <= to_us, _table.c.end_us >= from_us
+        )
 
     async def all(self) -> list[Recorded]:
         """List every recording, the newest first."""

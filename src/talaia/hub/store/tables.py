@@ -42,6 +42,7 @@ __all__ = [
     "roles",
     "sessions",
     "setup_tokens",
+    "sightings",
     "sites",
     "token_permissions",
     "users",
@@ -258,6 +259,7 @@ recordings = Table(
     Column("messages", BigInteger, nullable=False),
     Column("digest", String(_HASH), nullable=False),
     Column("topics", _Long, nullable=False),
+    Column("stream", String(200), nullable=False, server_default=""),
 )
 
 audit = Table(
@@ -327,4 +329,30 @@ learned = Table(
         "state", LargeBinary().with_variant(mysql.LONGBLOB(), "mysql", "mariadb"), nullable=False
     ),
     Column("saved_us", BigInteger, nullable=False),
+)
+
+# What cameras have seen; see `store.sightings`.
+sightings = Table(
+    "sightings",
+    metadata,
+    Column("id", _Id, primary_key=True),
+    Column("site", String(_NAME), nullable=False),
+    Column("camera", String(_NAME), nullable=False),
+    Column("label", String(_NAME), nullable=False),
+    Column("began_us", BigInteger, nullable=False),
+    # 0 while it is in sight.
+    Column("ended_us", BigInteger, nullable=False),
+    Column("many", Integer, nullable=False),
+    Column("confidence", Double, nullable=False),
+    # When the hub was told of it last, by its own clock; and the run that told it.
+    Column("told_us", BigInteger, nullable=False),
+    Column("boot", String(_NAME), nullable=False),
+    # The time of its line in the logbook; 0 before there is one.
+    Column("noted_us", BigInteger, nullable=False),
+    Column("pictured", Boolean, nullable=False),
+    # JPEG. Last, so that a list need not read past it.
+    Column("picture", LargeBinary().with_variant(mysql.MEDIUMBLOB(), "mysql", "mariadb")),
+    UniqueConstraint("site", "camera", "label", "began_us", name="uq_sightings_site"),
+    Index("ix_sightings_site_began_us", "site", "began_us"),
+    Index("ix_sightings_site_noted_us", "site", "noted_us"),
 )

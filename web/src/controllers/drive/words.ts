@@ -29,10 +29,12 @@ export function haltWords(why: Halt | null): string {
  * @param cap - 0 to 1
  * @param loopMs - measured round trip to the gateway
  * @param pictureMs - age of the picture; negative: none
+ * @param rule - the interlock that slows driving down now; empty: none does
  */
-export function capWords(cap: number, loopMs: number, pictureMs: number): string {
+export function capWords(cap: number, loopMs: number, pictureMs: number, rule = ""): string {
   if (cap >= 0.995) return "";
   const share = cap <= 0 ? "No driving" : `Speed capped to ${(cap * 100).toFixed(0)}\u202f%`;
+  if (rule !== "") return `${share}: ${rule}.`;
   if (loopMs > 150) return `${share}: the link is slow.`;
   if (pictureMs < 0) return `${share}: there is no picture.`;
   if (pictureMs > 500) return `${share}: the picture is old.`;

@@ -8,8 +8,12 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { formatMs } from "../../format/duration.js";
 import { base } from "../base.js";
+import "./boxes.js";
+import type { Boxed } from "./boxes.js";
+import type { Size } from "./fit.js";
 import "../icon.js";
 import type { IconName } from "../icons.js";
+import { onPicture } from "../on-picture.js";
 import "../loading.js";
 import { styled } from "../styled.js";
 import { MOST_ZOOM, moved, wheelFactor, WHOLE, zoomed, type Zoom } from "./zoom.js";
@@ -38,12 +42,15 @@ const DOT = "M6 1a5 5 0 1 0 0 10A5 5 0 0 0 6 1Z";
 const BLOCK = "M1 1h10v10H1z";
 
 /**
+ * @slot top - lies over the picture's upper edge
+ * @slot tool - more buttons beside its own
  * @fires t-fullscreen the button was pressed
  */
 @customElement("t-camera-view")
 export class CameraView extends LitElement {
   static override styles = [
     base,
+    onPicture,
     css`
       :host {
         display: block;
@@ -75,35 +82,11 @@ export class CameraView extends LitElement {
         background: #000;
         filter: var(--t-picture-filter, none);
       }
-      /* Multiplied with the picture: a red tint leaves nothing but red. Only there where a theme
-         asks for it: blending costs a pass over the whole picture, 30 times a second. */
-      .tint {
-        display: var(--t-picture-tinted, none);
-        position: absolute;
-        inset: 0;
-        background: var(--t-picture-tint);
-        mix-blend-mode: multiply;
-        pointer-events: none;
-      }
       .aged canvas {
         filter: grayscale(1) brightness(0.55) contrast(0.8);
       }
-      .veil {
-        position: absolute;
-        inset: 0;
-        display: grid;
-        place-content: center;
-        justify-items: center;
-        gap: var(--t-space-2);
-        padding: var(--t-space-4);
-        text-align: center;
-      }
       .veil t-icon {
         font-size: 2.5rem;
-        color: var(--t-muted);
-      }
-      .veil p {
-        max-inline-size: 34ch;
         color: var(--t-muted);
       }
       /* Stripes over an old picture: grey alone is easily missed on a grey scene. */
@@ -141,7 +124,7 @@ export class CameraView extends LitElement {
           display: none;
         }
       }
-      button[disabled] {
+      .key[disabled] {
         color: var(--t-muted);
         cursor: default;
       }
@@ -155,17 +138,14 @@ export class CameraView extends LitElement {
         padding: var(--t-space-2);
         pointer-events: none;
       }
-      .badge {
-        display: inline-flex;
-        align-items: center;
-        gap: var(--t-space-2);
-        padding: 0.2rem var(--t-space-2);
-        border-radius: var(--t-radius-s);
-        background: var(--t-surface);
-        color: var(--t-text);
-        border: 1px solid var(--t-line);
-        font-size: var(--t-size-s);
-        font-variant-numeric: tabular-nums;
+      .head {
+        position: absolute;
+        inset: 0 0 auto;
+        /* The foot's buttons stay free. */
+        max-block-size: calc(100% - var(--t-touch) - var(--t-space-3));
+        display: grid;
+        grid-template-rows: minmax(0, 1fr);
+        pointer-events: none;
       }
       .badge svg {
         inline-size: 0.75em;
@@ -179,23 +159,6 @@ export class CameraView extends LitElement {
         display: inline-block;
         min-inline-size: 4.2em;
         font-weight: var(--t-weight-strong);
-      }
-      button {
-        pointer-events: auto;
-        display: grid;
-        place-content: center;
-        inline-size: var(--t-touch);
-        block-size: var(--t-touch);
-        padding: 0;
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius-s);
-        background: var(--t-surface);
-        color: var(--t-text);
-        cursor: pointer;
-      }
-      button svg {
-        inline-size: 1.4rem;
-        block-size: 1.4rem;
       }
     `,
   ];
@@ -216,10 +179,15 @@ export class CameraView extends LitElement {
   /** A picture has been drawn since the camera was opened. */
   @property({ type: Boolean }) drawn = false;
   @property({ type: Boolean }) full = false;
+  /** What is framed on the picture. */
+  @property({ attribute: false }) things: readonly Boxed[] = [];
+  /** It was seen on an earlier picture than the one that is shown. */
+  @property({ type: Boolean }) earlier = false;
 
   @query("canvas") private readonly canvas!: HTMLCanvasElement;
 
   @state() private zoom: Zoom = WHOLE;
+  @state() private picture: Size = { width: 4, height: 3 };
   /** Fingers and pressed buttons on the picture, where they are now. */
   private readonly held = new Map<number, { x: number; y: number }>();
 
@@ -231,6 +199,7 @@ export class CameraView extends LitElement {
     const height = film ? picture.displayHeight : picture.height;
     if (canvas.width !== width) canvas.width = width;
     if (canvas.height !== height) canvas.height = height;
+    if (this.picture.width !== width || this.picture.height !== height) this.picture = { width, height };
     canvas.getContext("2d", { alpha: false })?.drawImage(picture, 0, 0);
     picture.close();
   }
@@ -238,7 +207,12 @@ export class CameraView extends LitElement {
   override render(): TemplateResult {
     const live = this.drawn && this.link === "open" && this.age <= LIVE_MS;
     return html`<div class=${this.drawn && !live ? "aged" : ""}>
-      ${this.lens(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing} ${live ? nothing : this.veil()}
+      ${this.lens(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing}
+      ${this.drawn && this.things.length > 0
+        ? html`<t-boxes .things=${this.things} ?earlier=${this.earlier} .picture=${this.picture} .zoom=${this.zoom}></t-boxes>`
+        : nothing}
+      ${live ? nothing : this.veil()}
+      <div class="head"><slot name="top"></slot></div>
       <div class="foot">${this.drawn ? this.badge(live) : html`<span></span>`} ${this.tools()}</div>
     </div>`;
   }
@@ -393,12 +367,13 @@ export class CameraView extends LitElement {
           ${scale > 1 ? this.tool("Show all of the picture", "M4 4h16v16H4zM9 12h6", this.whole) : nothing}
           ${this.tool("Save this picture", "M12 4v11M7 10l5 5 5-5M5 20h14", this.snap)}`
         : nothing}
+      <slot name="tool"></slot>
       ${this.fullButton()}
     </div>`;
   }
 
   private tool(label: string, path: string, act: () => void, kind = "", off = false): TemplateResult {
-    return html`<button type="button" class=${kind} aria-label=${label} title=${label} ?disabled=${off} @click=${act}>
+    return html`<button type="button" class="key ${kind}" aria-label=${label} title=${label} ?disabled=${off} @click=${act}>
       <svg viewBox="0 0 24 24" aria-hidden="true">
         <path d=${path} fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"></path>
       </svg>
@@ -408,7 +383,7 @@ export class CameraView extends LitElement {
   private fullButton(): TemplateResult {
     const label = this.full ? "Leave full screen" : "Full screen";
     const path = this.full ? "M9 4v5H4M15 4v5h5M9 20v-5H4M15 20v-5h5" : "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5";
-    return html`<button type="button" aria-label=${label} title=${label} @click=${this.askFull}>
+    return html`<button type="button" class="key" aria-label=${label} title=${label} @click=${this.askFull}>
       <svg viewBox="0 0 24 24" aria-hidden="true">
         <path d=${path} fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round"></path>
       </svg>

@@ -14,7 +14,7 @@ import { lengthOf, type Span } from "../../series/window.js";
 import { clockOf } from "../../series/zone.js";
 import { base } from "../base.js";
 import { Axes } from "./axes.js";
-import { drawMarks, type ChartMark } from "./draw-marks.js";
+import { drawLevel, drawMarks, type ChartMark } from "./draw-marks.js";
 import { drawOutliers, type OutlierPoints } from "./draw-outliers.js";
 import { drawSeries } from "./draw-series.js";
 import { Gestures } from "./gestures.js";
@@ -37,6 +37,7 @@ declare global {
 const DRAWN: readonly (keyof Chart)[] = [
   "series",
   "marks",
+  "level",
   "outliers",
   "span",
   "follow",
@@ -66,6 +67,8 @@ export class Chart extends LitElement implements Paintable {
   @property({ attribute: false }) series: readonly ChartSeries[] = [];
   /** Where something happened, in ascending time. */
   @property({ attribute: false }) marks: readonly ChartMark[] = [];
+  /** A value with a dashed line across; NaN for none. */
+  @property({ type: Number }) level = NaN;
   /** Samples to point out, by the address of their series. */
   @property({ attribute: false }) outliers: ReadonlyMap<string, OutlierPoints> = NO_OUTLIERS;
   /** The window of a chart that stands still. */
@@ -213,6 +216,7 @@ export class Chart extends LitElement implements Paintable {
     view.paint(span, ranges, (plot) => {
       drawSeries(plot, this.series, { palette, columnUs, moving: this.follow !== null, rangeOf });
       drawMarks(plot, this.marks, palette);
+      if (!Number.isNaN(this.level)) drawLevel({ ...plot, range: ranges[0] ?? NO_RANGE }, this.level, palette);
       for (const one of this.series) {
         const points = this.outliers.get(one.address);
         if (points !== undefined) drawOutliers({ ...plot, range: rangeOf(one) }, points, palette);

@@ -2,24 +2,28 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, query, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
+import { customElement, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
+import { Tester } from "../../controllers/tester.js";
 import { base } from "../../elements/base.js";
+import { focusIn } from "../../elements/focus.js";
 import { sheets } from "../../elements/sheets.js";
+import { agentWords } from "../../format/agent.js";
 import { adviceFor } from "../../format/problem.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import { NotifyApi, type PushList, type RuleAsk, type NoticeRuleShape, type WayChoice, type WentShape } from "../../wire/alarms.js";
+import { NotifyApi, type PushList, type RuleAsk, type NoticeRuleShape, type WayChoice } from "../../wire/alarms.js";
 import type { HubApi } from "../../wire/http.js";
 import { subscribe, whyNoPush } from "../../wire/push.js";
+import { quietOf } from "./rule-ask.js";
 import "../../elements/button.js";
-import "../../elements/field.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
-import "../../elements/status.js";
+import "../../elements/time.js";
+import "../../elements/went.js";
+import "./rule-form.js";
 
 interface Known {
   readonly ways: readonly WayChoice[];
@@ -27,41 +31,28 @@ interface Known {
   readonly push: PushList;
 }
 
-const SEVERITIES = ["info", "warning", "critical"] as const;
-
 @customElement("t-account-rules")
 export class AccountRules extends LitElement {
   static override styles = [
     base,
     sheets,
     css`
-      form {
-        display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(min(14rem, 100%), 1fr));
-        align-items: end;
-        gap: var(--t-space-3);
-      }
-      label.tick {
-        display: flex;
-        align-items: center;
-        gap: var(--t-space-2);
-        min-block-size: var(--t-touch);
-      }
-      .went {
-        overflow-wrap: anywhere;
+      /* What is changed takes the whole row. */
+      li.open {
+        grid-template-columns: minmax(0, 1fr);
+        row-gap: var(--t-space-4);
       }
     `,
   ];
 
-  @state() private adding = false;
-  @state() private way = "";
-  @state() private went: { readonly id: string; readonly how: WentShape } | null = null;
-  @query("form") private readonly form!: HTMLFormElement | null;
+  /** Empty: a new one; null: none is being changed. */
+  @state() private editing: string | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new StoreController(this, sitesContext);
   private readonly known = new LoadController<Known>(this);
   private readonly action = new ActionController(this);
+  private readonly tester = new Tester(this, this.action, (id) => new NotifyApi(this.api).testRule(id));
 
   override willUpdate(): void {
     this.known.ask("rules", async () => {
@@ -74,12 +65,16 @@ export class AccountRules extends LitElement {
   override render(): TemplateResult {
     const { result, value } = this.known;
     const advice = result.state === "failed" ? adviceFor(result.error, "your rules") : null;
+    const { problem } = this.action;
     return html`<h2>Messages about alarms</h2>
       ${advice === null ? nothing : html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`}
       ${value === undefined ? (advice === null ? html`<t-loading what="Loading your rules"></t-loading>` : nothing) : this.content(value)}
-      ${this.action.problem === null
-        ? nothing
-        : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}`;
+      ${problem === null || this.open(value) ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}`;
+  }
+
+  /** Whether a form is shown: it says by itself what went wrong. */
+  private open(known: Known | undefined): boolean {
+    return this.editing === "" || known?.rules.some(({ id }) => id === this.editing) === true;
   }
 
   private content(known: Known): TemplateResult {
@@ -95,131 +90,95 @@ export class AccountRules extends LitElement {
               (rule) => this.rule(rule, known),
             )}
           </ul>`}
-      ${this.adding ? this.wish(known) : html`<div class="actions"><t-button @click=${this.add}>Tell me of alarms…</t-button></div>`}
+      ${this.editing === ""
+        ? html`<h3>A new rule</h3>
+            ${this.form(null, known)}`
+        : html`<div class="actions"><t-button class="add" @click=${this.changer("")}>Tell me of alarms…</t-button></div>`}
       ${known.push.key === "" ? nothing : this.browsers(known.push)}`;
   }
 
   private rule(rule: NoticeRuleShape, known: Known): TemplateResult {
     const way = known.ways.find(({ id }) => id === rule.way);
+    const name = `${way?.name ?? "a way that is gone"}${rule.target === "" ? "" : ` to ${rule.target ?? ""}`}`;
     const site = rule.site === "*" ? "every site" : (this.sites.store?.row(rule.site)?.name ?? rule.site);
-    const quiet = rule.quiet_from === rule.quiet_to ? "" : `quiet ${clock(rule.quiet_from ?? 0)}–${clock(rule.quiet_to ?? 0)} (${rule.zone ?? "UTC"}) but for ${rule.quiet_least ?? "critical"}`;
-    return html`<li>
+    const quiet = quietOf(rule);
+    const changed = rule.id === this.editing;
+    return html`<li data-rule=${rule.id} class=${changed ? "open" : ""}>
       <div>
-        <div class="name">${way?.name ?? "a way that is gone"}${rule.target === "" ? "" : ` to ${rule.target ?? ""}`}</div>
+        <div class="name">${name}</div>
         <div class="facts">
           <span>${site}</span><span>${rule.least} and worse</span>${rule.over === true ? html`<span>also when it is over</span>` : nothing}
-          ${quiet === "" ? nothing : html`<span>${quiet}</span>`}
+          ${quiet === null ? nothing : html`<span>quiet ${quiet.from}–${quiet.to} (${rule.zone}) but for ${rule.quiet_least}</span>`}
         </div>
-        ${this.went?.id === rule.id
-          ? html`<div class="went" role="status">
-              ${this.went.how.sent ? html`<t-status kind="ok" word="the test was taken"></t-status>` : html`<t-status kind="bad" word="not sent"></t-status> ${this.went.how.problem}`}
-            </div>`
-          : nothing}
+        <t-went .went=${this.tester.went(rule.id)}></t-went>
       </div>
-      <div class="actions">
-        <t-button ?busy=${this.action.under === `test ${rule.id}`} @click=${this.tester(rule.id)}>Send a test</t-button>
-        <t-button @click=${this.remover(rule.id)}>Remove</t-button>
-      </div>
+      ${changed
+        ? this.form(rule, known)
+        : html`<div class="actions">
+            <t-button label=${`Send a test: ${name}`} ?busy=${this.tester.busy(rule.id)} @click=${this.tester.presser(rule.id)}>Send a test</t-button>
+            <t-button class="change" label=${`Change ${name}`} @click=${this.changer(rule.id)}>Change…</t-button>
+            <t-button label=${`Remove ${name}`} @click=${this.remover(rule.id)}>Remove</t-button>
+          </div>`}
     </li>`;
   }
 
-  private wish(known: Known): TemplateResult {
-    const way = known.ways.find(({ id }) => id === this.way) ?? known.ways[0];
-    return html`<form novalidate @submit=${this.submitted}>
-        <t-field label="By">
-          <select name="way" @change=${this.choose}>
-            ${map(known.ways, (one) => html`<option value=${one.id} ?selected=${one.id === way?.id}>${one.name}</option>`)}
-          </select>
-        </t-field>
-        ${way?.kind === "mail" ? html`<t-field label="Mail address"><input name="target" type="email" maxlength="200" autocomplete="email" /></t-field>` : nothing}
-        <t-field label="Of">
-          <select name="site">
-            <option value="*">every site</option>
-            ${map(this.sites.store?.list ?? [], ({ site, name }) => html`<option value=${site}>${name}</option>`)}
-          </select>
-        </t-field>
-        <t-field label="At least">
-          <select name="least">
-            ${map(SEVERITIES, (word) => html`<option ?selected=${word === "warning"}>${word}</option>`)}
-          </select>
-        </t-field>
-        <t-field label="Quiet from" hint="Empty: never quiet"><input name="from" type="time" /></t-field>
-        <t-field label="Quiet until" hint="What comes meanwhile is told then"><input name="to" type="time" /></t-field>
-        <t-field label="Told in quiet hours too">
-          <select name="quiet_least">
-            ${map(SEVERITIES.slice(1), (word) => html`<option ?selected=${word === "critical"}>${word}</option>`)}
-          </select>
-        </t-field>
-        <t-field label="Gathered for (s)" hint="A burst comes as one message"><input name="group_s" inputmode="numeric" value="10" /></t-field>
-        <label class="tick"><input name="over" type="checkbox" checked /> Also when it is over</label>
-      </form>
-      <div class="actions">
-        <t-button kind="primary" ?busy=${this.action.busy} @click=${this.submitted}>Tell me</t-button>
-        <t-button @click=${this.cancel}>Cancel</t-button>
-      </div>`;
+  private form(rule: NoticeRuleShape | null, known: Known): TemplateResult {
+    return html`<t-rule-form
+      .rule=${rule}
+      .ways=${known.ways}
+      .sites=${this.sites.store?.list ?? []}
+      .problem=${this.action.problem}
+      ?busy=${this.action.busy}
+      @t-rule=${this.keep}
+      @t-cancel=${this.close}
+    ></t-rule-form>`;
   }
 
   private browsers(push: PushList): TemplateResult {
     const why = whyNoPush();
     return html`<h3>Browsers that take push messages</h3>
-      <ul class="rows">
-        ${repeat(
-          push.browsers,
-          ({ id }) => id,
-          (one) => html`<li><div class="facts">${one.agent}</div><t-button @click=${this.forgetter(one.id)}>Remove</t-button></li>`,
-        )}
-      </ul>
+      ${push.browsers.length === 0
+        ? html`<p class="muted">None of yours yet. A rule that tells you by push messages goes to all of them.</p>`
+        : html`<ul class="rows">
+            ${repeat(
+              push.browsers,
+              ({ id }) => id,
+              (one) => html`<li>
+                <div>
+                  <div class="name">${agentWords(one.agent)}</div>
+                  <div class="facts"><span>since <t-time .us=${one.created_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time></span></div>
+                </div>
+                <t-button label=${`Remove ${agentWords(one.agent)}`} @click=${this.forgetter(one.id)}>Remove</t-button>
+              </li>`,
+            )}
+          </ul>`}
       ${why === ""
         ? html`<div class="actions"><t-button ?busy=${this.action.under === "push"} @click=${this.take(push.key)}>Take messages in this browser</t-button></div>`
         : html`<p class="muted">${why}</p>`}`;
   }
 
-  private readonly add = (): void => {
+  private changer(id: string): () => void {
+    return () => {
+      this.action.clear();
+      this.editing = id;
+    };
+  }
+
+  /** Back to the button that opened the form. */
+  private readonly close = (): void => {
+    const { editing } = this;
     this.action.clear();
-    this.adding = true;
+    this.editing = null;
+    void focusIn(this, editing === null || editing === "" ? ".add" : `li[data-rule="${editing}"] .change`);
   };
 
-  private readonly cancel = (): void => {
-    this.adding = false;
-  };
-
-  private readonly choose = (event: Event): void => {
-    if (event.target instanceof HTMLSelectElement) this.way = event.target.value;
-  };
-
-  private readonly submitted = (event: Event): void => {
-    event.preventDefault();
-    if (this.form === null) return;
-    const data = new FormData(this.form);
-    const text = (key: string): string => {
-      const value = data.get(key);
-      return typeof value === "string" ? value.trim() : "";
-    };
-    const [from, to] = [minutes(text("from")), minutes(text("to"))];
-    const rule: RuleAsk = {
-      site: text("site"), way: text("way"), target: text("target"), least: severity(text("least")), over: data.has("over"),
-      quiet_from: from ?? 0, quiet_to: from === null ? 0 : (to ?? 0), quiet_least: severity(text("quiet_least")),
-      zone: Intl.DateTimeFormat().resolvedOptions().timeZone, group_s: Math.round(Number(text("group_s")) || 0),
-    };
-    void this.action.run("keep the rule", () => new NotifyApi(this.api).addRule(rule)).then((done) => {
-      if (done) this.adding = false;
+  private readonly keep = (event: CustomEvent<RuleAsk>): void => {
+    const id = this.editing ?? "";
+    void this.action.run("keep the rule", () => new NotifyApi(this.api).putRule(id, event.detail)).then((done) => {
+      if (done) this.close();
       this.known.again();
     });
   };
-
-  private tester(id: string): () => void {
-    return () => {
-      this.went = null;
-      void this.action.run(
-        "send the test",
-        async () => {
-          this.went = { id, how: await new NotifyApi(this.api).testRule(id) };
-        },
-        "",
-        `test ${id}`,
-      );
-    };
-  }
 
   private remover(id: string): () => void {
     return () => {
@@ -246,20 +205,6 @@ export class AccountRules extends LitElement {
         });
     };
   }
-}
-
-function severity(word: string): "info" | "warning" | "critical" {
-  return SEVERITIES.find((one) => one === word) ?? "warning";
-}
-
-/** Minute of the day of `HH:MM`; null when there is none. */
-function minutes(text: string): number | null {
-  const match = /^(\d\d):(\d\d)/.exec(text);
-  return match === null ? null : Number(match[1]) * 60 + Number(match[2]);
-}
-
-function clock(minute: number): string {
-  return `${String(Math.floor(minute / 60)).padStart(2, "0")}:${String(minute % 60).padStart(2, "0")}`;
 }
 
 declare global {

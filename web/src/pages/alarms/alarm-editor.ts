@@ -8,14 +8,15 @@ import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
+import { forms } from "../../elements/forms.js";
 import { sheets } from "../../elements/sheets.js";
 import { styled } from "../../elements/styled.js";
 import { formatDuration } from "../../format/duration.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AlarmsApi, type AlarmDefinition, type PreviewShape } from "../../wire/alarms.js";
-import type { SiteDetail } from "../../wire/api.js";
+import type { SignalInfo, SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
-import { definitionOf, FIELDS, fieldsOf, idOf, KINDS, type Fields, type Kind } from "./definition.js";
+import { definitionOf, FIELDS, fieldsOf, fits, idOf, KINDS, labelOf, type Field, type Fields, type Kind } from "./definition.js";
 import "../../elements/button.js";
 import "../../elements/confirm.js";
 import "../../elements/field.js";
@@ -30,22 +31,8 @@ export class AlarmEditor extends LitElement {
   static override styles = [
     base,
     sheets,
+    forms,
     css`
-      form {
-        display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr));
-        align-items: start;
-        gap: var(--t-space-4);
-      }
-      .wide {
-        grid-column: 1 / -1;
-      }
-      label.tick {
-        display: flex;
-        align-items: center;
-        gap: var(--t-space-2);
-        min-block-size: var(--t-touch);
-      }
       .strip {
         position: relative;
         block-size: 1.75rem;
@@ -74,6 +61,8 @@ export class AlarmEditor extends LitElement {
   @property({ attribute: false }) definition: AlarmDefinition | null = null;
 
   @state() private kind: Kind | null = null;
+  /** The channel that was chosen in the form; null: none yet. */
+  @state() private signal: string | null = null;
   @state() private wrong = "";
   @state() private preview: PreviewShape | null = null;
   @state() private removing = false;
@@ -93,8 +82,9 @@ export class AlarmEditor extends LitElement {
   override render(): TemplateResult {
     const fields = this.definition === null ? {} : fieldsOf(this.definition);
     const kind = this.kind ?? this.definition?.kind ?? "limit";
+    const signal = this.signalOf(kind, fields["signal"] ?? "");
     return html`<h2>${this.alarm === "" ? "New alarm" : "Change the alarm"}</h2>
-      <form novalidate @submit=${this.tried} @input=${this.touched}>
+      <form class="entry" novalidate @submit=${this.tried} @input=${this.touched}>
         <t-field label="Name"><input name="name" maxlength="100" autocomplete="off" .value=${fields["name"] ?? ""} /></t-field>
         <t-field label="Kind">
           <select name="kind" @change=${this.choose}>
@@ -113,11 +103,11 @@ export class AlarmEditor extends LitElement {
           FIELDS.filter(({ kinds }) => kinds.includes(kind)),
           (field) => html`<t-field
             class=${field.name === "expression" || field.name === "advice" ? "wide" : ""}
-            label=${field.label}
-            .hint=${field.hint ?? ""}
+            label=${labelOf(field, signal?.unit ?? "")}
+            .hint=${this.hintOf(field, signal?.states ?? [])}
             .error=${this.errorOf(field.name)}
-            >${this.control(field.name, field.sort, fields)}</t-field
-          >`,
+            >${this.control(field.name, field.sort, fields, kind)}</t-field
+          >${field.name === "expression" ? this.inserter() : nothing}`,
         )}
         <label class="tick wide"
           ><input type="checkbox" name="record" ?checked=${fields["record"] === "on"} /> Record the raw topics around it</label
@@ -152,19 +142,48 @@ export class AlarmEditor extends LitElement {
     return "";
   }
 
-  private control(name: string, sort: string, fields: Fields): TemplateResult {
+  private hintOf(field: Field, states: readonly string[]): string {
+    if (field.sort === "words" && states.length > 0) return `With commas between: ${states.join(", ")}`;
+    return field.hint ?? "";
+  }
+
+  /** The signal that is chosen; at first that of the definition, else the first that fits. */
+  private signalOf(kind: Kind, defined: string): SignalInfo | undefined {
+    const signals = (this.detail.value?.devices ?? []).flatMap((device) => device.signals).filter(({ type }) => fits(kind, type));
+    const of = (channel: string): SignalInfo | undefined => signals.find(({ channels }) => channels.includes(channel));
+    return of(this.signal ?? defined) ?? signals[0];
+  }
+
+  /** For who does not know the signals' addresses by heart. */
+  private inserter(): TemplateResult {
+    return html`<t-field class="wide" label="Put a signal in">
+      <select @change=${this.insert}>
+        <option value="">Choose…</option>
+        ${this.channels(null, "")}
+      </select>
+    </t-field>`;
+  }
+
+  /** Every channel as a choice; of one kind of alarm, those that fit. */
+  private channels(kind: Kind | null, chosen: string): unknown {
+    return map(this.detail.value?.devices ?? [], (device) =>
+      map(
+        device.signals.filter(({ type }) => kind === null || fits(kind, type)),
+        (signal) =>
+          map(
+            signal.channels,
+            (channel) => html`<option value=${channel} ?selected=${channel === chosen}>${device.name}: ${signal.name}${signal.channels.length > 1 ? ` ${channel.split(".").at(-1) ?? ""}` : ""}${signal.unit === "" ? "" : ` (${signal.unit})`}</option>`,
+          ),
+      ),
+    );
+  }
+
+  private control(name: string, sort: string, fields: Fields, kind: Kind): TemplateResult {
     const value = fields[name] ?? "";
     const devices = this.detail.value?.devices ?? [];
     if (sort === "signal") {
-      return html`<select name=${name}>
-        ${map(devices, (device) =>
-          map(device.signals, (signal) =>
-            map(
-              signal.channels,
-              (channel) => html`<option value=${channel} ?selected=${channel === value}>${device.name}: ${signal.name}${signal.channels.length > 1 ? ` ${channel.split(".").at(-1) ?? ""}` : ""}${signal.unit === "" ? "" : ` (${signal.unit})`}</option>`,
-            ),
-          ),
-        )}
+      return html`<select name=${name} @change=${this.chooseSignal}>
+        ${this.channels(kind, value)}
       </select>`;
     }
     if (sort === "stream") {
@@ -225,6 +244,18 @@ export class AlarmEditor extends LitElement {
 
   private readonly choose = (event: Event): void => {
     if (event.target instanceof HTMLSelectElement) this.kind = event.target.value as Kind;
+  };
+
+  private readonly chooseSignal = (event: Event): void => {
+    if (event.target instanceof HTMLSelectElement) this.signal = event.target.value;
+  };
+
+  private readonly insert = (event: Event): void => {
+    const area = this.form.querySelector("textarea");
+    if (!(event.target instanceof HTMLSelectElement) || area === null || event.target.value === "") return;
+    area.setRangeText(`{${event.target.value}}`, area.selectionStart, area.selectionEnd, "end");
+    event.target.value = "";
+    area.focus();
   };
 
   private readonly touched = (): void => {

@@ -1,6 +1,7 @@
 /** An alarm's definition as the fields of a form, and back. Pure. */
 
 import type { AlarmDefinition } from "../../wire/alarms.js";
+import type { SignalInfo } from "../../wire/api.js";
 
 export type Kind = AlarmDefinition["kind"];
 
@@ -16,7 +17,7 @@ export const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = 
 /** Texts of the form's fields, by name; a ticked box is "on". */
 export type Fields = Readonly<Record<string, string>>;
 
-interface Field {
+export interface Field {
   readonly name: string;
   readonly label: string;
   readonly hint?: string;
@@ -46,6 +47,21 @@ export const FIELDS: readonly Field[] = [
   { name: "unknown_after", label: "Raised also when it cannot be judged for (s)", hint: "Empty: never", kinds: ALL, sort: "number" },
   { name: "advice", label: "What to do", kinds: ALL, sort: "text" },
 ];
+
+/** Fields whose number is in the signal's unit. */
+const IN_UNIT = ["above", "below", "hysteresis"];
+
+/** What a field is called, with the unit of its number. */
+export function labelOf(field: Field, unit: string): string {
+  return IN_UNIT.includes(field.name) && unit !== "" ? `${field.label} (${unit})` : field.label;
+}
+
+/** Whether an alarm of a kind can watch a signal of a type. */
+export function fits(kind: Kind, type: SignalInfo["type"]): boolean {
+  if (kind === "limit" || kind === "anomaly") return type === "number" || type === "position";
+  if (kind === "state") return type === "state" || type === "text";
+  return true;
+}
 
 /** Numbers that may be left empty; the others are their default then. */
 const OPTIONAL = ["above", "below", "max_age", "unknown_after"];

@@ -13,7 +13,7 @@ import { base } from "../../elements/base.js";
 import { sheets } from "../../elements/sheets.js";
 import type { AlarmNews } from "../../generated/wire.js";
 import { adviceFor } from "../../format/problem.js";
-import { alarmsContext, apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
+import { alarmsContext, alarmSoundContext, apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import { AlarmsApi, type AlarmList, type AlarmShape } from "../../wire/alarms.js";
 import type { HubApi } from "../../wire/http.js";
@@ -46,6 +46,11 @@ export class PageAlarms extends LitElement {
       li.alarm {
         border-inline-start: 5px solid var(--t-line);
         padding-inline-start: var(--t-space-3);
+      }
+      li.named {
+        outline: 2px solid var(--t-accent);
+        outline-offset: 2px;
+        scroll-margin-block: 40vh;
       }
       li.on.warning {
         border-inline-start-color: var(--t-warn);
@@ -90,6 +95,7 @@ export class PageAlarms extends LitElement {
   @state() private open = "";
   /** Site and alarm that is being changed, or a site and nothing for a new one. */
   @state() private editing: { readonly site: string; readonly alarm: string } | null = null;
+  @query("li.named") private readonly row!: HTMLElement | null;
   @query("#text") private readonly text!: HTMLInputElement | null;
   @query("#hours") private readonly hours!: HTMLSelectElement | null;
 
@@ -97,6 +103,10 @@ export class PageAlarms extends LitElement {
   private readonly alarms = new StoreController(this, alarmsContext);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly session = new StoreController(this, sessionContext);
+  private readonly sound = new StoreController(this, alarmSoundContext);
+  private readonly router = new StoreController(this, routerContext);
+  /** The alarm that the address named last, and that was shown for it. */
+  private shownFor = "";
   private readonly defined = new LoadController<ReadonlyMap<string, AlarmList>>(this);
   private readonly action = new ActionController(this);
 
@@ -115,6 +125,24 @@ export class PageAlarms extends LitElement {
     });
   }
 
+  /** Brings the alarm into view that the address names: a message or the bar led here. */
+  override updated(): void {
+    const named = this.named();
+    if (named === this.shownFor) return;
+    const { row } = this;
+    if (named !== "" && row === null) return;
+    this.shownFor = named;
+    if (row === null) return;
+    this.open = named;
+    row.scrollIntoView({ block: "center" });
+    row.focus({ preventScroll: true });
+  }
+
+  /** Site and alarm that the address names; empty: none. */
+  private named(): string {
+    return new URLSearchParams(this.router.store?.search ?? "").get("alarm") ?? "";
+  }
+
   override render(): TemplateResult {
     const { result } = this.defined;
     const list = this.alarms.store?.list ?? [];
@@ -125,6 +153,7 @@ export class PageAlarms extends LitElement {
           <p class="muted" role="status">${this.counted(list)}</p>
         </div>
         <div class="actions">
+          <t-button pressed=${this.sound.store?.on === true ? "true" : "false"} @click=${this.beep}>Sound</t-button>
           ${map(
             this.sites.store?.list ?? [],
             ({ site, name }) => html`<a href=${sitePath(site, "logbook")}>Logbook of ${name}</a>`,
@@ -150,6 +179,7 @@ export class PageAlarms extends LitElement {
   private counted(list: readonly AlarmNews[]): string {
     const on = list.filter(({ phase }) => phase === "active" || phase === "acknowledged").length;
     const unknown = list.filter(({ known, phase }) => !known && phase === "normal").length;
+    if (list.length === 0) return "";
     const parts = [on === 1 ? "1 is active" : `${String(on)} are active`, `of ${String(list.length)}`];
     return parts.join(" ") + (unknown === 0 ? "." : `; ${String(unknown)} cannot be judged now.`);
   }
@@ -169,12 +199,12 @@ export class PageAlarms extends LitElement {
   }
 
   private sheet(list: readonly AlarmNews[]): TemplateResult {
-    return html`<section class="sheet" aria-label="Alarms">
+    return html`<section class="sheet" aria-label="Every alarm">
       <ul class="rows">
         ${repeat(
           list,
           (one) => `${one.site}/${one.alarm}`,
-          (one) => this.row(one),
+          (one) => this.line(one),
         )}
       </ul>
     </section>`;
@@ -184,19 +214,20 @@ export class PageAlarms extends LitElement {
     return this.defined.value?.get(one.site)?.alarms.find(({ alarm }) => alarm === one.alarm);
   }
 
-  private row(one: AlarmNews): TemplateResult {
+  private line(one: AlarmNews): TemplateResult {
     const row = this.sites.store?.row(one.site);
     const zone = row?.zone ?? "UTC";
     const [kind, word] = standing(one, this.alarms.store?.shelved(one) ?? false);
     const on = one.phase === "active" || one.phase === "acknowledged" ? "on" : "";
     const many = (this.sites.store?.list.length ?? 0) > 1;
     const id = `${one.site}/${one.alarm}`;
-    return html`<li class="alarm ${one.severity} ${on}" data-alarm=${one.alarm}>
+    const named = id === this.named();
+    return html`<li class="alarm ${one.severity} ${on} ${named ? "named" : ""}" data-alarm=${one.alarm} tabindex=${named ? "-1" : nothing} aria-current=${named ? "true" : nothing}>
       <div>
         <div class="facts"><t-status kind=${kind} word=${word}></t-status><span class="chip">${one.severity}</span></div>
         <div class="name">${many ? `${row?.name ?? one.site}: ` : ""}${one.name}</div>
         ${one.why === "" ? nothing : html`<div class="why">${one.why}</div>`}
-        ${one.known ? nothing : html`<div class="why">It cannot be judged now: ${one.unknown_why}.</div>`}
+        ${one.known ? nothing : html`<div class="why">It cannot be judged now: ${sentence(one.unknown_why)}</div>`}
         ${one.advice === "" || on === "" ? nothing : html`<div class="advice"><strong>What to do:</strong> ${one.advice}</div>`}
         ${one.undelivered === "" ? nothing : html`<div class="undelivered">Could not be delivered: ${one.undelivered}</div>`}
         <div class="facts">
@@ -229,21 +260,24 @@ export class PageAlarms extends LitElement {
     const unseen = one.phase === "active" || one.phase === "cleared";
     const shelved = this.alarms.store?.shelved(one) === true;
     const id = `${one.site}/${one.alarm}`;
+    const open = this.open === id;
+    // Of what is well there is little to do: a long list of it stays short.
+    const more = open || shelved || one.phase !== "normal";
     return html`<div class="actions">
       ${may && unseen
         ? html`<t-button kind="primary" label=${`Acknowledge ${one.name}`} ?busy=${this.action.under === id} @click=${this.acknowledger(one)}
             >Acknowledge</t-button
           >`
         : nothing}
-      ${may
+      ${may && more
         ? html`<t-button label=${`Assign ${one.name}`} @click=${this.asker("assign", one)}>Assign</t-button>
             <t-button label=${`Comment on ${one.name}`} @click=${this.asker("comment", one)}>Comment</t-button>
             ${shelved
               ? html`<t-button label=${`Unshelve ${one.name}`} @click=${this.unshelver(one)}>Unshelve</t-button>`
               : html`<t-button label=${`Shelve ${one.name}`} @click=${this.asker("shelve", one)}>Shelve</t-button>`}`
         : nothing}
-      <t-button label=${`What has been with ${one.name}`} @click=${this.opener(id)}>${this.open === id ? "Close" : "What has been"}</t-button>
-      ${manage ? html`<t-button label=${`Change ${one.name}`} @click=${this.editor(one)}>Change</t-button>` : nothing}
+      <t-button label=${`More about ${one.name}`} pressed=${open ? "true" : "false"} @click=${this.opener(id)}>More</t-button>
+      ${manage && (more || !one.known) ? html`<t-button label=${`Change ${one.name}`} @click=${this.editor(one)}>Change</t-button>` : nothing}
     </div>`;
   }
 
@@ -320,6 +354,10 @@ export class PageAlarms extends LitElement {
     };
   }
 
+  private readonly beep = (): void => {
+    this.sound.store?.choose(!this.sound.store.on);
+  };
+
   private readonly edited = (): void => {
     this.editing = null;
     this.defined.again();
@@ -349,6 +387,10 @@ export class PageAlarms extends LitElement {
   private readonly again = (): void => {
     this.defined.again();
   };
+}
+
+function sentence(text: string): string {
+  return /[.?!]$/.test(text) ? text : `${text}.`;
 }
 
 declare global {

@@ -2,16 +2,19 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, query, state } from "lit/decorators.js";
+import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
+import { FilterForm } from "../../controllers/filter-form.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
+import { forms } from "../../elements/forms.js";
 import { sheets } from "../../elements/sheets.js";
 import { adviceFor } from "../../format/problem.js";
+import { typedText } from "../../format/typed.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
-import { sitePath } from "../../state/router.js";
+import { sitePath, withQuery } from "../../state/router.js";
 import { ArchiveApi, previewPath, type FrameList, type FrameRow, type NightList } from "../../wire/archive.js";
 import type { HubApi } from "../../wire/http.js";
 import {
@@ -43,13 +46,8 @@ export class PageArchive extends LitElement {
   static override styles = [
     base,
     sheets,
+    forms,
     css`
-      form {
-        display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(min(9.5rem, 100%), 1fr));
-        align-items: end;
-        gap: var(--t-space-3);
-      }
       .frames {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(min(14rem, 100%), 1fr));
@@ -84,18 +82,9 @@ export class PageArchive extends LitElement {
       .small {
         font-size: var(--t-size-s);
       }
-      form .actions {
-        grid-column: span 2;
-      }
       @media (max-width: 45rem) {
-        form {
-          grid-template-columns: 1fr 1fr;
-        }
         .frames {
           grid-template-columns: 1fr 1fr;
-        }
-        form .actions {
-          grid-column: 1 / -1;
         }
       }
     `,
@@ -103,13 +92,29 @@ export class PageArchive extends LitElement {
 
   @property() site = "";
   @state() private limit = FIRST;
-  @query("form") private readonly form!: HTMLFormElement;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly router = new StoreController(this, routerContext);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly nights = new LoadController<NightList>(this);
   private readonly found = new LoadController<FrameList>(this);
+  private readonly form = new FilterForm<ArchiveFilter>(
+    this,
+    (said) => ({
+      night: typedText(said, "night"),
+      target: typedText(said, "target"),
+      filter: typedText(said, "filter"),
+      device: typedText(said, "device"),
+      ra: typedText(said, "ra"),
+      dec: typedText(said, "dec"),
+      radius: typedText(said, "radius"),
+    }),
+    (filter) => {
+      this.limit = FIRST;
+      this.router.store?.replace(this.pathOf("", filter));
+    },
+    NO_FILTER,
+  );
 
   override willUpdate(): void {
     const archive = new ArchiveApi(this.api, this.site);
@@ -143,7 +148,7 @@ export class PageArchive extends LitElement {
     const filter = this.filter();
     const nights = this.nights.value?.nights ?? [];
     const problem = placeProblem(filter);
-    return html`<form class="sheet" @submit=${this.submit} @change=${this.changed}>
+    return html`<form class="sheet filter" @submit=${this.form.chosen} @change=${this.form.chosen}>
       <t-field label="Night">
         <select name="night">
           <option value="">all</option>
@@ -168,7 +173,7 @@ export class PageArchive extends LitElement {
       </t-field>
       <div class="actions">
         <t-button type="submit">Search</t-button>
-        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.clear}>Clear</t-button>
+        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clear}>Clear</t-button>
       </div>
     </form>`;
   }
@@ -236,40 +241,8 @@ export class PageArchive extends LitElement {
   private pathOf(frame: string, filter = this.filter()): string {
     const asked = new URLSearchParams(writeFilter(filter));
     if (frame !== "") asked.set("frame", frame);
-    const words = asked.toString();
-    return sitePath(this.site, "archive") + (words === "" ? "" : `?${words}`);
+    return withQuery(sitePath(this.site, "archive"), asked.toString());
   }
-
-  private readonly submit = (event: SubmitEvent): void => {
-    event.preventDefault();
-    this.changed();
-  };
-
-  private readonly changed = (): void => {
-    const typed = new FormData(this.form);
-    const text = (key: string): string => {
-      const value = typed.get(key);
-      return typeof value === "string" ? value.trim() : "";
-    };
-    this.limit = FIRST;
-    this.router.store?.replace(
-      this.pathOf("", {
-        night: text("night"),
-        target: text("target"),
-        filter: text("filter"),
-        device: text("device"),
-        ra: text("ra"),
-        dec: text("dec"),
-        radius: text("radius"),
-      }),
-    );
-  };
-
-  private readonly clear = (): void => {
-    this.form.reset();
-    this.limit = FIRST;
-    this.router.store?.replace(this.pathOf("", NO_FILTER));
-  };
 
   private readonly close = (): void => {
     this.router.store?.go(this.pathOf(""));

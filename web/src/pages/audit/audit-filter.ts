@@ -1,11 +1,14 @@
 /** What of the audit log to show. */
 
-import { css, html, LitElement, type TemplateResult } from "lit";
-import { customElement, property, query } from "lit/decorators.js";
+import { html, LitElement, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { FilterForm } from "../../controllers/filter-form.js";
 import { base } from "../../elements/base.js";
+import { forms } from "../../elements/forms.js";
 import { sheets } from "../../elements/sheets.js";
 import { knownZone } from "../../format/time.js";
+import { typedText } from "../../format/typed.js";
 import { ZoneClock } from "../../series/zone.js";
 import type { SiteRow } from "../../wire/api.js";
 import { NO_FILTER, writeFilter, type AuditFilter } from "./query.js";
@@ -15,42 +18,26 @@ import "../../elements/field.js";
 /** @fires t-filter detail is the new one */
 @customElement("t-audit-filter")
 export class AuditFilterForm extends LitElement {
-  static override styles = [
-    base,
-    sheets,
-    css`
-      form {
-        display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(min(9.5rem, 100%), 1fr));
-        align-items: end;
-        gap: var(--t-space-3);
-      }
-      .time,
-      .actions {
-        grid-column: span 2;
-      }
-      @media (max-width: 45rem) {
-        form {
-          grid-template-columns: 1fr 1fr;
-        }
-        .time,
-        .actions {
-          grid-column: 1 / -1;
-        }
-      }
-    `,
-  ];
+  static override styles = [base, sheets, forms];
 
   @property({ attribute: false }) filter: AuditFilter = NO_FILTER;
   @property({ attribute: false }) sites: readonly SiteRow[] = [];
   @property() zone = "UTC";
-  @query("form") private readonly form!: HTMLFormElement;
+
+  private readonly form = new FilterForm<AuditFilter>(
+    this,
+    (said) => this.read(said),
+    (detail) => {
+      this.dispatchEvent(new CustomEvent("t-filter", { detail }));
+    },
+    NO_FILTER,
+  );
 
   override render(): TemplateResult {
     const { filter } = this;
     const clock = new ZoneClock(knownZone(this.zone));
     const shown = (us: number): string => (Number.isNaN(us) ? "" : clock.toInput(us));
-    return html`<form @submit=${this.submit} @change=${this.changed}>
+    return html`<form class="filter" @submit=${this.form.chosen} @change=${this.form.chosen}>
       <t-field label="Person"><input name="who" autocomplete="off" maxlength="200" .value=${filter.who} /></t-field>
       <t-field label="Site">
         <select name="site">
@@ -78,42 +65,23 @@ export class AuditFilterForm extends LitElement {
       </t-field>
       <div class="actions">
         <t-button type="submit">Show</t-button>
-        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.clear}>Clear</t-button>
+        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clear}>Clear</t-button>
       </div>
     </form>`;
   }
 
-  private readonly submit = (event: SubmitEvent): void => {
-    event.preventDefault();
-    this.changed();
-  };
-
-  private readonly changed = (): void => {
-    const typed = new FormData(this.form);
-    const text = (key: string): string => {
-      const value = typed.get(key);
-      return typeof value === "string" ? value.trim() : "";
-    };
+  private read(said: FormData): AuditFilter {
     const clock = new ZoneClock(knownZone(this.zone));
-    const good = text("good");
-    this.tell({
-      who: text("who"),
-      site: text("site"),
-      device: text("device"),
-      kind: text("kind"),
+    const good = typedText(said, "good");
+    return {
+      who: typedText(said, "who"),
+      site: typedText(said, "site"),
+      device: typedText(said, "device"),
+      kind: typedText(said, "kind"),
       good: good === "true" || good === "false" ? good : "",
-      fromUs: clock.fromInput(text("from")),
-      toUs: clock.fromInput(text("to")),
-    });
-  };
-
-  private readonly clear = (): void => {
-    this.form.reset();
-    this.tell(NO_FILTER);
-  };
-
-  private tell(detail: AuditFilter): void {
-    this.dispatchEvent(new CustomEvent("t-filter", { detail }));
+      fromUs: clock.fromInput(typedText(said, "from")),
+      toUs: clock.fromInput(typedText(said, "to")),
+    };
   }
 }
 

@@ -12,6 +12,7 @@ import { base } from "../../elements/base.js";
 import { sheets } from "../../elements/sheets.js";
 import { adviceFor } from "../../format/problem.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
+import { withQuery } from "../../state/router.js";
 import type { AuditCheck, AuditPage, AuditRow } from "../../wire/accounts.js";
 import { AdminApi } from "../../wire/admin.js";
 import type { HubApi } from "../../wire/http.js";
@@ -150,12 +151,11 @@ export class PageAudit extends LitElement {
   }
 
   private readonly choose = (event: CustomEvent<AuditFilter>): void => {
-    const query = writeFilter(event.detail);
-    this.router.store?.replace(query === "" ? "/admin/audit" : `/admin/audit?${query}`);
+    this.router.store?.replace(withQuery("/admin/audit", writeFilter(event.detail)));
   };
 
   private readonly clear = (): void => {
-    this.router.store?.replace(`/admin/audit${writeFilter(NO_FILTER)}`);
+    this.router.store?.replace(withQuery("/admin/audit", writeFilter(NO_FILTER)));
   };
 
   private readonly again = (): void => {

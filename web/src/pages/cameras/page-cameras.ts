@@ -10,7 +10,7 @@ import { base } from "../../elements/base.js";
 import { sheets } from "../../elements/sheets.js";
 import { adviceFor } from "../../format/problem.js";
 import { sitesContext } from "../../state/contexts.js";
-import { devicePath } from "../../state/router.js";
+import { devicePath, sitePath } from "../../state/router.js";
 import type { SiteDetail } from "../../wire/api.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
@@ -53,8 +53,16 @@ export class PageCameras extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<h1>Cameras</h1>
+    return html`<div class="head">
+        <h1>Cameras</h1>
+        ${this.looking() ? html`<div class="actions"><a href=${sitePath(this.site, "sightings")}>What they have seen</a></div>` : nothing}
+      </div>
       ${this.content()}`;
+  }
+
+  /** Something is looked for on the pictures of one of them. */
+  private looking(): boolean {
+    return this.detail.value?.devices.some(({ streams }) => streams.some(({ detect }) => detect != null)) === true;
   }
 
   private content(): TemplateResult {
@@ -82,6 +90,7 @@ export class PageCameras extends LitElement {
             .site=${this.site}
             .stream=${stream.address}
             .name=${stream.name}
+            .detect=${stream.detect}
             .online=${online}
           ></t-camera>
           <figcaption>${stream.name} ${device.name === stream.name ? nothing : html`<a href=${devicePath(this.site, device.id)}>${device.name}</a>`}</figcaption>

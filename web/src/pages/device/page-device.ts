@@ -15,7 +15,7 @@ import { adviceFor } from "../../format/problem.js";
 import { formatClock } from "../../format/time.js";
 import { MINUTE_US } from "../../series/zone.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
-import { archivePath, sitePath } from "../../state/router.js";
+import { archivePath, sitePath, withQuery } from "../../state/router.js";
 import { ChartFeed } from "../../tiles/chart/feed.js";
 import { drawnPart } from "../../tiles/observatory/drawn.js";
 import { partOf, shownBy } from "../../tiles/observatory/roles.js";
@@ -226,6 +226,9 @@ export class PageDevice extends LitElement {
         ${this.others(device, detail)
           ? html`<a href=${sitePath(this.site, "cameras")}>All cameras of ${detail.name}</a>`
           : nothing}
+        ${device.streams.some(({ detect }) => detect != null)
+          ? html`<a href=${sitePath(this.site, "sightings")}>What ${device.streams.length === 1 ? "it has" : "they have"} seen</a>`
+          : nothing}
       </div>
       <div class="cameras">
         ${repeat(
@@ -236,6 +239,7 @@ export class PageDevice extends LitElement {
             .site=${this.site}
             .stream=${stream.address}
             .name=${stream.name}
+            .detect=${stream.detect}
             .online=${this.online(detail)}
           ></t-camera>`,
         )}
@@ -278,7 +282,7 @@ export class PageDevice extends LitElement {
   private historyPath(device: DeviceInfo): string {
     const channels = device.signals.filter(({ primary }) => primary).flatMap((signal) => signal.channels.slice(0, 1));
     const query = new URLSearchParams(channels.slice(0, 4).map((channel) => ["c", channel])).toString();
-    return `${sitePath(this.site, "history")}${query === "" ? "" : `?${query}`}`;
+    return withQuery(sitePath(this.site, "history"), query);
   }
 
   private close(): void {

@@ -125,6 +125,8 @@ export class PageDrive extends LitElement {
           .site=${this.site}
           .stream=${stream?.address ?? ""}
           .name=${stream?.name ?? ""}
+          .detect=${stream?.detect}
+          ?driving=${seat !== null && seat.machine.phase !== "idle"}
           .online=${online}
           paged
           .full=${this.full}

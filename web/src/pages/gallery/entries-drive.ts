@@ -78,7 +78,7 @@ const LOCK: InterlockNews = {
   why: "Wind is above 12 m/s",
   since_us: NOON_US,
   clears_ms: 0,
-  refuses: ["Dome: Open", "Telescope: Slew"], targets: [], overridable: true,
+  refuses: ["Dome: Open", "Telescope: Slew"], targets: [], slows: [], slowed: [], overridable: true,
   overridden_by: "",
   reason: "",
   override_ms: 0,

@@ -5,24 +5,31 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
+import { DetectorsController, type Watchers } from "../../controllers/detectors.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base.js";
-import { indentOf, type Axis, type ChartSeries, type Indent } from "../../elements/chart/model.js";
+import { indentOf, type ChartSeries, type Indent } from "../../elements/chart/model.js";
 import type { Painter } from "../../elements/chart/painter.js";
+import { anomalyMarks } from "../../elements/chart/anomaly-marks.js";
 import { adviceFor } from "../../format/problem.js";
 import type { Span } from "../../series/window.js";
 import { apiContext } from "../../state/contexts.js";
-import type { AnomalyInfo, AnomalyList, History } from "../../wire/api.js";
-import type { HubApi } from "../../wire/http.js";
+import type { Detector } from "../../state/detectors.js";
+import type { History } from "../../wire/api.js";
+import type { HistoryQuery, HubApi } from "../../wire/http.js";
 import { loadedOf } from "./loader.js";
-import "../../elements/button.js";
-import "../../elements/chart/chart.js";
+import "../../elements/detector.js";
+import "../../elements/loading.js";
 import "../../elements/problem.js";
-import "../../elements/status.js";
 
-const SCORE: Axis = { limits: { minimum: 0, maximum: 1 }, least: 1 };
 /** Scores are written at least this often while samples come (µs). */
 const WRITTEN_US = 130e6;
+
+/** What this needs of the hub's HTTP interface. */
+export interface Scores extends Watchers {
+  history(site: string, query: HistoryQuery): Promise<History>;
+  forgive(site: string, address: string, detector: string): Promise<boolean>;
+}
 
 @customElement("t-anomalies")
 export class Anomalies extends LitElement {
@@ -35,35 +42,25 @@ export class Anomalies extends LitElement {
         min-inline-size: 0;
       }
       /* The same room at the sides as the charts above, so that moments stand below each other. */
-      .one {
-        display: grid;
-        gap: var(--t-space-1);
+      t-detector {
         padding: var(--t-space-3) var(--t-space-3) var(--t-space-2);
         border: 1px solid var(--t-line);
         border-radius: var(--t-radius);
         background: var(--t-surface);
-        min-inline-size: 0;
       }
-      .head {
-        display: flex;
-        flex-wrap: wrap;
-        align-items: center;
-        gap: var(--t-space-1) var(--t-space-3);
-      }
-      .why {
-        flex: 1 1 16rem;
+      .said {
         color: var(--t-muted);
         font-size: var(--t-size-s);
-        overflow-wrap: anywhere;
       }
-      t-chart {
-        margin-inline: calc(-1 * var(--t-space-2));
-        block-size: 4.5rem;
+      .said:empty {
+        display: none;
       }
     `,
   ];
 
   @property() site = "";
+  /** Names the site's description: another one has other detectors. */
+  @property() edition = "";
   @property({ attribute: false }) channels: readonly string[] = [];
   @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
   @property({ attribute: false }) indent: Indent = indentOf(1, 60);
@@ -74,40 +71,51 @@ export class Anomalies extends LitElement {
   @property({ type: Number }) width = 0;
   @property() zone = "UTC";
 
-  @consume({ context: apiContext, subscribe: true }) private api: HubApi | undefined;
+  /** Answers in the hub's place; the gallery has one for each state. */
+  @property({ attribute: false }) hub: Scores | null = null;
 
-  private readonly detectors = new LoadController<AnomalyList>(this);
+  @consume({ context: apiContext, subscribe: true }) private readonly api: HubApi | undefined;
+
+  private readonly detectors = new DetectorsController(this);
   private readonly scores = new LoadController<History>(this);
   private readonly action = new ActionController(this);
   private series = new Map<string, ChartSeries>();
   private drawnOf: History | undefined;
 
   protected override willUpdate(): void {
-    const { api, site, span, width } = this;
-    if (api === undefined || site === "" || width === 0 || this.moving) return;
+    const { site, span, width } = this;
+    const api = this.hub ?? this.api;
+    if (api === undefined || site === "") return;
+    this.detectors.ask(api, site, this.edition);
+    if (width === 0 || this.moving) return;
     const { fromUs, toUs } = span;
-    // A window that follows the time is asked for anew now and then, not with each step.
-    const step = Math.max(1, (toUs - fromUs) / 60);
-    const key = `${site} ${String(Math.round(fromUs / step))} ${String(Math.round(step))}`;
-    this.detectors.ask(key, () => api.anomalies(site));
     const channels = this.shown().map(({ scores }) => scores);
     if (channels.length === 0) return;
-    this.scores.ask(`${key} ${channels.join(" ")}`, () => api.history(site, { channels, fromUs, toUs, width }));
+    // A window that follows the time is asked for anew now and then, not with each step.
+    const step = Math.max(1, (toUs - fromUs) / 60);
+    const key = `${site} ${String(Math.round(fromUs / step))} ${String(Math.round(step))} ${channels.join(" ")}`;
+    this.scores.ask(key, () => api.history(site, { channels, fromUs, toUs, width }));
     if (this.scores.value !== this.drawnOf) this.draw(this.scores.value);
   }
 
   override render(): unknown {
-    const detectors = this.detectors.result;
-    if (detectors.state === "failed") {
-      const advice = adviceFor(detectors.error, "the anomaly detectors");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    if (this.detectors.state === "failed") {
+      const advice = adviceFor(this.detectors.error, "the anomaly detectors");
+      return html`<h2>Anomalies</h2>
+        <t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
     }
+    if (!this.detectors.known) return html`<t-loading what="Loading the anomaly detectors"></t-loading>`;
     const shown = this.shown();
-    if (shown.length === 0) return nothing;
+    if (shown.length === 0) {
+      // A site without any detector need not be told so below every chart.
+      if (this.detectors.book.list.length === 0) return nothing;
+      return html`<p class="said">No anomaly detector watches these signals.</p>`;
+    }
     const { problem, done } = this.action;
     return html`<h2>Anomalies</h2>
-      <p role="status" class="why">${done}</p>
+      <p role="status" class="said">${done}</p>
       ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      ${this.scores.result.state === "failed" ? this.noScores(this.scores.result.error) : nothing}
       ${repeat(
         shown,
         ({ scores }) => scores,
@@ -115,41 +123,32 @@ export class Anomalies extends LitElement {
       )}`;
   }
 
-  private one(one: AnomalyInfo): TemplateResult {
-    const on = one.began_us >= 0;
-    const series = this.series.get(one.scores);
-    return html`<div class="one">
-      <div class="head">
-        <strong>${one.address}, ${one.name}</strong>
-        <t-status kind=${on ? "warn" : "ok"} word=${on ? "anomaly" : "as usual"}></t-status>
-        <span class="why">score ${one.score.toFixed(2)}, told from ${one.bar.toFixed(2)}${one.why === "" ? "" : `; ${on ? "now" : "last"}: ${one.why}`}</span>
-        ${
-          this.detectors.value?.may_forgive === true && one.why !== "" && one.detector !== "limits"
-            ? html`<t-button ?disabled=${this.action.busy} data-detector=${one.scores} @click=${this.forgiveIt}>Not an anomaly</t-button>`
-            : nothing
-        }
-      </div>
-      ${
-        series === undefined
-          ? nothing
-          : html`<t-chart
-              .series=${[series]}
-              .span=${this.span}
-              .axis=${SCORE}
-              .indent=${this.indent}
-              .painter=${this.painter}
-              .cursorUs=${this.cursorUs}
-              axis-width=${this.indent.left}
-              zone=${this.zone}
-              label=${`Anomaly score of ${one.address} by ${one.name}`}
-            ></t-chart>`
-      }
-    </div>`;
+  private noScores(error: unknown): TemplateResult {
+    const advice = adviceFor(error, "the scores of before");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.scoresAgain}></t-problem>`;
+  }
+
+  private one(one: Detector): TemplateResult {
+    return html`<t-detector
+      named
+      .detector=${one}
+      .series=${this.series.get(one.scores) ?? null}
+      .marks=${one.anomaly === null ? [] : anomalyMarks([one.anomaly])}
+      .span=${this.span}
+      .indent=${this.indent}
+      .painter=${this.painter}
+      .cursorUs=${this.cursorUs}
+      axis-width=${this.indent.left}
+      zone=${this.zone}
+      ?may-forgive=${this.detectors.book.mayForgive}
+      ?busy=${this.action.busy}
+      @t-forgive=${this.forgiveIt}
+    ></t-detector>`;
   }
 
   /** Detectors of the signals that are shown. */
-  private shown(): readonly AnomalyInfo[] {
-    return (this.detectors.value?.detectors ?? []).filter(({ address }) => this.channels.includes(address));
+  private shown(): readonly Detector[] {
+    return this.detectors.book.list.filter(({ address }) => this.channels.includes(address));
   }
 
   private draw(history: History | undefined): void {
@@ -163,14 +162,14 @@ export class Anomalies extends LitElement {
     );
   }
 
-  private readonly forgiveIt = (event: Event): void => {
-    const asked = event.currentTarget instanceof HTMLElement ? event.currentTarget.dataset["detector"] : undefined;
-    const one = this.shown().find(({ scores }) => scores === asked);
-    if (one !== undefined) void this.forgive(one);
+  private readonly forgiveIt = (event: CustomEvent<Detector>): void => {
+    event.stopPropagation();
+    void this.forgive(event.detail);
   };
 
-  private async forgive({ address, detector, name }: AnomalyInfo): Promise<void> {
-    const { api, site } = this;
+  private async forgive({ address, detector, name }: Detector): Promise<void> {
+    const { site } = this;
+    const api = this.hub ?? this.api;
     if (api === undefined) return;
     const done = await this.action.run("tell the detector", () => api.forgive(site, address, detector), `Noted: ${address} is as usual for “${name}”.`);
     if (done) this.again();
@@ -178,6 +177,10 @@ export class Anomalies extends LitElement {
 
   private readonly again = (): void => {
     this.detectors.again();
+  };
+
+  private readonly scoresAgain = (): void => {
+    this.scores.again();
   };
 }
 

@@ -10,6 +10,7 @@ export const historyChartStyle = css`
     background: var(--t-surface);
     box-shadow: var(--t-shadow);
     min-inline-size: 0;
+    container-type: inline-size;
   }
   t-chart {
     block-size: clamp(13rem, 34vh, 22rem);
@@ -133,6 +134,19 @@ export const historyChartStyle = css`
   }
   .c8 {
     background: var(--t-series-8);
+  }
+  /* Beside a film: the cells of all signals go before how far one reaches at the cursor. */
+  @container (inline-size < 46rem) {
+    .spread {
+      display: none;
+    }
+    th,
+    td {
+      padding-inline: var(--t-space-2);
+    }
+    .at {
+      min-inline-size: 8rem;
+    }
   }
   @media (max-width: 45rem) {
     th,

@@ -16,7 +16,7 @@ import { OutlierMemo, type Outliers } from "../../series/outliers.js";
 import { summary, type Summary } from "../../series/columns.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import { SECOND_US } from "../../series/zone.js";
-import type { StatisticsInfo } from "../../wire/api.js";
+import type { OutlierInfo, StatisticsInfo } from "../../wire/api.js";
 import { historyChartStyle } from "./history-chart-style.js";
 import type { Loaded } from "./loader.js";
 import type { Mark } from "./marks.js";
@@ -50,6 +50,10 @@ export class HistoryChart extends LitElement {
   @property({ attribute: false }) marks: readonly Mark[] = [];
   /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
   @property({ type: Number }) outliers = 0;
+  /** What the hub found in all samples, where the chart holds only some. */
+  @property({ attribute: false }) fences: ReadonlyMap<string, OutlierInfo> = new Map();
+  /** It could not look: what the chart holds has to do. */
+  @property({ type: Boolean }) unfenced = false;
   @property({ attribute: false }) painter: Painter | null = null;
   /** When each channel was heard of last (µs), for a window without samples. */
   @property({ attribute: false }) newest: ReadonlyMap<string, number> = new Map();
@@ -104,29 +108,38 @@ export class HistoryChart extends LitElement {
 
   private seekOutliers(): void {
     const numbers = this.outliers === 0 ? [] : this.series.filter(({ states }) => states.length === 0);
-    const found = numbers.map(({ address, samples }): [string, Outliers] => {
+    const found = numbers.flatMap(({ address, samples }): [string, Outliers][] => {
+      const by = this.unfenced || this.data.get(address)?.exact === true ? this.outliers : this.fences.get(address);
+      if (by === undefined) return [];
       const memo = this.memos.get(address) ?? new OutlierMemo();
       this.memos.set(address, memo);
-      return [address, memo.of(samples, this.span, this.outliers)];
+      return [[address, memo.of(samples, this.span, by)]];
     });
     // The same points are the same map: the chart is drawn again for others only.
     const same = found.length === this.points.size && found.every(([address, one]) => this.points.get(address) === one);
     if (!same) this.points = new Map(found);
   }
 
-  /** How many outliers, and of what: of a long window the chart holds the extremes of each pixel only. */
+  /** How many outliers, and of what: of a long window the chart holds the extremes of each pixel, and the hub counts. */
   private outlierList(): unknown {
-    if (this.points.size === 0) return nothing;
-    const shown = this.series.flatMap((one) => {
-      const found = this.points.get(one.address);
-      if (found === undefined) return [];
-      const counted = this.numbers.get(one.address)?.count;
-      const exact = this.data.get(one.address)?.exact === true;
-      const words = outlierWords(found, one.unit, decimalsFor(one.unit, one.decimals), exact);
-      const more = exact || counted === undefined ? "" : ` The window has ${formatNumber(counted, 0)} samples: zoom in to look at each.`;
-      return [html`<li><strong>${one.name}</strong> ${words}.${more}</li>`];
-    });
-    return html`<ul class="outliers" role="status" aria-label="Outliers">${shown}</ul>`;
+    const numbers = this.outliers === 0 ? [] : this.series.filter(({ states }) => states.length === 0);
+    if (numbers.length === 0) return nothing;
+    return html`<ul class="outliers" role="status" aria-label="Outliers">
+      ${map(numbers, (one) => html`<li><strong>${one.name}</strong> ${this.outlierLine(one)}</li>`)}
+    </ul>`;
+  }
+
+  private outlierLine({ address, unit, decimals }: ChartSeries): string {
+    const found = this.points.get(address);
+    if (found === undefined) return "All samples of the window are being counted…";
+    const whole = this.data.get(address)?.exact === true;
+    const fences = this.fences.get(address);
+    const places = decimalsFor(unit, decimals);
+    if (whole) return `${outlierWords(found, unit, places, true)}.`;
+    if (!this.unfenced && fences !== undefined) return `${outlierWords(found, unit, places, fences.exact || fences.stored)}.`;
+    const counted = this.numbers.get(address)?.count;
+    const more = counted === undefined ? "" : ` The window has ${formatNumber(counted, 0)} samples, and the hub could not count them now.`;
+    return `${outlierWords(found, unit, places, false)}.${more}`;
   }
 
   private table(group: Together): TemplateResult {

@@ -3,7 +3,7 @@
 import type { EventInfo } from "../../wire/api.js";
 import { lengthOf, type Span } from "../../series/window.js";
 
-export type MarkKind = "alarm" | "stop" | "command" | "driving" | "anomaly" | "recording" | "link" | "other";
+export type MarkKind = "alarm" | "stop" | "command" | "driving" | "anomaly" | "sighting" | "recording" | "link" | "other";
 
 export interface Mark {
   readonly timeUs: number;
@@ -33,12 +33,13 @@ export const KINDS: readonly { readonly kind: MarkKind; readonly name: string }[
   { kind: "command", name: "Commands" },
   { kind: "driving", name: "Driving" },
   { kind: "anomaly", name: "Anomalies" },
+  { kind: "sighting", name: "Sightings" },
   { kind: "recording", name: "Recordings" },
   { kind: "link", name: "Connection" },
   { kind: "other", name: "Other events" },
 ];
 
-const WORDS: Readonly<Record<string, MarkKind>> = { alarm: "alarm", stop: "stop", command: "command", lease: "driving", drive: "driving", anomaly: "anomaly", recording: "recording", gateway: "link" };
+const WORDS: Readonly<Record<string, MarkKind>> = { alarm: "alarm", stop: "stop", command: "command", lease: "driving", drive: "driving", anomaly: "anomaly", sighting: "sighting", recording: "recording", gateway: "link" };
 
 /** The kind that an event's first word tells. */
 export function kindOf(title: string): MarkKind {

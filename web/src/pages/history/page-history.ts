@@ -17,31 +17,39 @@ import { momentText } from "../../elements/chart/read-out.js";
 import { adviceFor } from "../../format/problem.js";
 import { formatDate, knownZone, utcSpan } from "../../format/time.js";
 import { Pace } from "../../series/pace.js";
+import { lengthOf, pan } from "../../series/window.js";
 import { DAY_US, clockOf, type ZoneClock } from "../../series/zone.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { EventList, SiteDetail, StoredInfo } from "../../wire/api.js";
+import { FilmsApi } from "../../wire/films.js";
 import type { HubApi } from "../../wire/http.js";
 import { axesFor } from "./axes-for.js";
+import { FilmController } from "./film/film-controller.js";
+import type { FilmPanel } from "./film/film-panel.js";
 import { marksOf, type Mark, type MarkKind } from "./marks.js";
 import { daysText, ghostUs, writeView, type HistoryView } from "./query.js";
 import { firstChoice, rowsOf, together, unitsOf, type Row, type Together } from "./rows.js";
 import { historyStyle } from "./style.js";
 import { WindowController } from "./window-controller.js";
 import { WindowData } from "./window-data.js";
-import { isBusy, pageWish } from "./window-keys.js";
+import { isBusy, isTaken, pageWish } from "./window-keys.js";
 import "../../elements/empty.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "./anomalies.js";
 import "./export-menu.js";
 import "./history-chart.js";
+import "./film/film-lane.js";
+import "./film/film-panel.js";
 import "./history-tools.js";
 import "./marks-lane.js";
 import "./share-menu.js";
 import "./signal-picker.js";
 import "./view-options.js";
 
+/** Shorter presses on a chart are clicks (CSS pixels). */
+const LEAST_DRAG = 6;
 /** Beside values the day is enough; the line above the charts says the year. */
 const YEAR = / \d{4}$/;
 
@@ -59,11 +67,13 @@ export class PageHistory extends LitElement {
   @state() private said = "";
 
   @query(".charts") private readonly charts!: HTMLElement | null;
+  @query("t-film-panel") private readonly panel!: FilmPanel | null;
 
   private rows: readonly Row[] = [];
   private groups: readonly Together[] = [];
   private groupsKey = "";
   private axisWidth = 0;
+  private filmed = false;
   private indent = indentOf(1, 0);
   private data: WindowData | null = null;
   private clock: ZoneClock | null = null;
@@ -86,6 +96,20 @@ export class PageHistory extends LitElement {
     this.window.rest();
   });
   private readonly live = new LiveValuesController(this);
+  private readonly films = new FilmController(
+    this,
+    () => (this.api === undefined ? null : new FilmsApi(this.api)),
+    (us) => {
+      const { span } = this.window;
+      const part = (us - span.fromUs) / lengthOf(span);
+      // Playing, the window is turned like a page, with a little of the last one at its left.
+      this.window.move({ span: pan(span, (part - 0.05) * lengthOf(span)), settled: false });
+    },
+  );
+  /** The moment of the address that films were put to already. */
+  private putTo: number | undefined;
+  /** Where a press on a chart began (CSS pixels): what moves from there is no click. */
+  private pressedX = 0;
 
   override connectedCallback(): void {
     super.connectedCallback();
@@ -106,7 +130,10 @@ export class PageHistory extends LitElement {
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     const sites = this.sites.store;
-    if (changed.has("site")) this.data?.close();
+    if (changed.has("site")) {
+      this.data?.close();
+      this.films.clear();
+    }
     if (sites === undefined || this.api === undefined || !this.isConnected) return;
     const { api, site } = this;
     // A gateway that comes back with another description has other signals.
@@ -123,11 +150,15 @@ export class PageHistory extends LitElement {
     this.group();
     this.ask(this.data, this.clock);
     this.mark(this.data, detail);
+    this.film(detail);
     this.live.observe(this.site, this.silent());
   }
 
   protected override updated(): void {
-    if (this.width === 0) this.measure();
+    // A film beside the charts takes some of their room.
+    const filmed = this.films.reels.length > 0;
+    if (this.width === 0 || filmed !== this.filmed) this.measure();
+    this.filmed = filmed;
   }
 
   private measure(): void {
@@ -155,7 +186,7 @@ export class PageHistory extends LitElement {
     const { view, span } = this.window;
     const channels = this.chosen();
     const link = (shown: HistoryView["shown"]): string =>
-      new URL(sitePath(this.site, "history") + writeView({ ...view, channels, shown }), location.href).href;
+      new URL(sitePath(this.site, "history") + writeView({ ...view, channels, shown, at: "last" in shown ? undefined : (this.films.cursorUs ?? undefined) }), location.href).href;
     return html`<div class="menus">
       <a class="way" href=${sitePath(this.site, "recordings")}>Recordings</a>
       <t-share-menu fixed=${link(span)} live=${"last" in view.shown ? link(view.shown) : ""}></t-share-menu>
@@ -168,7 +199,7 @@ export class PageHistory extends LitElement {
     const { view, span } = this.window;
     return html`
       <t-history-tools .shown=${view.shown} .span=${span} zone=${detail.zone} @t-shown=${this.showAnother}></t-history-tools>
-      <div class="body">
+      <div class="body ${this.films.reels.length > 0 ? "filmed" : ""}" @t-moment=${this.momentAsked}>
         <details class="pick" ?open=${this.wide.matches}>
           <summary>Signals <span class="count">${chosen.length}</span></summary>
           <t-signal-picker .rows=${this.rows} .chosen=${chosen} ?incomplete=${this.former.result.state === "failed"} @t-pick=${this.pick}></t-signal-picker>
@@ -179,6 +210,7 @@ export class PageHistory extends LitElement {
           ${this.absent(chosen.length === 0)}
           ${this.data === null || chosen.length === 0 ? nothing : this.chartList(detail, this.data)}
         </div>
+        ${this.filmPanel(detail)}
       </div>
     `;
   }
@@ -186,10 +218,12 @@ export class PageHistory extends LitElement {
   private chartList(detail: SiteDetail, data: WindowData): TemplateResult {
     const { now, ghost, statistics } = data;
     const { span, view } = this.window;
-    const { ghostUs, painter, cursorUs, indent } = this;
+    const { ghostUs, painter, indent } = this;
+    const cursorUs = this.shownCursor();
     const newest = new Map(this.silent().map((address) => [address, this.live.reading(address)?.timeUs ?? 0]));
     const marks = view.without.length === 0 ? this.marks : this.marks.filter(({ kind }) => !view.without.includes(kind));
     const numbers = statistics.numbersOf(this.site, span);
+    const fences = data.outliers.foundIn(this.site, span, view.outliers);
     const then = ghostUs === 0 ? "" : formatDate(span.fromUs - ghostUs, detail.zone);
     return html`<div class="progress" ?hidden=${now.state !== "loading"}></div>
       ${then === "" ? nothing : html`<p class="then">Dashed lines: ${then}, ${daysText(view.versus)}, at the same time of day.</p>`}
@@ -203,7 +237,11 @@ export class PageHistory extends LitElement {
         zone=${detail.zone}
         @t-hide=${this.hide}
         @t-cursor=${this.cursorMoved}
+        @click=${this.markClicked}
       ></t-marks-lane>
+      ${this.films.reels.length === 0
+        ? nothing
+        : html`<t-film-lane .reels=${this.films.reels} .span=${span} .indent=${indent} .us=${this.films.us ?? 0}></t-film-lane>`}
       ${repeat(
         this.groups,
         ({ key }) => key,
@@ -221,6 +259,8 @@ export class PageHistory extends LitElement {
             .newest=${newest}
             .marks=${marks}
             .outliers=${view.outliers}
+            .fences=${fences}
+            ?unfenced=${data.outliers.state === "failed"}
             .indent=${indent}
             axis-width=${this.axisWidth}
             ?joined=${view.joined}
@@ -228,11 +268,14 @@ export class PageHistory extends LitElement {
             zone=${detail.zone}
             @t-span=${this.spanChanged}
             @t-cursor=${this.cursorMoved}
+            @pointerdown=${this.chartPressed}
+            @click=${this.chartClicked}
             @t-reset=${this.back}
           ></t-history-chart>`,
       )}
       <t-anomalies
         site=${this.site}
+        edition=${detail.catalogue}
         .channels=${this.chosen()}
         .span=${span}
         .indent=${indent}
@@ -246,6 +289,23 @@ export class PageHistory extends LitElement {
         Drag to zoom in, double-click to go back. Click a chart, then turn the wheel. Keys: ← → move, + − zoom, Home its day,
         End now, Escape back; on a chart shift and ← → move the cursor.
       </p>`;
+  }
+
+  private filmPanel(detail: SiteDetail): unknown {
+    const { films } = this;
+    if (films.reels.length === 0 || films.us === null) return nothing;
+    return html`<t-film-panel
+      site=${this.site}
+      .control=${films}
+      .reels=${films.reels}
+      .us=${films.us}
+      .playing=${films.playing}
+      .held=${films.held}
+      .speed=${films.speed}
+      .chosen=${this.window.view.films ?? null}
+      zone=${detail.zone}
+      @t-cameras=${this.camerasChosen}
+    ></t-film-panel>`;
   }
 
   private trouble(load: { readonly state: string; readonly error?: unknown } | undefined, about: string, again: () => void): unknown {
@@ -274,6 +334,22 @@ export class PageHistory extends LitElement {
     return channels.filter((address) => known.has(address));
   }
 
+  /** Films and charts stand at one moment; while nothing plays, the pointer has it. */
+  private shownCursor(): number | null {
+    const { films } = this;
+    return films.playing ? films.us : (this.cursorUs ?? films.cursorUs);
+  }
+
+  private film(detail: SiteDetail): void {
+    const { at, shown } = this.window.view;
+    const names = new Map(detail.devices.flatMap(({ streams }) => streams.map(({ address, name }) => [address, name])));
+    this.films.ask(this.site, this.window.span, names);
+    if (at !== this.putTo && this.films.reels.length > 0) {
+      this.putTo = at;
+      if (at !== undefined && !("last" in shown)) this.films.seek(at);
+    }
+  }
+
   private group(): void {
     const chosen = this.chosen();
     const { most, axisWidth } = axesFor(this.window.view.joined, this.width);
@@ -292,7 +368,7 @@ export class PageHistory extends LitElement {
     this.ghostUs = ghostUs(span, view.versus, clock);
     if (this.width === 0) return;
     const channels = this.groups.flatMap(({ rows }) => rows).map(({ address, maxAge }) => ({ address, maxAge }));
-    data.ask({ site: this.site, channels, span, width: this.width, ghostUs: this.ghostUs, moving: moving !== null, following });
+    data.ask({ site: this.site, channels, span, width: this.width, ghostUs: this.ghostUs, moving: moving !== null, following, outliers: view.outliers });
   }
 
   private mark({ events }: WindowData, detail: SiteDetail): void {
@@ -334,7 +410,12 @@ export class PageHistory extends LitElement {
 
   private readonly key = (event: KeyboardEvent): void => {
     const { clock } = this;
-    if (clock === null || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || isBusy(event.composedPath())) return;
+    if (clock === null || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (this.films.reels.length > 0 && !isTaken(event.key, event.composedPath()) && this.panel?.keyed(event.key) === true) {
+      event.preventDefault();
+      return;
+    }
+    if (isBusy(event.composedPath())) return;
     const wish = pageWish(event.key, event.shiftKey, this.window.span, clock);
     if (wish === null) return;
     event.preventDefault();
@@ -347,6 +428,31 @@ export class PageHistory extends LitElement {
 
   private readonly cursorMoved = (event: CustomEvent<number | null>): void => {
     this.cursorUs = event.detail;
+    // The film goes where the pointer is, but not while it plays: then a click says so.
+    if (event.detail !== null && !this.films.playing && this.films.us !== null) this.films.glance(event.detail);
+  };
+
+  private readonly chartPressed = (event: PointerEvent): void => {
+    this.pressedX = event.clientX;
+  };
+
+  private readonly chartClicked = (event: MouseEvent): void => {
+    if (Math.abs(event.clientX - this.pressedX) < LEAST_DRAG) this.markClicked();
+  };
+
+  private readonly markClicked = (): void => {
+    if (this.cursorUs !== null && this.films.us !== null) this.films.seek(this.cursorUs);
+  };
+
+  private readonly momentAsked = (event: CustomEvent<number>): void => {
+    this.cursorUs = null;
+    this.films.seek(event.detail);
+    const { fromUs, toUs } = this.window.span;
+    if (event.detail < fromUs || event.detail > toUs) this.window.move({ span: pan(this.window.span, event.detail - (fromUs + toUs) / 2), settled: true });
+  };
+
+  private readonly camerasChosen = (event: CustomEvent<readonly string[]>): void => {
+    this.window.show({ films: event.detail });
   };
 
   private readonly back = (): void => {

@@ -18,6 +18,10 @@ export interface HistoryView {
   readonly versus: number;
   /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
   readonly outliers: number;
+  /** The moment (µs) that films and cursor begin at. */
+  readonly at?: number | undefined;
+  /** Cameras whose films are shown; when it is missing, the first of them. */
+  readonly films?: readonly string[] | undefined;
 }
 
 export const FIRST_LAST = 900;
@@ -34,6 +38,8 @@ export function readView(search: string): HistoryView {
     without: KINDS.map(({ kind }) => kind).filter((kind) => (query.get("without") ?? "").split(",").includes(kind)),
     versus: readVersus(query),
     outliers: readOutliers(query),
+    at: readAt(query),
+    films: query.has("film") ? query.getAll("film").filter((stream) => stream !== "") : undefined,
   };
 }
 
@@ -52,6 +58,9 @@ export function writeView(view: HistoryView): string {
   if (view.versus !== 0) query.set("versus", String(view.versus));
   if (view.outliers !== 0) query.set("outliers", String(view.outliers));
   if (view.joined) query.set("joined", "");
+  if (view.at !== undefined) query.set("at", String(Math.round(view.at)));
+  for (const stream of view.films ?? []) query.append("film", stream);
+  if (view.films?.length === 0) query.set("film", "");
   // Slashes and commas may stand in a query, and addresses read better with them.
   return `?${query.toString().replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll(/=(?=&|$)/g, "")}`;
 }
@@ -66,6 +75,11 @@ function readVersus(query: URLSearchParams): number {
 function readOutliers(query: URLSearchParams): number {
   const k = Number(query.get("outliers") ?? 0);
   return k >= LEAST_K && k <= MOST_K ? k : 0;
+}
+
+function readAt(query: URLSearchParams): number | undefined {
+  const at = Number(query.get("at") ?? NaN);
+  return Number.isSafeInteger(at) && at > 0 ? at : undefined;
 }
 
 /** How much before the shown window the other one lies (µs); whole days of the site's zone. */

@@ -64,6 +64,6 @@ export class StatisticsLoader {
 const NONE: ReadonlyMap<string, StatisticsInfo> = new Map();
 
 /** How far the ends of two windows are from each other, as a part of the second. */
-function apart(a: Span, b: Span): number {
+export function apart(a: Span, b: Span): number {
   return Math.max(Math.abs(a.fromUs - b.fromUs), Math.abs(a.toUs - b.toUs)) / lengthOf(b);
 }

@@ -90,8 +90,28 @@ export const historyStyle = css`
     color: var(--t-muted);
     font-size: var(--t-size-s);
   }
+  /* Where there is room the films stand beside the charts, else above them; and they stay in sight. */
+  t-film-panel {
+    position: sticky;
+    inset-block-start: 4.5rem;
+    z-index: 3;
+  }
+  .filmed {
+    grid-template-columns: minmax(14rem, 15rem) minmax(0, 1fr) minmax(20rem, 26rem);
+  }
+  @media (max-width: 80rem) {
+    .filmed {
+      grid-template-columns: minmax(14rem, 17rem) minmax(0, 1fr);
+    }
+    .filmed t-film-panel {
+      position: static;
+      grid-column: 1 / -1;
+      order: -1;
+    }
+  }
   @media (max-width: 60rem) {
-    .body {
+    .body,
+    .filmed {
       grid-template-columns: minmax(0, 1fr);
     }
   }

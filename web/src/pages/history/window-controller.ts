@@ -74,7 +74,9 @@ export class WindowController implements ReactiveController {
       this.before.push(now.shown);
       if (this.before.length > MOST_BACK) this.before.shift();
     }
-    this.go({ ...now, ...part });
+    // Another window begins where its own films do.
+    const at = part.shown === undefined ? now.at : undefined;
+    this.go({ ...now, at, ...part });
   }
 
   /** Fingers, keys or the wheel ask for a window. */

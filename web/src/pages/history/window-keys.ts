@@ -35,3 +35,10 @@ export function pageWish(key: string, shift: boolean, span: Span, clock: ZoneClo
 export function isBusy(path: readonly EventTarget[]): boolean {
   return path.some((each) => each instanceof HTMLElement && each.matches("input, select, textarea, [role=toolbar], t-menu, dialog"));
 }
+
+/** Somebody types, or the space bar presses what has the focus: films leave the key alone. */
+export function isTaken(key: string, path: readonly EventTarget[]): boolean {
+  const typing = "input:not([type=checkbox], [type=radio]), select, textarea, t-menu, dialog";
+  const pressing = "button, a, summary, label, input";
+  return path.some((each) => each instanceof HTMLElement && (each.matches(typing) || (key === " " && each.matches(pressing))));
+}

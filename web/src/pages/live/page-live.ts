@@ -4,6 +4,8 @@ import { consume } from "@lit/context";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../controllers/action.js";
+import { DetectorsController } from "../../controllers/detectors.js";
 import { LinkController } from "../../controllers/link.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
@@ -12,10 +14,13 @@ import { control } from "../../elements/control.js";
 import { Painter } from "../../elements/chart/painter.js";
 import type { Option } from "../../elements/choice.js";
 import { adviceFor } from "../../format/problem.js";
+import { AlarmMarks } from "../../series/alarm-marks.js";
 import { SECOND_US } from "../../series/zone.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
+import type { Anomaly, Detector } from "../../state/detectors.js";
 import { ChartFeed } from "../../tiles/chart/feed.js";
 import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api.js";
+import { AlarmsApi } from "../../wire/alarms.js";
 import type { HubApi } from "../../wire/http.js";
 import { liveStyle } from "./style.js";
 import "../../elements/banner.js";
@@ -35,6 +40,10 @@ const WINDOWS: readonly Option[] = [
   { id: "300", label: "5 min" },
 ];
 const FIRST_WINDOW = "30";
+const LONGEST_US = 300 * SECOND_US;
+
+const NO_DETECTORS: readonly Detector[] = [];
+const NO_ANOMALIES: readonly Anomaly[] = [];
 
 interface Group {
   readonly device: DeviceInfo;
@@ -57,10 +66,21 @@ export class PageLive extends LitElement {
   @state() private refused: ReadonlySet<string> = new Set();
 
   private feed: ChartFeed | null = null;
+  private bookOf: readonly Detector[] = [];
+  private detectorsOf: ReadonlyMap<string, readonly Detector[]> = new Map();
+  private anomaliesOf: ReadonlyMap<string, readonly Anomaly[]> = new Map();
   private readonly painter = new Painter();
+  private readonly marks = new AlarmMarks();
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly sites = new StoreController(this, sitesContext);
+  private readonly watching = new DetectorsController(this);
+  private readonly action = new ActionController(this);
   private readonly link = new LinkController(this, (connection) => [
+    connection.on("event", (news) => {
+      if (news.site !== this.site) return;
+      this.marks.add([news]);
+      this.requestUpdate();
+    }),
     connection.on("subscribed", ({ refused }) => {
       if (refused.length > 0) this.refused = new Set([...this.refused, ...refused]);
     }),
@@ -85,13 +105,20 @@ export class PageLive extends LitElement {
     if (changed.has("site")) {
       this.feed?.close();
       this.feed = null;
+      this.marks.clear();
+      void this.lookBack();
     }
     if (sites === undefined || connection === undefined || this.api === undefined) return;
     this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)} ${String(sites.row(this.site)?.online)}`, () => sites.detail(this.site));
     const detail = this.detail.value;
     if (detail === undefined || !this.isConnected) return;
     this.feed ??= new ChartFeed(this.site, connection, this.api, this.cameIn, this.lengthUs);
-    this.feed.listen(this.groups(detail).flatMap(({ signals }) => signals));
+    this.watching.ask(this.api, this.site, detail.catalogue);
+    const signals = this.groups(detail).flatMap((group) => group.signals);
+    const shown = new Set(signals.map(({ address }) => address));
+    const { book } = this.watching;
+    this.feed.listen(signals, book.list.filter(({ address }) => shown.has(address)).map(({ scores }) => scores));
+    if (book.list !== this.bookOf) this.sort(book.list);
   }
 
   override render(): TemplateResult {
@@ -105,7 +132,7 @@ export class PageLive extends LitElement {
         </div>
         ${detail === undefined ? nothing : this.tools(detail)}
       </div>
-      ${this.trouble()} ${detail === undefined ? this.waiting() : this.content(detail)}
+      ${this.trouble()} ${this.said()} ${detail === undefined ? this.waiting() : this.content(detail)}
     `;
   }
 
@@ -151,6 +178,28 @@ export class PageLive extends LitElement {
     return nothing;
   }
 
+  /** What became of "not an anomaly", and whether there are scores at all. */
+  private said(): TemplateResult {
+    const { problem, done } = this.action;
+    const failed = this.watching.state === "failed";
+    return html`<p class="said" role="status">${done}</p>
+      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      ${
+        failed
+          ? html`<t-banner>The anomaly detectors could not be asked; charts go on without them. <t-button kind="quiet" @click=${this.watchAgain}>Try again</t-button></t-banner>`
+          : nothing
+      }`;
+  }
+
+  /** Lists that stay the same while nothing new is known: tiles are drawn again for others only. */
+  private sort(list: readonly Detector[]): void {
+    this.bookOf = list;
+    const addresses = new Set(list.map(({ address }) => address));
+    const { book } = this.watching;
+    this.detectorsOf = new Map([...addresses].map((address) => [address, book.of(address)]));
+    this.anomaliesOf = new Map([...addresses].map((address) => [address, book.anomalies(address)]));
+  }
+
   private waiting(): unknown {
     return this.detail.result.state === "failed" ? nothing : html`<t-loading what="Loading the site"></t-loading>`;
   }
@@ -182,6 +231,12 @@ export class PageLive extends LitElement {
               .paused=${this.paused}
               .cut=${this.cut()}
               .outliers=${this.outliers}
+              .marks=${this.marks.of(device.id)}
+              .detectors=${this.detectorsOf.get(signal.address) ?? NO_DETECTORS}
+              .anomalies=${this.anomaliesOf.get(signal.address) ?? NO_ANOMALIES}
+              ?may-forgive=${this.watching.book.mayForgive}
+              ?busy=${this.action.busy}
+              @t-forgive=${this.forgiveIt}
               .forbidden=${signal.channels.some((channel) => this.refused.has(channel))}
               zone=${detail.zone}
             ></t-chart-tile>`,
@@ -229,9 +284,36 @@ export class PageLive extends LitElement {
     if (this.feed?.backfill === "failed") this.requestUpdate();
   };
 
+  /** What alarms did in the longest window that can be shown. Without it the charts are as good. */
+  private async lookBack(): Promise<void> {
+    const { site, api } = this;
+    if (site === "" || api === undefined) return;
+    const query = new URLSearchParams({ kind: "alarm", from_us: String(Math.round(Date.now() * 1000 - LONGEST_US)), limit: "200" });
+    const found = await new AlarmsApi(api).events(site, query.toString()).catch(() => null);
+    if (found === null || site !== this.site) return;
+    this.marks.add(found.events);
+    this.requestUpdate();
+  }
+
   private readonly again = (): void => {
     this.detail.again();
   };
+
+  private readonly watchAgain = (): void => {
+    this.watching.again();
+  };
+
+  private readonly forgiveIt = (event: CustomEvent<Detector>): void => {
+    event.stopPropagation();
+    void this.forgive(event.detail);
+  };
+
+  private async forgive({ address, detector, name }: Detector): Promise<void> {
+    const { api, site } = this;
+    if (api === undefined) return;
+    // How it stands then comes over the socket, to every page.
+    await this.action.run("tell the detector", () => api.forgive(site, address, detector), `Noted: ${address} is as usual for “${name}”.`);
+  }
 
   private readonly chooseWindow = (event: CustomEvent<string>): void => {
     this.seconds = event.detail;

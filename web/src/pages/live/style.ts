@@ -28,6 +28,13 @@ export const liveStyle = css`
   input[type="search"] {
     flex: 1 1 9rem;
   }
+  .said {
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+  }
+  .said:empty {
+    display: none;
+  }
   kbd {
     padding: 0 0.4em;
     border: 1px solid currentColor;

@@ -2,119 +2,113 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, query, state } from "lit/decorators.js";
+import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
+import { EndlessList } from "../../controllers/endless-list.js";
+import { FilterForm } from "../../controllers/filter-form.js";
 import { LinkController } from "../../controllers/link.js";
+import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store.js";
 import { base } from "../../elements/base.js";
+import { forms } from "../../elements/forms.js";
+import { settled } from "../../elements/settled.js";
 import { sheets } from "../../elements/sheets.js";
-import { adviceFor } from "../../format/problem.js";
+import { typedText } from "../../format/typed.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
-import { sitePath } from "../../state/router.js";
+import { sitePath, withQuery } from "../../state/router.js";
 import { AlarmsApi, type EventShape } from "../../wire/alarms.js";
+import type { SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
-import { KINDS, momentQuery, NO_FILTER, pageQuery, readFilter, writeFilter, type LogbookFilter } from "./query.js";
+import { RecordingsApi, type RecordingRow } from "../../wire/recordings.js";
+import { sightingPicturePath } from "../../wire/sightings.js";
+import { listEnd } from "../list-end.js";
+import { historyQuery } from "../sightings/query.js";
+import {
+  KINDS,
+  momentQuery,
+  NO_FILTER,
+  pageQuery,
+  readFilter,
+  recordingAt,
+  showsInSight,
+  writeFilter,
+  type LogbookFilter,
+} from "./query.js";
 import "../../elements/button.js";
 import "../../elements/empty.js";
 import "../../elements/field.js";
-import "../../elements/loading.js";
-import "../../elements/problem.js";
 import "../../elements/status.js";
 import "../../elements/time.js";
+import "./in-sight.js";
 
 const ROWS = 50;
-/** What happens is seen this soon afterwards: the hub writes it down first (ms). */
-const SOON_MS = 600;
-const TYPING_MS = 400;
 
 @customElement("t-page-logbook")
 export class PageLogbook extends LitElement {
   static override styles = [
     base,
     sheets,
+    forms,
     css`
-      form {
-        display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(min(12rem, 100%), 1fr));
-        align-items: end;
-        gap: var(--t-space-3);
-      }
-      label.tick {
-        display: flex;
-        align-items: center;
-        gap: var(--t-space-2);
-        min-block-size: var(--t-touch);
-      }
       .message {
         overflow-wrap: anywhere;
       }
-      .ways {
-        display: flex;
-        flex-wrap: wrap;
-        gap: 0 var(--t-space-3);
-      }
-      .ways a {
-        display: inline-flex;
-        align-items: center;
-        min-block-size: var(--t-touch);
-        font-weight: var(--t-weight-strong);
-      }
-      .end {
-        min-block-size: 2rem;
-        color: var(--t-muted);
+      .seen {
+        inline-size: 8rem;
+        aspect-ratio: 4 / 3;
+        object-fit: contain;
+        border-radius: var(--t-radius-s);
+        background: #000;
+        filter: var(--t-picture-filter, none);
       }
     `,
   ];
 
   @property() site = "";
 
-  @state() private rows: readonly EventShape[] = [];
-  @state() private more = true;
-  @state() private loading = false;
-  @state() private failure: unknown = null;
-  @query(".end") private readonly end!: HTMLElement | null;
-
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly router = new StoreController(this, routerContext);
   private readonly sites = new StoreController(this, sitesContext);
-  private shown: string | null = null;
-  private run = 0;
-  private timer: ReturnType<typeof setTimeout> | undefined;
-  private readonly watcher = new IntersectionObserver((entries) => {
-    if (entries.some(({ isIntersecting }) => isIntersecting)) void this.older();
+  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly recordings = new LoadController<readonly RecordingRow[]>(this);
+  private readonly list = new EndlessList<EventShape>(this, async (before) => {
+    const { events, more } = await new AlarmsApi(this.api).events(this.site, pageQuery(this.filter(), before, ROWS));
+    return { rows: events, more };
   });
+  private readonly form = new FilterForm<LogbookFilter>(
+    this,
+    (said) => ({
+      text: typedText(said, "text"),
+      kind: typedText(said, "kind"),
+      device: typedText(said, "device"),
+      who: typedText(said, "who"),
+      bad: said.has("bad"),
+    }),
+    (filter) => {
+      this.router.store?.replace(withQuery(sitePath(this.site, "logbook"), writeFilter(filter)));
+    },
+    NO_FILTER,
+  );
 
   constructor() {
     super();
     new LinkController(this, (connection) => [
       connection.on("event", (news) => {
-        if (news.site === this.site) this.soon(SOON_MS, () => void this.newer());
+        if (news.site !== this.site) return;
+        this.list.soon();
+        // One that has come to the hub is linked from what it holds.
+        if (news.kind.startsWith("recording")) this.recordings.again();
       }),
     ]);
   }
 
-  override disconnectedCallback(): void {
-    super.disconnectedCallback();
-    this.watcher.disconnect();
-    clearTimeout(this.timer);
-  }
-
   override willUpdate(): void {
-    const written = `${this.site}\n${writeFilter(this.filter())}`;
-    if (written === this.shown) return;
-    this.shown = written;
-    this.rows = [];
-    this.more = true;
-    this.failure = null;
-    this.run += 1;
-    this.loading = false;
-    void this.older();
-  }
-
-  override updated(): void {
-    this.watcher.disconnect();
-    if (this.end !== null && this.more && this.failure === null) this.watcher.observe(this.end);
+    const sites = this.sites.store;
+    if (sites !== undefined) this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
+    // Who may not see them has no links to them, and that is all.
+    this.recordings.ask(this.site, async () => (await new RecordingsApi(this.api).list(this.site)).recordings);
+    this.list.ask(`${this.site}\n${writeFilter(this.filter())}`);
   }
 
   override render(): TemplateResult {
@@ -126,66 +120,83 @@ export class PageLogbook extends LitElement {
         </div>
         <div class="actions">
           <a href="/alarms">Alarms</a>
+          <a href=${sitePath(this.site, "sightings")}>Sightings</a>
           <a href=${sitePath(this.site, "history")}>History</a>
         </div>
       </div>
       <section class="sheet" aria-label="Filter">
-        <form novalidate @submit=${this.chosen} @input=${this.typed}>
-          <t-field label="Search"><input name="text" type="search" maxlength="200" autocomplete="off" .value=${filter.text} /></t-field>
+        <form class="filter" novalidate @submit=${this.form.chosen} @input=${this.form.typed}>
+          <t-field label="Search"><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
           <t-field label="What">
             <select name="kind">
-              ${map(KINDS, ({ kind, name }) => html`<option value=${kind} ?selected=${kind === filter.kind}>${name}</option>`)}
+              ${map(KINDS, ({ kind, name }) => html`<option value=${kind} .selected=${kind === filter.kind}>${name}</option>`)}
             </select>
           </t-field>
-          <t-field label="Who"><input name="who" maxlength="200" autocomplete="off" .value=${filter.who} /></t-field>
-          <t-field label="Device"><input name="device" maxlength="200" autocomplete="off" .value=${filter.device} /></t-field>
-          <label class="tick"><input name="bad" type="checkbox" ?checked=${filter.bad} /> Only what went wrong</label>
+          <t-field label="Who"><input name="who" maxlength="200" autocomplete="off" .value=${settled(filter.who)} /></t-field>
+          <t-field label="Device">
+            <select name="device">
+              <option value="">All</option>
+              ${map(
+                this.detail.value?.devices ?? [],
+                ({ id, name }) => html`<option value=${id} .selected=${id === filter.device}>${name}</option>`,
+              )}
+            </select>
+          </t-field>
+          <label class="tick"><input name="bad" type="checkbox" .checked=${filter.bad} /> Only what went wrong</label>
+          <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clear}>Clear</t-button>
         </form>
       </section>
+      ${showsInSight(filter) ? html`<t-in-sight .site=${this.site} .zone=${this.sites.store?.zoneOf(this.site) ?? "UTC"}></t-in-sight>` : nothing}
       ${this.content(filter)}`;
   }
 
   private content(filter: LogbookFilter): TemplateResult {
-    const advice = this.failure === null ? null : adviceFor(this.failure, "the logbook");
-    const empty = this.rows.length === 0 && !this.more;
-    return html`${empty
+    const { rows, more, loading } = this.list;
+    const all = writeFilter(filter) === "";
+    return html`${rows.length === 0 && !more
         ? html`<t-empty heading="Nothing fits" icon="logbook">
-            <p>${writeFilter(filter) === "" ? "Nothing has happened yet." : "Nothing in the logbook is like this."}</p>
-            ${writeFilter(filter) === "" ? nothing : html`<t-button @click=${this.clear}>Show everything</t-button>`}
+            <p>${all ? "Nothing has happened yet." : "Nothing in the logbook is like this."}</p>
+            ${all ? nothing : html`<t-button @click=${this.form.clear}>Show everything</t-button>`}
           </t-empty>`
         : nothing}
-      ${this.rows.length === 0
+      ${rows.length === 0
         ? nothing
-        : html`<section class="sheet" aria-label="Events" aria-busy=${this.loading}>
+        : html`<section class="sheet" aria-label="Events" aria-busy=${loading}>
             <ul class="rows">
               ${repeat(
-                this.rows,
+                rows,
                 ({ id }) => id,
                 (row) => this.row(row),
               )}
             </ul>
           </section>`}
-      ${advice === null ? nothing : html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`}
-      ${this.loading ? html`<t-loading what="Loading the logbook"></t-loading>` : nothing}
-      <p class="end">${this.more || empty ? "" : "This is where it begins."}</p>`;
+      ${listEnd(this.list, "the logbook")}`;
   }
 
   private row(row: EventShape): TemplateResult {
     const zone = this.sites.store?.zoneOf(this.site) ?? "UTC";
-    const recorded = row.kind.startsWith("recording");
+    const seen = row.sighting ?? null;
+    const device = this.detail.value?.devices.find(({ id }) => id === row.device);
+    const signals = device?.signals.filter(({ primary }) => primary) ?? [];
+    const channels = (signals.length > 0 ? signals : (device?.signals ?? [])).flatMap((signal) => signal.channels);
+    const recording = recordingAt(this.recordings.value ?? [], row.time_us);
     return html`<li>
       <div>
         <div class="facts">
           <t-time .us=${row.time_us} .zone=${zone}></t-time>
           ${row.who === "" ? nothing : html`<span>${row.who}</span>`}
-          ${row.device === "" ? nothing : html`<span>${row.device}</span>`}
+          ${row.device === "" ? nothing : html`<span>${device?.name ?? row.device}</span>`}
         </div>
         <div class="name">${row.good ? nothing : html`<t-status kind="bad" word="look"></t-status> `}${row.kind.replaceAll("_", " ")}</div>
         ${row.message === "" ? nothing : html`<div class="message">${row.message}</div>`}
+        ${seen?.picture === true
+          ? html`<img class="seen" src=${sightingPicturePath(this.site, seen.id)} alt=${`${seen.label} on the picture of ${seen.camera}`} loading="lazy" decoding="async" />`
+          : nothing}
       </div>
       <div class="ways">
-        <a href=${`${sitePath(this.site, "history")}?${momentQuery(row.time_us)}`}>Chart</a>
-        ${recorded ? html`<a href=${sitePath(this.site, "recordings")}>Recordings</a>` : nothing}
+        <a href=${`${sitePath(this.site, "history")}?${seen === null ? momentQuery(row.time_us, channels) : historyQuery(seen, undefined)}`}>Chart</a>
+        ${recording === undefined ? nothing : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.time_us)}`}>Recording</a>`}
+        ${row.kind.startsWith("sighting") ? html`<a href=${sitePath(this.site, "sightings")}>Sightings</a>` : nothing}
         ${row.kind.startsWith("alarm") ? html`<a href="/alarms">Alarms</a>` : nothing}
       </div>
     </li>`;
@@ -193,78 +204,6 @@ export class PageLogbook extends LitElement {
 
   private filter(): LogbookFilter {
     return readFilter(this.router.store?.search ?? "");
-  }
-
-  private async older(): Promise<void> {
-    if (this.loading || !this.more || this.failure !== null) return;
-    const run = this.run;
-    this.loading = true;
-    try {
-      const found = await new AlarmsApi(this.api).events(this.site, pageQuery(this.filter(), this.rows.at(-1)?.id ?? "", ROWS));
-      if (run !== this.run) return;
-      this.rows = [...this.rows, ...found.events];
-      this.more = found.more;
-    } catch (error) {
-      if (run === this.run) this.failure = error;
-    } finally {
-      if (run === this.run) this.loading = false;
-    }
-  }
-
-  /** Puts what has happened since above the rest. */
-  private async newer(): Promise<void> {
-    const run = this.run;
-    try {
-      const found = await new AlarmsApi(this.api).events(this.site, pageQuery(this.filter(), "", ROWS));
-      if (run !== this.run) return;
-      const first = this.rows.findIndex(({ id }) => id === found.events.at(-1)?.id);
-      // More than a page has happened: begin anew.
-      this.rows = first < 0 && this.rows.length > 0 && found.more ? found.events : [...found.events, ...this.rows.filter(({ id }) => !found.events.some((one) => one.id === id))];
-      if (this.rows === found.events) this.more = found.more;
-    } catch {
-      // The next event, or the next page, tries again.
-    }
-  }
-
-  private soon(ms: number, then: () => void): void {
-    clearTimeout(this.timer);
-    this.timer = setTimeout(then, ms);
-  }
-
-  private readonly again = (): void => {
-    this.failure = null;
-    void this.older();
-  };
-
-  private readonly clear = (): void => {
-    this.go(NO_FILTER);
-  };
-
-  private readonly typed = (event: Event): void => {
-    const form = event.currentTarget;
-    if (!(form instanceof HTMLFormElement)) return;
-    this.soon(event.target instanceof HTMLInputElement && event.target.type !== "checkbox" ? TYPING_MS : 0, () => {
-      this.choose(form);
-    });
-  };
-
-  private readonly chosen = (event: Event): void => {
-    event.preventDefault();
-    if (event.currentTarget instanceof HTMLFormElement) this.choose(event.currentTarget);
-  };
-
-  private choose(form: HTMLFormElement): void {
-    const data = new FormData(form);
-    const text = (key: string): string => {
-      const value = data.get(key);
-      return typeof value === "string" ? value.trim() : "";
-    };
-    this.go({ text: text("text"), kind: text("kind"), device: text("device"), who: text("who"), bad: data.has("bad") });
-  }
-
-  private go(filter: LogbookFilter): void {
-    const written = writeFilter(filter);
-    this.router.store?.replace(`${sitePath(this.site, "logbook")}${written === "" ? "" : `?${written}`}`);
   }
 }
 

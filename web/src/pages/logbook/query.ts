@@ -13,18 +13,19 @@ export interface LogbookFilter {
 
 export const NO_FILTER: LogbookFilter = { text: "", kind: "", device: "", who: "", bad: false };
 
-/** Kinds that people filter by: the first word of what the hub calls it. */
+/** Kinds that people filter by: the first words of what the hub calls them. */
 export const KINDS: readonly { readonly kind: string; readonly name: string }[] = [
   { kind: "", name: "Everything" },
   { kind: "alarm", name: "Alarms" },
   { kind: "command", name: "Commands" },
   { kind: "stop", name: "STOP" },
   { kind: "lease", name: "Driving" },
-  { kind: "interlock", name: "Interlocks" },
+  { kind: "interlock,enclosure", name: "Interlocks and roofs" },
   { kind: "sighting", name: "Sightings" },
   { kind: "anomaly", name: "Anomalies" },
-  { kind: "gateway", name: "Connections" },
+  { kind: "gateway,connection,device", name: "Connections" },
   { kind: "recording", name: "Recordings" },
+  { kind: "description", name: "Description" },
 ];
 
 /** Before an event in the history and behind it, so much is shown (µs). */
@@ -52,7 +53,25 @@ export function pageQuery(filter: LogbookFilter, before: string, limit: number):
   return asked.toString();
 }
 
-/** The history page's query for the moment of an event. */
-export function momentQuery(timeUs: number): string {
-  return `from=${String(Math.round(timeUs - AROUND_US))}&to=${String(Math.round(timeUs + AROUND_US))}`;
+/** Whether what is in sight now fits: it has no line yet, so words are not looked for in it. */
+export function showsInSight({ text, kind, device, who, bad }: LogbookFilter): boolean {
+  return text === "" && device === "" && who === "" && !bad && (kind === "" || kind === "sighting");
+}
+
+/** A chart holds so many channels before it is hard to read. */
+const MOST_CHANNELS = 6;
+
+/**
+ * The history page's query for the moment of an event.
+ *
+ * @param channels of the event's device; the page chooses where there are none
+ */
+export function momentQuery(timeUs: number, channels: readonly string[] = []): string {
+  const chosen = channels.slice(0, MOST_CHANNELS).map((channel) => `c=${encodeURIComponent(channel).replaceAll("%2F", "/")}&`);
+  return `${chosen.join("")}from=${String(Math.round(timeUs - AROUND_US))}&to=${String(Math.round(timeUs + AROUND_US))}&at=${String(Math.round(timeUs))}`;
+}
+
+/** The recording that holds a moment; undefined where nothing was recorded then. */
+export function recordingAt<R extends { readonly begin_us: number; readonly end_us: number }>(recordings: readonly R[], timeUs: number): R | undefined {
+  return recordings.find(({ begin_us: begin, end_us: end }) => begin <= timeUs && timeUs <= end);
 }

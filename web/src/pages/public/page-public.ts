@@ -143,7 +143,13 @@ export class PagePublic extends LitElement {
       ${repeat(
         streams,
         (stream) => stream.address,
-        (stream) => html`<t-camera .site=${site} .stream=${stream.address} .name=${stream.name} .online=${online}></t-camera>`,
+        (stream) => html`<t-camera
+          .site=${site}
+          .stream=${stream.address}
+          .name=${stream.name}
+          .detect=${stream.detect}
+          .online=${online}
+        ></t-camera>`,
       )}
       ${signals.length === 0
         ? nothing

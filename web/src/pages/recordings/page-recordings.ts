@@ -1,8 +1,11 @@
-/** Recordings of a site's raw topics: begin and end one, look at the list, take one away. */
+/**
+ * Recordings of a site's raw topics and films of its cameras: begin and end one, look at the list,
+ * take one away. Long, because the recorder and its list share their words and states.
+ */
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, state } from "lit/decorators.js";
+import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
@@ -15,7 +18,7 @@ import { formatBytes } from "../../format/bytes.js";
 import { formatDuration } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
 import { adviceFor, isForbidden } from "../../format/problem.js";
-import { apiContext, sitesContext } from "../../state/contexts.js";
+import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { HubApi } from "../../wire/http.js";
 import { recordingPath, RecordingsApi, type RecorderRow, type RecordingList, type RecordingRow } from "../../wire/recordings.js";
@@ -48,6 +51,10 @@ export class PageRecordings extends LitElement {
       .span {
         font-weight: var(--t-weight-strong);
       }
+      li.named {
+        outline: 2px solid var(--t-accent);
+        outline-offset: 4px;
+      }
       .why {
         overflow-wrap: anywhere;
       }
@@ -62,46 +69,29 @@ export class PageRecordings extends LitElement {
         align-items: end;
         gap: var(--t-space-3);
       }
-      form label {
-        display: grid;
-        gap: var(--t-space-1);
+      t-field {
         flex: 1 1 16rem;
         max-inline-size: 30rem;
-        font-weight: var(--t-weight-strong);
-      }
-      input {
-        min-block-size: var(--t-touch);
-        min-inline-size: 0;
-        padding-inline: var(--t-space-3);
-        border: 1px solid var(--t-line-strong, var(--t-line));
-        border-radius: var(--t-radius-s);
-        background: var(--t-raised);
-        color: var(--t-text);
-        font: inherit;
-        font-weight: normal;
-      }
-      .ways a {
-        display: inline-flex;
-        align-items: center;
-        min-block-size: var(--t-touch);
-        padding-inline: var(--t-space-2);
-        font-weight: var(--t-weight-strong);
       }
       .ways {
-        display: flex;
-        flex-wrap: wrap;
-        align-items: center;
         gap: var(--t-space-1) var(--t-space-2);
+      }
+      .ways a {
+        padding-inline: var(--t-space-2);
       }
     `,
   ];
 
   @property() site = "";
 
+  @query("li.named") private readonly atMoment!: HTMLElement | null;
   @state() private removing: RecordingRow | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new StoreController(this, sitesContext);
+  private readonly router = new StoreController(this, routerContext);
+  /** The moment that the address named last, and whose recording was shown. */
+  private shownFor = "";
   private readonly known = new LoadController<RecordingList>(this);
   private readonly action = new ActionController(this);
   private why = "";
@@ -116,6 +106,18 @@ export class PageRecordings extends LitElement {
     this.known.ask(`${this.site} ${String(turn)}`, () => new RecordingsApi(this.api).list(this.site));
   }
 
+  /** Brings the recording into view that holds the moment which the address names. */
+  override updated(): void {
+    const named = this.named();
+    if (named === this.shownFor || this.atMoment === null) return;
+    this.shownFor = named;
+    this.atMoment.scrollIntoView({ block: "center" });
+  }
+
+  private named(): string {
+    return new URLSearchParams(this.router.store?.search ?? "").get("at") ?? "";
+  }
+
   override render(): TemplateResult {
     const known = this.known.value;
     return html`<div class="head">
@@ -123,7 +125,7 @@ export class PageRecordings extends LitElement {
           <h1>Recordings</h1>
           <p class="muted">
             Raw topics of ${this.sites.store?.row(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick
-            and <code>ros2 bag</code>.
+            and <code>ros2 bag</code>, and films of its cameras, which play beside the history.
           </p>
         </div>
         <a href=${sitePath(this.site, "history")}>History</a>
@@ -184,7 +186,7 @@ export class PageRecordings extends LitElement {
       return html`<section class="sheet" aria-label="Recorder">
         <p class="muted">
           The site description names nothing to record. With <code>recording: {}</code> in it, the gateway holds the last
-          30 seconds and keeps them when something happens.
+          30 seconds and keeps them when something happens, and films each camera that you ask it to.
         </p>
       </section>`;
     }
@@ -195,9 +197,17 @@ export class PageRecordings extends LitElement {
           : html`<t-status kind=${now.online ? "unknown" : "offline"} word=${now.online ? "not recording" : "gateway offline"}></t-status>`}
       </div>
       ${now.on ? html`<p class="why">${now.why}${now.who === "" ? "" : ` · ${now.who}`}</p>` : nothing}
+      ${now.filming.length === 0 ? nothing : html`<p class="why">Filming: ${now.filming.join(", ")}</p>`}
       ${now.problem === "" ? nothing : html`<t-problem what="The last recording failed." how=${now.problem}></t-problem>`}
-      ${now.may_record ? this.control(now) : nothing}
-      <details>
+      ${now.may_record && now.topics.length + now.cameras.length > 0 ? this.control(now) : nothing}
+      ${now.cameras.length === 0
+        ? nothing
+        : html`<p class="note">
+            ${now.can_film || !now.online
+              ? `Filmed with each recording: ${now.cameras.join(", ")}`
+              : `Its gateway cannot film ${now.cameras.join(", ")}: install talaia[camera] there.`}
+          </p>`}
+      <details ?hidden=${now.topics.length === 0}>
         <summary>${now.topics.length === 1 ? "1 topic" : `${String(now.topics.length)} topics`}</summary>
         <p class="note">${now.topics.join(", ")}</p>
       </details>
@@ -209,13 +219,10 @@ export class PageRecordings extends LitElement {
       return html`<div class="actions"><t-button kind="primary" ?busy=${this.action.under === "end"} @click=${this.end}>End the recording</t-button></div>`;
     }
     return html`<form @submit=${this.begin}>
-      <label
-        >Why (optional)
+      <t-field label="Why (optional)">
         <input maxlength="500" autocomplete="off" .value=${this.why} @input=${this.typed} ?disabled=${!now.online} />
-      </label>
-      <t-button kind="primary" ?disabled=${!now.online} ?busy=${this.action.under === "begin"} @click=${this.begin}
-        >Record</t-button
-      >
+      </t-field>
+      <t-button type="submit" kind="primary" ?disabled=${!now.online} ?busy=${this.action.under === "begin"}>Record</t-button>
     </form>
     <p class="note">
       It begins ${formatDuration(now.before_s)} ago: so much is held at the gateway at all times.
@@ -227,17 +234,19 @@ export class PageRecordings extends LitElement {
     const { zone, recorder } = known;
     const part = row.size > 0 ? row.have / row.size : 0;
     const told = row.state === "uploading" ? `${word}, ${formatNumber(100 * part, 0)} %` : word;
-    return html`<li>
+    const at = this.named() === "" ? NaN : Number(this.named());
+    const named = row.begin_us <= at && at <= row.end_us;
+    return html`<li class=${named ? "named" : ""} aria-current=${named ? "true" : nothing}>
       <div>
         <div class="span">
           <t-time us=${row.begin_us} zone=${zone}></t-time> – <t-time us=${row.end_us} zone=${zone}></t-time>
         </div>
-        <div class="why">${row.why}${row.who === "" ? "" : ` · ${row.who}`}</div>
+        <div class="why">${row.stream === "" ? nothing : html`<strong>Film of ${row.stream}</strong> · `}${row.why}${row.who === "" ? "" : ` · ${row.who}`}</div>
         <div class="facts">
           <t-status kind=${kind} word=${told}></t-status>
           <span>${formatDuration((row.end_us - row.begin_us) / 1e6)}</span>
           <span>${formatBytes(row.size)}</span>
-          ${row.messages === 0 ? nothing : html`<span>${formatNumber(row.messages, 0)} messages</span>`}
+          ${row.messages === 0 ? nothing : html`<span>${formatNumber(row.messages, 0)} ${row.stream === "" ? "messages" : "pictures"}</span>`}
         </div>
         ${row.note === "" ? nothing : html`<div class="note">${row.note}</div>`}
         ${row.topics.length === 0
@@ -251,7 +260,9 @@ export class PageRecordings extends LitElement {
         ${row.state === "complete"
           ? html`<a href=${recordingPath(this.site, row.id)} download aria-label=${`Download ${row.id}`}>Download</a>`
           : nothing}
-        <a href=${this.around(row)} aria-label=${`The history around ${row.id}`}>History</a>
+        <a href=${this.around(row)} aria-label=${row.stream === "" ? `The history around ${row.id}` : `Watch ${row.id}`}
+          >${row.stream === "" ? "History" : "Watch"}</a
+        >
         ${recorder.may_delete
           ? html`<t-button label=${`Delete ${row.id}`} @click=${this.asker(row)}>Delete</t-button>`
           : nothing}
@@ -263,7 +274,8 @@ export class PageRecordings extends LitElement {
   private around(row: RecordingRow): string {
     const from = row.begin_us - AROUND_S * 1e6;
     const to = row.end_us + AROUND_S * 1e6;
-    return `${sitePath(this.site, "history")}?from=${String(from)}&to=${String(to)}`;
+    const film = row.stream === "" ? "" : `&at=${String(row.begin_us)}`;
+    return `${sitePath(this.site, "history")}?from=${String(from)}&to=${String(to)}${film}`;
   }
 
   private readonly typed = (event: Event): void => {

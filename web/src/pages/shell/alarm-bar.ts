@@ -5,8 +5,9 @@ import { customElement } from "lit/decorators.js";
 import { StoreController } from "../../controllers/store.js";
 import { TickController } from "../../controllers/tick.js";
 import { base } from "../../elements/base.js";
-import { alarmsContext, apiContext, sitesContext } from "../../state/contexts.js";
-import { AlarmSound } from "../../state/alarm-sound.js";
+import { alarmsContext, alarmSoundContext, apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
+import { mayUse } from "../../state/rights.js";
+import { alarmPath } from "../../state/router.js";
 import type { AlarmNews } from "../../generated/wire.js";
 import { consume } from "@lit/context";
 import type { HubApi } from "../../wire/http.js";
@@ -65,6 +66,10 @@ export class AlarmBar extends LitElement {
         color: var(--t-bad);
         font-weight: var(--t-weight-strong);
       }
+      a.which {
+        color: inherit;
+        font-weight: var(--t-weight-strong);
+      }
       a.all {
         display: inline-flex;
         align-items: center;
@@ -81,12 +86,11 @@ export class AlarmBar extends LitElement {
   ];
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly alarms = new StoreController(this, alarmsContext, () => {
-    this.sound.hear(this.alarms.store?.raised ?? 0);
-  });
+  private readonly alarms = new StoreController(this, alarmsContext);
+  private readonly session = new StoreController(this, sessionContext);
+  private readonly sound = new StoreController(this, alarmSoundContext);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly action = new ActionController(this);
-  private readonly sound = new AlarmSound(storage());
 
   constructor() {
     super();
@@ -94,23 +98,12 @@ export class AlarmBar extends LitElement {
     new TickController(this, 1000);
   }
 
-  override connectedCallback(): void {
-    super.connectedCallback();
-    window.addEventListener("pointerdown", this.touched, { capture: true });
-    window.addEventListener("keydown", this.touched, { capture: true });
-  }
-
-  override disconnectedCallback(): void {
-    super.disconnectedCallback();
-    window.removeEventListener("pointerdown", this.touched, { capture: true });
-    window.removeEventListener("keydown", this.touched, { capture: true });
-  }
-
   override render(): TemplateResult | typeof nothing {
     const summary = this.alarms.store?.summary;
     const worst = summary?.unseen[0] ?? summary?.undelivered[0];
     if (summary === undefined || worst === undefined) return nothing;
     const { unseen, undelivered } = summary;
+    const sound = this.sound.store;
     return html`<div class="bar ${worst.severity}" role="region" aria-label="Alarms">
       <t-icon name="bell"></t-icon>
       <span class="what" role=${worst.severity === "critical" ? "alert" : "status"}>${this.said(worst)}</span>
@@ -118,14 +111,15 @@ export class AlarmBar extends LitElement {
       ${undelivered.length === 0
         ? nothing
         : html`<span class="undelivered">${undelivered.length === 1 ? "A message" : "Messages"} could not be delivered</span>`}
+      ${sound?.on === true && !sound.ready ? html`<span class="more">silent until you click or press a key</span>` : nothing}
       ${this.action.problem === null ? nothing : html`<span class="undelivered" role="alert">${this.action.problem.what}</span>`}
       <span class="actions">
-        ${unseen.length > 0
+        ${unseen.length > 0 && mayUse(this.session.store?.person, worst.site, worst.device)
           ? html`<t-button label=${`Acknowledge ${worst.name}`} ?busy=${this.action.busy} @click=${this.acknowledge}
               >Acknowledge</t-button
             >`
           : nothing}
-        <t-button kind="quiet" @click=${this.toggle}>${this.sound.on ? "Mute" : "Sound on"}</t-button>
+        <t-button kind="quiet" @click=${this.toggle}>${sound?.on === true ? "Mute" : "Turn sound on"}</t-button>
         <a class="all" href="/alarms" aria-label="All alarms">All</a>
       </span>
     </div>`;
@@ -134,7 +128,7 @@ export class AlarmBar extends LitElement {
   private said(one: AlarmNews): TemplateResult {
     const row = this.sites.store?.row(one.site);
     const many = (this.sites.store?.list.length ?? 0) > 1;
-    return html`<strong>${many ? `${row?.name ?? one.site}: ` : ""}${one.name}</strong> – ${one.why}
+    return html`<a class="which" href=${alarmPath(one)}>${many ? `${row?.name ?? one.site}: ` : ""}${one.name}</a> – ${one.why}
       <span class="more"
         >${one.phase === "cleared" ? "over, not acknowledged; " : ""}since
         <t-time .us=${one.raised_us} .zone=${row?.zone ?? "UTC"} short></t-time
@@ -150,21 +144,8 @@ export class AlarmBar extends LitElement {
   };
 
   private readonly toggle = (): void => {
-    this.sound.choose(!this.sound.on);
-    this.requestUpdate();
+    this.sound.store?.choose(!this.sound.store.on);
   };
-
-  private readonly touched = (): void => {
-    this.sound.touch();
-  };
-}
-
-function storage(): Storage | null {
-  try {
-    return window.localStorage;
-  } catch {
-    return null;
-  }
 }
 
 declare global {

@@ -5,6 +5,7 @@ import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import {
   alarmsContext,
+  alarmSoundContext,
   apiContext,
   connectionContext,
   interlocksContext,
@@ -16,6 +17,7 @@ import {
   sitesContext,
   themeContext,
 } from "../../state/contexts.js";
+import { AlarmSound } from "../../state/alarm-sound.js";
 import { Alarms } from "../../state/alarms.js";
 import { Interlocks } from "../../state/interlocks.js";
 import { LiveValues } from "../../state/live.js";
@@ -29,6 +31,7 @@ import { Touched } from "../../state/touched.js";
 import { Connection } from "../../wire/connection.js";
 import { HubApi, Unreachable } from "../../wire/http.js";
 import { socketUrl } from "../../wire/media.js";
+import { onOpened } from "../../wire/push.js";
 import { firstPage, isOpen } from "../routes.js";
 import "./shell.js";
 
@@ -46,6 +49,7 @@ export class App extends LitElement {
     touched: () => this.touched.take(),
   });
   private readonly alarms = new Alarms(this.connection);
+  private readonly alarmSound = new AlarmSound(storage());
   private readonly interlocks = new Interlocks(this.connection);
   private readonly live = new LiveValues(this.connection);
   private readonly reach = new Reach(this.connection);
@@ -62,6 +66,7 @@ export class App extends LitElement {
   constructor() {
     super();
     new ContextProvider(this, { context: alarmsContext, initialValue: this.alarms });
+    new ContextProvider(this, { context: alarmSoundContext, initialValue: this.alarmSound });
     new ContextProvider(this, { context: apiContext, initialValue: this.api });
     new ContextProvider(this, { context: connectionContext, initialValue: this.connection });
     new ContextProvider(this, { context: interlocksContext, initialValue: this.interlocks });
@@ -77,10 +82,18 @@ export class App extends LitElement {
   override connectedCallback(): void {
     super.connectedCallback();
     this.touched.start();
+    window.addEventListener("pointerdown", this.heard, { capture: true });
+    window.addEventListener("keydown", this.heard, { capture: true });
     window.addEventListener("online", this.wake);
     document.addEventListener("visibilitychange", this.wake);
     this.stops = [
       this.session.watch(this.whoChanged),
+      onOpened((path) => {
+        this.router.go(path);
+      }),
+      this.alarms.watch(() => {
+        this.alarmSound.hear(this.alarms.raised);
+      }),
       this.router.watch(this.guard),
       this.connection.on("site", (news) => {
         this.sites.apply(news);
@@ -98,6 +111,8 @@ export class App extends LitElement {
   override disconnectedCallback(): void {
     super.disconnectedCallback();
     this.touched.stop();
+    window.removeEventListener("pointerdown", this.heard, { capture: true });
+    window.removeEventListener("keydown", this.heard, { capture: true });
     window.removeEventListener("online", this.wake);
     document.removeEventListener("visibilitychange", this.wake);
     clearTimeout(this.retryTimer);
@@ -109,6 +124,11 @@ export class App extends LitElement {
   override render(): TemplateResult {
     return html`<t-shell ?unreachable=${this.unreachable}></t-shell>`;
   }
+
+  /** A browser is silent until somebody has touched the page. */
+  private readonly heard = (): void => {
+    this.alarmSound.touch();
+  };
 
   private readonly wake = (): void => {
     if (document.visibilityState === "visible") this.connection.retryNow();

@@ -279,7 +279,10 @@ export class Header extends LitElement {
   private readonly chooseSite = (event: Event): void => {
     if (!(event.target instanceof HTMLSelectElement)) return;
     const page = this.router.route.page;
-    const kept = page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" ? page : "live";
+    const kept =
+      page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "sightings"
+        ? page
+        : "live";
     this.router.go(sitePath(event.target.value, kept));
   };
 

@@ -160,7 +160,7 @@ export class Nav extends LitElement {
       page === this.page ||
       (page === "devices" && (this.page === "device" || this.page === "cameras")) ||
       (page === "history" && this.page === "recordings") ||
-      (page === "alarms" && this.page === "logbook")
+      (page === "alarms" && (this.page === "logbook" || this.page === "sightings"))
     );
   }
 

@@ -188,8 +188,10 @@ export class Shell extends LitElement {
     }
     const person = this.session.store?.person ?? null;
     const place = this.router.store?.route.page ?? "missing";
-    if (person !== null && ADMIN_PAGES.includes(place) && !mayOpen(place, person)) {
-      return html`<t-empty heading="Only admins may open this" icon="lock">
+    const admins = ADMIN_PAGES.includes(place);
+    // An empty list would say that all is well.
+    if (person !== null && (admins || place === "alarms" || place === "logbook") && !mayOpen(place, person)) {
+      return html`<t-empty heading=${admins ? "Only admins may open this" : "This is not open to you"} icon="lock">
         <p>You are signed in as ${person.name}, with the role ${person.role}. An admin of this hub can give you another.</p>
         <p><a href="/">Go to your first page</a></p>
       </t-empty>`;

@@ -73,8 +73,11 @@ export class PageStorage extends LitElement {
         </div>
       </section>
       ${signals.length === 0
-        ? html`<t-empty heading="Nothing is stored yet" icon="history"
-            ><p>A signal appears here once some ten thousand samples of it have come.</p></t-empty
+        ? html`<t-empty heading="Too early to say" icon="history"
+            ><p>
+              Every sample that came is stored. How much room a signal takes is told here once some ten thousand samples of it have
+              come.
+            </p></t-empty
           >`
         : html`<t-storage-table .signals=${signals} .zoneOf=${this.zoneOf}></t-storage-table>`}
       <section class="sheet" aria-label="How to change it">

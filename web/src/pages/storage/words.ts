@@ -24,6 +24,7 @@ export function keepText(days: number): string {
 /** When the room is used up, and what is kept then. */
 export function forecastText(use: StorageUse, zone: string): string {
   const { full_us: full, limit_bytes: limit, oldest_us: oldest, kept_days: kept } = use;
+  if (use.blocks_bytes === 0) return "How fast it grows is known once the first samples are put together in blocks.";
   if (use.day_bytes === 0) return "Nothing came in the last week, so nothing fills up.";
   if (full === null) {
     if (use.free_bytes === null && limit === 0) return "The disk of the database server is not the hub's to see: watch it there, or set a limit.";

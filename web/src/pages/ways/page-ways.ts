@@ -1,17 +1,22 @@
 /** The ways by which people can be told of alarms: mail, webhook, chat, push. Only admins set servers. */
 
 import { consume } from "@lit/context";
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, query, state } from "lit/decorators.js";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, state } from "lit/decorators.js";
+import { keyed } from "lit/directives/keyed.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { Tester } from "../../controllers/tester.js";
 import { base } from "../../elements/base.js";
+import { focusIn } from "../../elements/focus.js";
+import { forms } from "../../elements/forms.js";
 import { sheets } from "../../elements/sheets.js";
 import { adviceFor } from "../../format/problem.js";
+import { typedText } from "../../format/typed.js";
 import { apiContext } from "../../state/contexts.js";
-import { NotifyApi, type WayAsk, type WayShape, type WentShape } from "../../wire/alarms.js";
+import { NotifyApi, type WayAsk, type WayShape } from "../../wire/alarms.js";
 import type { HubApi } from "../../wire/http.js";
 import "../../elements/button.js";
 import "../../elements/confirm.js";
@@ -20,6 +25,7 @@ import "../../elements/field.js";
 import "../../elements/loading.js";
 import "../../elements/problem.js";
 import "../../elements/status.js";
+import "../../elements/went.js";
 import "../admin-tabs.js";
 
 type Kind = WayAsk["kind"];
@@ -33,32 +39,17 @@ const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = [
 
 @customElement("t-page-ways")
 export class PageWays extends LitElement {
-  static override styles = [
-    base,
-    sheets,
-    css`
-      form {
-        display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(min(16rem, 100%), 1fr));
-        align-items: start;
-        gap: var(--t-space-3);
-      }
-      .went {
-        overflow-wrap: anywhere;
-      }
-    `,
-  ];
+  static override styles = [base, sheets, forms];
 
   /** Empty: a new one; null: none is being changed. */
   @state() private editing: string | null = null;
   @state() private kind: Kind = "mail";
   @state() private removing: WayShape | null = null;
-  @state() private went: { readonly id: string; readonly how: WentShape } | null = null;
-  @query("form") private readonly form!: HTMLFormElement | null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly known = new LoadController<readonly WayShape[]>(this);
   private readonly action = new ActionController(this);
+  private readonly tester = new Tester(this, this.action, (id) => new NotifyApi(this.api).testWay(id));
 
   override willUpdate(): void {
     this.known.ask("ways", async () => (await new NotifyApi(this.api).ways()).ways);
@@ -73,13 +64,14 @@ export class PageWays extends LitElement {
           <h1>Notification</h1>
           <p class="muted">The servers by which people are told of alarms. Each person then chooses on the account page.</p>
         </div>
-        ${this.editing === null ? html`<t-button kind="primary" @click=${this.add}>Add a way</t-button>` : nothing}
+        ${this.editing === null ? html`<t-button class="add" kind="primary" @click=${this.add}>Add a way</t-button>` : nothing}
       </div>
       ${advice === null ? nothing : html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`}
-      ${this.action.problem === null
+      ${this.editing === null ? this.trouble() : nothing}
+      ${this.editing === null
         ? nothing
-        : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
-      ${this.editing === null ? nothing : this.wish(value?.find(({ id }) => id === this.editing))}
+        : // Another form for each: what is typed for one way, a password too, is for no other.
+          keyed(this.editing, this.wish(value?.find(({ id }) => id === this.editing)))}
       ${value === undefined ? (advice === null ? html`<t-loading what="Loading the ways"></t-loading>` : nothing) : this.list(value)}
       <t-confirm
         ?open=${this.removing !== null}
@@ -92,6 +84,13 @@ export class PageWays extends LitElement {
       >
         <p>Nobody is told by it any more; the rules that use it go, too.</p>
       </t-confirm>`;
+  }
+
+  private trouble(): TemplateResult | typeof nothing {
+    const { problem } = this.action;
+    // What is to be removed says it where it is asked.
+    if (problem === null || this.removing !== null) return nothing;
+    return html`<t-problem class="wide" what=${problem.what} how=${problem.how}></t-problem>`;
   }
 
   private list(ways: readonly WayShape[]): TemplateResult {
@@ -111,7 +110,7 @@ export class PageWays extends LitElement {
 
   private way(way: WayShape): TemplateResult {
     const kind = KINDS.find((one) => one.kind === way.kind)?.name ?? way.kind;
-    return html`<li>
+    return html`<li data-way=${way.id}>
       <div>
         <div class="name">${way.name}</div>
         <div class="facts">
@@ -119,37 +118,35 @@ export class PageWays extends LitElement {
           ${way.sender === "" ? nothing : html`<span>${way.sender}</span>`}
           ${way.secrets.length === 0 || way.kind === "push" ? nothing : html`<span>${way.secrets.join(", ")} kept, never shown</span>`}
         </div>
-        ${this.went?.id === way.id
-          ? html`<div class="went" role="status">
-              ${this.went.how.sent ? html`<t-status kind="ok" word="the test was taken"></t-status>` : html`<t-status kind="bad" word="not sent"></t-status> ${this.went.how.problem}`}
-            </div>`
-          : nothing}
+        <t-went .went=${this.tester.went(way.id)}></t-went>
       </div>
       <div class="actions">
-        <t-button ?busy=${this.action.under === `test ${way.id}`} @click=${this.tester(way.id)}>Send a test</t-button>
-        <t-button @click=${this.changer(way)}>Change</t-button>
-        <t-button @click=${this.asker(way)}>Remove</t-button>
+        <t-button label=${`Send a test: ${way.name}`} ?busy=${this.tester.busy(way.id)} @click=${this.tester.presser(way.id)}>Send a test</t-button>
+        <t-button class="change" label=${`Change ${way.name}`} @click=${this.changer(way)}>Change…</t-button>
+        <t-button label=${`Remove ${way.name}`} @click=${this.asker(way)}>Remove…</t-button>
       </div>
     </li>`;
   }
 
   private wish(way: WayShape | undefined): TemplateResult {
-    return html`<section class="sheet" aria-label=${way === undefined ? "A new way" : `Change ${way.name}`}>
-      <form novalidate autocomplete="off" @submit=${this.submitted}>
+    return html`<section class="sheet" aria-labelledby="wish">
+      <h2 id="wish">${way === undefined ? "A new way" : `Change ${way.name}`}</h2>
+      <form class="entry" novalidate autocomplete="off" @submit=${this.submitted}>
         <t-field label="Name"><input name="name" maxlength="200" .value=${way?.name ?? ""} /></t-field>
         ${way === undefined
           ? html`<t-field label="Kind">
               <select name="kind" @change=${this.choose}>
-                ${map(KINDS, ({ kind, name }) => html`<option value=${kind} ?selected=${kind === this.kind}>${name}</option>`)}
+                ${map(KINDS, ({ kind, name }) => html`<option value=${kind} .selected=${kind === this.kind}>${name}</option>`)}
               </select>
             </t-field>`
           : nothing}
         ${this.fields(way)}
+        <div class="actions">
+          <t-button type="submit" kind="primary" ?busy=${this.action.busy}>${way === undefined ? "Add it" : "Save"}</t-button>
+          <t-button @click=${this.close}>Cancel</t-button>
+        </div>
+        ${this.trouble()}
       </form>
-      <div class="actions">
-        <t-button kind="primary" ?busy=${this.action.busy} @click=${this.submitted}>Keep</t-button>
-        <t-button @click=${this.cancel}>Cancel</t-button>
-      </div>
     </section>`;
   }
 
@@ -163,7 +160,7 @@ export class PageWays extends LitElement {
           <t-field label="Port"><input name="port" inputmode="numeric" .value=${String(way?.port ?? 587)} /></t-field>
           <t-field label="Security" hint="A password goes only over TLS">
             <select name="security">
-              ${map(["starttls", "tls", "none"], (word) => html`<option ?selected=${word === (way?.security ?? "starttls")}>${word}</option>`)}
+              ${map(["starttls", "tls", "none"], (word) => html`<option .selected=${word === (way?.security ?? "starttls")}>${word}</option>`)}
             </select>
           </t-field>
           <t-field label="Sender"><input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} /></t-field>
@@ -182,21 +179,28 @@ export class PageWays extends LitElement {
   }
 
   private readonly add = (): void => {
-    this.action.clear();
-    this.kind = "mail";
-    this.editing = "";
+    this.begin("", "mail");
   };
 
   private changer(way: WayShape): () => void {
     return () => {
-      this.action.clear();
-      this.kind = way.kind;
-      this.editing = way.id;
+      this.begin(way.id, way.kind);
     };
   }
 
-  private readonly cancel = (): void => {
+  private begin(id: string, kind: Kind): void {
+    this.action.clear();
+    this.kind = kind;
+    this.editing = id;
+    void focusIn(this, "form input");
+  }
+
+  /** Back to the button that opened the form. */
+  private readonly close = (): void => {
+    const { editing } = this;
+    this.action.clear();
     this.editing = null;
+    void focusIn(this, editing === null || editing === "" ? ".add" : `li[data-way="${editing}"] .change`);
   };
 
   private readonly choose = (event: Event): void => {
@@ -205,12 +209,9 @@ export class PageWays extends LitElement {
 
   private readonly submitted = (event: Event): void => {
     event.preventDefault();
-    if (this.form === null || this.editing === null) return;
-    const data = new FormData(this.form);
-    const text = (key: string): string => {
-      const value = data.get(key);
-      return typeof value === "string" ? value.trim() : "";
-    };
+    if (this.editing === null || !(event.currentTarget instanceof HTMLFormElement)) return;
+    const data = new FormData(event.currentTarget);
+    const text = (name: string): string => typedText(data, name);
     const secrets: Record<string, string> = {};
     for (const key of ["password", "url", "token"]) if (text(key) !== "") secrets[key] = text(key);
     const security = text("security");
@@ -220,24 +221,10 @@ export class PageWays extends LitElement {
     };
     const id = this.editing;
     void this.action.run("keep the way", () => new NotifyApi(this.api).putWay(id, way)).then((done) => {
-      if (done) this.editing = null;
+      if (done) this.close();
       this.known.again();
     });
   };
-
-  private tester(id: string): () => void {
-    return () => {
-      this.went = null;
-      void this.action.run(
-        "send the test",
-        async () => {
-          this.went = { id, how: await new NotifyApi(this.api).testWay(id) };
-        },
-        "",
-        `test ${id}`,
-      );
-    };
-  }
 
   private asker(way: WayShape): () => void {
     return () => {

@@ -3,6 +3,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { base } from "../../elements/base.js";
+import { onPicture } from "../../elements/on-picture.js";
 import { previewPath, STRETCHES, type Histogram, type Stretch } from "../../wire/archive.js";
 import "../../elements/choice.js";
 import "../../elements/histogram.js";
@@ -18,6 +19,7 @@ const STRETCH_OPTIONS = STRETCHES.map((id) => ({ id, label: id }));
 export class FrameLook extends LitElement {
   static override styles = [
     base,
+    onPicture,
     css`
       :host {
         display: grid;
@@ -37,14 +39,6 @@ export class FrameLook extends LitElement {
         max-block-size: 75vh;
         object-fit: contain;
         filter: var(--t-picture-filter, none);
-      }
-      .tint {
-        display: var(--t-picture-tinted, none);
-        position: absolute;
-        inset: 0;
-        background: var(--t-picture-tint);
-        mix-blend-mode: multiply;
-        pointer-events: none;
       }
     `,
   ];

@@ -1,14 +1,22 @@
-/** One stream of a site: media socket to canvas, with the picture's age. */
+/**
+ * One stream of a site: media socket to canvas, with the picture's age and what is seen on it.
+ *
+ * Long, because a picture's whole way through the page is read together.
+ */
 
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { LinkController } from "../../controllers/link.js";
 import "../../elements/camera/camera-view.js";
 import type { CameraLink, CameraView } from "../../elements/camera/camera-view.js";
 import type { Shot } from "../../generated/wire.js";
 import { MediaSocket, mediaPath, socketUrl } from "../../wire/media.js";
+import "./film-button.js";
 import { Film, playsFilms } from "./film.js";
+import { InStep, type Seen } from "./in-step.js";
 import { Newest } from "./newest.js";
+import { ObjectsDesk } from "./objects-desk.js";
+import type { Detects } from "./wanted.js";
 
 const MIME: Readonly<Record<string, string>> = { jpeg: "image/jpeg", png: "image/png", webp: "image/webp" };
 /** The age on the picture changes this often. */
@@ -16,6 +24,8 @@ const AGE_EVERY_MS = 100;
 const RATE_WINDOW_MS = 2000;
 /** A film that breaks so often is not tried again: single pictures from then on. */
 const MOST_BREAKS = 3;
+
+type Picture = ImageBitmap | VideoFrame;
 
 /** Asked once for all cameras of the page. */
 let films: Promise<boolean> | undefined;
@@ -33,8 +43,16 @@ export class Camera extends LitElement {
     :host([hidden]) {
       display: none;
     }
+    t-objects-choice {
+      margin-block-start: var(--t-space-2);
+    }
     :host(:fullscreen) {
       background: #000;
+    }
+    :host(:fullscreen) t-objects-choice {
+      position: absolute;
+      inset: 4rem auto auto var(--t-space-2);
+      max-inline-size: 22rem;
     }
     :host(:fullscreen) t-camera-view {
       aspect-ratio: auto;
@@ -51,11 +69,16 @@ export class Camera extends LitElement {
   @property({ type: Boolean }) full = false;
   /** The page makes itself full, and not the picture alone. */
   @property({ type: Boolean }) paged = false;
+  /** What is looked for on its pictures; null where nothing is. */
+  @property({ attribute: false }) detect: Detects | null | undefined = null;
+  /** This person drives by this picture: it is never held back for what is seen on it. */
+  @property({ type: Boolean }) driving = false;
 
   @state() private media: CameraLink = "connecting";
   @state() private why = "";
   @state() private takenAt: number | null = null;
   @state() private drawn = false;
+  @state() private seen: Seen | null = null;
   @query("t-camera-view") private readonly view!: CameraView;
 
   private readonly link = new LinkController(this);
@@ -64,11 +87,14 @@ export class Camera extends LitElement {
   private film: Film | null = null;
   private forms: readonly string[] | null = null;
   private last: Shot | null = null;
-  private seen = true;
+  private inSight = true;
   private readonly sight = new IntersectionObserver((entries) => {
-    this.seen = entries.at(-1)?.isIntersecting ?? true;
+    this.inSight = entries.at(-1)?.isIntersecting ?? true;
     this.glance();
   });
+  private readonly objects = new ObjectsDesk(this, storage());
+  private readonly inStep = new InStep<Picture, Shot>();
+  private dueTimer: ReturnType<typeof setTimeout> | undefined;
   private arrivals: number[] = [];
   private timer: ReturnType<typeof setInterval> | undefined;
   private opened = "";
@@ -76,6 +102,7 @@ export class Camera extends LitElement {
   override connectedCallback(): void {
     super.connectedCallback();
     this.timer = setInterval(() => {
+      this.seen = this.inStep.seen(performance.now());
       this.requestUpdate();
     }, AGE_EVERY_MS);
     this.sight.observe(this);
@@ -98,7 +125,14 @@ export class Camera extends LitElement {
     this.opened = "";
   }
 
+  override willUpdate(): void {
+    this.objects.about({ site: this.site, stream: this.stream, detects: this.detect ?? null });
+  }
+
   override updated(): void {
+    this.inStep.hurry(this.driving);
+    if (this.driving) this.pump();
+    this.ask();
     // A camera of a site that is away is not asked for over and over.
     const { forms } = this;
     const wanted = this.stream !== "" && this.online && forms !== null ? mediaPath(this.site, this.stream, forms) : "";
@@ -111,6 +145,8 @@ export class Camera extends LitElement {
   override render(): TemplateResult {
     const now = performance.now();
     const { connection } = this.link;
+    const things = this.objects.on ? (this.seen?.things ?? []) : [];
+    const heard = this.inStep.lastHeard;
     const lost = connection !== undefined && connection.state !== "open";
     return html`<t-camera-view
       .link=${this.linkNow()}
@@ -122,8 +158,13 @@ export class Camera extends LitElement {
       .time=${this.last?.time_us ?? 0}
       .small=${this.last?.small ?? false}
       .full=${this.full}
+      .things=${this.objects.framed(things)}
+      ?earlier=${this.seen?.standing === "earlier"}
       @t-fullscreen=${this.fullAsked}
-    ></t-camera-view>`;
+        >${this.objects.over(things, heard === null ? null : now - heard, this.driving)}${
+          this.online ? html`<t-film-button slot="tool" site=${this.site} stream=${this.stream}></t-film-button>` : nothing
+        }</t-camera-view
+      >${this.objects.below(this.driving)}`;
   }
 
   private linkNow(): CameraLink {
@@ -144,7 +185,7 @@ export class Camera extends LitElement {
     const newest = new Newest({
       decode: (shot) => this.decode(shot),
       draw: (bitmap, shot) => {
-        this.draw(bitmap, shot);
+        this.ready(bitmap, shot);
       },
       failed: (shot) => {
         if (shot.format in MIME) return;
@@ -155,7 +196,7 @@ export class Camera extends LitElement {
     this.newest = newest;
     const film = new Film({
       draw: (frame, shot) => {
-        this.draw(frame, shot);
+        this.ready(frame, shot);
       },
       broken: () => {
         breaks += 1;
@@ -172,6 +213,12 @@ export class Camera extends LitElement {
           if (shot.format === "h264") film.take(shot, shown);
           else newest.take(shot, shown);
         },
+        onBoxes: (boxes) => {
+          const now = performance.now();
+          this.objects.heard(boxes);
+          this.inStep.see(boxes, now);
+          this.seen = this.inStep.seen(now);
+        },
         onTrouble: (why) => {
           this.media = "bad";
           this.why = why;
@@ -187,8 +234,16 @@ export class Camera extends LitElement {
 
   /** A camera that nobody has in sight makes do with a picture now and then. */
   private readonly glance = (): void => {
-    this.socket?.glance(document.hidden || !this.seen);
+    this.socket?.glance(document.hidden || !this.inSight);
+    this.ask();
   };
+
+  /** Boxes are asked for while somebody sees them. */
+  private ask(): void {
+    const on = this.objects.on && !document.hidden && this.inSight;
+    this.socket?.boxes(on);
+    if (!on) this.inStep.blind();
+  }
 
   private readonly fullAsked = (event: Event): void => {
     if (this.paged) return;
@@ -209,9 +264,26 @@ export class Camera extends LitElement {
     return createImageBitmap(new Blob([shot.data as Uint8Array<ArrayBuffer>], { type }));
   }
 
-  private draw(picture: ImageBitmap | VideoFrame, shot: Shot): void {
+  /** Decoded, and so paid for: that it may wait for its boxes is nothing the hub could help with. */
+  private ready(picture: Picture, shot: Shot): void {
+    const age = this.link.connection?.ageOf(shot.hub_us) ?? Number.NaN;
+    this.inStep.take(picture, shot, age, performance.now());
+    this.pump();
+  }
+
+  /** Draws what is due, and comes back for the next. */
+  private readonly pump = (): void => {
+    clearTimeout(this.dueTimer);
+    const due = this.inStep.due(performance.now());
+    if (due !== null) this.draw(due.picture, due.shot);
+    const { dueAt } = this.inStep;
+    if (dueAt !== null) this.dueTimer = setTimeout(this.pump, Math.max(0, dueAt - performance.now()));
+  };
+
+  private draw(picture: Picture, shot: Shot): void {
     const now = performance.now();
     this.view.draw(picture);
+    this.seen = this.inStep.seen(now);
     if (this.media === "bad") {
       this.media = "open";
       this.why = "";
@@ -231,10 +303,22 @@ export class Camera extends LitElement {
     this.newest?.close();
     this.film?.close();
     this.film = null;
+    clearTimeout(this.dueTimer);
+    this.inStep.close();
+    this.seen = null;
     this.last = null;
     this.socket = null;
     this.newest = null;
     this.dispatchEvent(new CustomEvent("t-picture", { detail: null }));
+  }
+}
+
+/** A browser that forbids storage throws at the mere mention of it. */
+function storage(): Storage | null {
+  try {
+    return window.localStorage;
+  } catch {
+    return null;
   }
 }
 

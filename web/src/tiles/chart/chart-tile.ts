@@ -1,4 +1,8 @@
-/** One signal, live: name, large value, how fresh it is, and its chart. */
+/**
+ * One signal, live: name, large value, how fresh it is, its chart, and what watches it.
+ *
+ * Long, because chart and strips below it share one window, one pause and one set of marks.
+ */
 
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
@@ -10,20 +14,25 @@ import { base } from "../../elements/base.js";
 import type { Chart } from "../../elements/chart/chart.js";
 import type { Axis, ChartSeries, Follow } from "../../elements/chart/model.js";
 import type { Painter } from "../../elements/chart/painter.js";
+import { anomalyMarks } from "../../elements/chart/anomaly-marks.js";
+import type { ChartMark } from "../../elements/chart/draw-marks.js";
 import type { ValueState } from "../../elements/value.js";
 import { formatAge } from "../../format/duration.js";
 import { levelOf } from "../../format/level.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
 import { stateWord } from "../../format/reading.js";
 import { formatClock } from "../../format/time.js";
+import type { AlarmMark } from "../../series/alarm-marks.js";
 import { outlierWords } from "../../series/outlier-words.js";
 import { OutlierMemo, type Outliers } from "../../series/outliers.js";
 import { summary } from "../../series/columns.js";
 import { lengthOf, type Span } from "../../series/window.js";
 import { reachContext } from "../../state/contexts.js";
+import type { Anomaly, Detector } from "../../state/detectors.js";
 import type { SignalInfo } from "../../wire/api.js";
 import "../../elements/button.js";
 import "../../elements/chart/chart.js";
+import "../../elements/detector.js";
 import "../../elements/icon.js";
 import "../../elements/status.js";
 import "../../elements/value.js";
@@ -35,6 +44,7 @@ const REFRESH_MS = 200;
 /** An axis without limits covers at least so many of the last digit. */
 const LEAST_DIGITS = 20;
 const COARSE = 300;
+const NO_MARKS: readonly ChartMark[] = [];
 
 @customElement("t-chart-tile")
 export class ChartTile extends LitElement {
@@ -52,6 +62,16 @@ export class ChartTile extends LitElement {
   @property({ type: Boolean }) cut = false;
   /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
   @property({ type: Number }) outliers = 0;
+  /** What happened to the alarms of its device. */
+  @property({ attribute: false }) marks: readonly AlarmMark[] = [];
+  /** What watches the signal for anomalies. */
+  @property({ attribute: false }) detectors: readonly Detector[] = [];
+  /** Anomalies of the signal that are known, in order of time. */
+  @property({ attribute: false }) anomalies: readonly Anomaly[] = [];
+  /** The person may say that one is none. */
+  @property({ type: Boolean, attribute: "may-forgive" }) mayForgive = false;
+  /** That is being said. */
+  @property({ type: Boolean }) busy = false;
   /** The person may not see it. */
   @property({ type: Boolean }) forbidden = false;
 
@@ -59,7 +79,10 @@ export class ChartTile extends LitElement {
 
   @query("t-chart") private readonly drawn!: Chart | null;
 
-  private frozen: { span: Span; series: ChartSeries } | null = null;
+  private frozen: { span: Span; series: ChartSeries; scores: ReadonlyMap<string, ChartSeries> } | null = null;
+  private scores: ReadonlyMap<string, ChartSeries> = new Map();
+  private drawnMarks: readonly ChartMark[] = [];
+  private marksOf: ReadonlyMap<string, readonly ChartMark[]> = new Map();
   private series: ChartSeries | null = null;
   private axis: Axis | null = null;
   private readonly memo = new OutlierMemo();
@@ -80,6 +103,8 @@ export class ChartTile extends LitElement {
       this.frozen = null;
     }
     this.prepare();
+    if (changed.has("anomalies") || changed.has("marks")) this.mark();
+    if (changed.has("detectors") || changed.has("feed")) this.prepareScores();
     const still = this.paused || this.held;
     if (!still) this.frozen = null;
     else if (this.frozen === null) this.freeze();
@@ -95,7 +120,7 @@ export class ChartTile extends LitElement {
         ${this.status()}
         ${this.series === null || this.forbidden ? nothing : this.pauseButton(signal)}
       </div>
-      ${this.reading(signal, feed)} ${this.chart(signal)}
+      ${this.reading(signal, feed)} ${this.chart(signal)} ${this.watched()}
     `;
   }
 
@@ -190,6 +215,14 @@ export class ChartTile extends LitElement {
       <span>max <b>${formatNumber(seen.max, decimals)}</b></span>`;
   }
 
+  /** What the newest of the marks in the chart is of. */
+  private marked(): unknown {
+    const span = this.frozen?.span ?? this.feed?.window(performance.now());
+    const newest = this.marks.filter(({ timeUs }) => span !== undefined && span.fromUs <= timeUs && timeUs <= span.toUs).at(-1);
+    if (newest === undefined) return nothing;
+    return html`<p class="outliers">Alarm at ${formatClock(newest.timeUs, this.zone)}: ${newest.said}</p>`;
+  }
+
   // The chart's own columns are asked for where there is one: two resolutions would thin twice.
   private chartColumn(span: Span): number {
     return this.drawn?.columnUs || Math.round(lengthOf(span) / COARSE);
@@ -209,16 +242,38 @@ export class ChartTile extends LitElement {
         .span=${this.frozen?.span ?? null}
         .follow=${this.frozen === null ? this.follow() : null}
         .outliers=${this.points}
+        .marks=${this.drawnMarks}
         .painter=${this.painter}
         zone=${this.zone}
         label=${`${signal.name}, ${this.frozen === null ? "live" : "paused"}`}
       ></t-chart>
+      ${this.marked()}
       ${this.found === null ? nothing : html`<p class="outliers">${outlierWords(this.found, signal.unit, decimalsFor(signal.unit, signal.decimals), false)}</p>`}
       ${
         this.frozen === null
           ? nothing
           : html`<p class="still">Chart paused at ${formatClock(this.frozen.span.toUs, this.zone)}; the value goes on.</p>`
       }`;
+  }
+
+  /** What the detectors say, below the chart and over the same window. */
+  private watched(): unknown {
+    if (this.forbidden || this.series === null) return nothing;
+    return this.detectors.map((one) => {
+      const series = this.frozen?.scores.get(one.scores) ?? this.scores.get(one.scores) ?? null;
+      return html`<t-detector
+        .detector=${one}
+        .score=${this.scores.get(one.scores)?.samples.newest ?? NaN}
+        .series=${series}
+        .marks=${this.marksOf.get(one.scores) ?? NO_MARKS}
+        .span=${this.frozen?.span ?? null}
+        .follow=${this.frozen === null ? this.follow() : null}
+        .painter=${this.painter}
+        zone=${this.zone}
+        ?may-forgive=${this.mayForgive}
+        ?busy=${this.busy}
+      ></t-detector>`;
+    });
   }
 
   /** Of what the chart holds: the hub sends no more of a fast signal than a screen can show. */
@@ -271,11 +326,35 @@ export class ChartTile extends LitElement {
     this.axis = { limits, least: LEAST_DIGITS * 10 ** -decimalsFor(signal.unit, signal.decimals) };
   }
 
+  /** The chart shows alarms and all anomalies, and each strip the anomalies of its detector. */
+  private mark(): void {
+    this.drawnMarks = [...this.marks, ...anomalyMarks(this.anomalies)].sort((a, b) => a.timeUs - b.timeUs);
+    const own = (scores: string): readonly Anomaly[] => this.anomalies.filter((one) => one.scores === scores);
+    this.marksOf = new Map(this.anomalies.map(({ scores }) => [scores, anomalyMarks(own(scores))]));
+  }
+
+  private prepareScores(): void {
+    const { feed } = this;
+    if (feed === null) return;
+    this.scores = new Map(
+      this.detectors.map(({ scores }): [string, ChartSeries] => {
+        const before = this.scores.get(scores);
+        const { trace, gaps } = feed.channel(scores);
+        if (before?.samples === trace) return [scores, before];
+        const plain = { address: scores, name: "Score", unit: "", decimals: 2, states: [], stale: false };
+        return [scores, { ...plain, colour: this.colour, samples: trace, gaps }];
+      }),
+    );
+  }
+
   private freeze(): void {
     const { feed, signal, series } = this;
     if (feed === null || signal === null || series === null) return;
     const samples = feed.channel(signal.channels[0] ?? signal.address).trace.copy();
-    this.frozen = { span: feed.window(performance.now()), series: { ...series, samples, gaps: [...series.gaps] } };
+    const scores = new Map(
+      [...this.scores].map(([address, one]): [string, ChartSeries] => [address, { ...one, samples: feed.channel(address).trace.copy() }]),
+    );
+    this.frozen = { span: feed.window(performance.now()), series: { ...series, samples, gaps: [...series.gaps] }, scores };
   }
 
   private readonly togglePause = (): void => {

@@ -27,6 +27,9 @@ const BACKFILL_PX = 1200;
 /** Channels in one question: an address may not get too long. */
 const AT_ONCE = 24;
 
+/** The history has a score at least this often while samples come (s). */
+const WRITTEN_S = 130;
+
 /** One channel of the feed. */
 export interface Channel {
   readonly trace: Trace;
@@ -47,6 +50,7 @@ export class ChartFeed {
   backfill: BackfillState = "idle";
   private readonly channels = new Map<string, Channel>();
   private readonly ageLimits = new Map<string, number>();
+  private scores: ReadonlySet<string> = new Set();
   private readonly filledFrom = new Map<string, number>();
   private asked = "";
   private wanted: readonly string[] = [];
@@ -69,10 +73,16 @@ export class ChartFeed {
     this.lengthUs = lengthUs;
   }
 
-  /** Listen to these signals and no others. What was heard of others is kept. */
-  listen(signals: readonly SignalInfo[]): void {
+  /**
+   * Listen to these signals and no others. What was heard of others is kept.
+   *
+   * @param scores channels of the scores of their anomaly detectors
+   */
+  listen(signals: readonly SignalInfo[], scores: readonly string[] = []): void {
     for (const signal of signals) for (const channel of signal.channels) this.ageLimits.set(channel, signal.max_age);
-    const wanted = signals.flatMap((signal) => signal.channels);
+    for (const channel of scores) this.ageLimits.set(channel, WRITTEN_S);
+    this.scores = new Set(scores);
+    const wanted = [...signals.flatMap((signal) => signal.channels), ...scores];
     const key = wanted.join("\n");
     if (key === this.asked) return;
     this.asked = key;
@@ -95,7 +105,7 @@ export class ChartFeed {
   channel(address: string): Channel {
     let channel = this.channels.get(address);
     if (channel === undefined) {
-      const trace = new Trace(this.lengthUs * 1.1, (this.ageLimits.get(address) ?? 5) * SECOND_US);
+      const trace = new Trace(this.keptUs(address), (this.ageLimits.get(address) ?? 5) * SECOND_US);
       channel = { trace, gaps: [], text: null, timeUs: NaN, freshAtMs: NaN };
       this.channels.set(address, channel);
     }
@@ -117,9 +127,18 @@ export class ChartFeed {
   show(lengthUs: number): void {
     if (lengthUs === this.lengthUs) return;
     this.lengthUs = lengthUs;
-    // A tenth more is kept, so that the left edge of a chart never shows a sample dropping out.
-    for (const { trace } of this.channels.values()) trace.spanUs = lengthUs * 1.1;
+    for (const [address, { trace }] of this.channels) trace.spanUs = this.keptUs(address);
     void this.fill(false);
+  }
+
+  /** A tenth more is kept, so that the left edge of a chart never shows a sample dropping out. */
+  private keptUs(address: string): number {
+    return this.lengthUs * 1.1 + this.leadUs(address);
+  }
+
+  /** The history has a score that stays the same once a minute: the line begins with one from before the window. */
+  private leadUs(address: string): number {
+    return this.scores.has(address) ? WRITTEN_S * SECOND_US : 0;
   }
 
   /** A listener of its own for each subscription: its second first batch means a lost connection. */
@@ -162,8 +181,8 @@ export class ChartFeed {
     this.asking = asking;
     this.backfill = "loading";
     try {
-      for (let i = 0; i < missing.length; i += AT_ONCE) {
-        await this.fillSome(missing.slice(i, i + AT_ONCE), span, asking.signal);
+      for (const some of [missing.filter((address) => !this.scores.has(address)), missing.filter((address) => this.scores.has(address))]) {
+        for (let i = 0; i < some.length; i += AT_ONCE) await this.fillSome(some.slice(i, i + AT_ONCE), span, asking.signal);
       }
       this.backfill = "done";
     } catch {
@@ -176,7 +195,7 @@ export class ChartFeed {
   private async fillSome(channels: readonly string[], span: Span, signal: AbortSignal): Promise<void> {
     const answer = await this.past.history(
       this.site,
-      { channels, fromUs: span.fromUs - lengthOf(span) * 0.05, toUs: span.toUs, width: BACKFILL_PX },
+      { channels, fromUs: span.fromUs - lengthOf(span) * 0.05 - this.leadUs(channels[0] ?? ""), toUs: span.toUs, width: BACKFILL_PX },
       signal,
     );
     for (const series of answer.series) {

@@ -107,7 +107,7 @@ export const tileStyle = css`
     color: var(--t-stale);
     font-weight: var(--t-weight);
   }
-  :host(:is(.position, .text)) {
+  :host(:is(.number, .position, .text)) {
     align-self: start;
   }
   .parts {
@@ -130,6 +130,10 @@ export const tileStyle = css`
   t-chart.state {
     block-size: 5rem;
     margin-block-start: auto;
+  }
+  t-detector {
+    padding-block-start: var(--t-space-1);
+    border-block-start: 1px solid var(--t-line);
   }
   .outliers {
     color: var(--t-muted);

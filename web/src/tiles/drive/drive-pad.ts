@@ -183,7 +183,8 @@ export class DrivePad extends LitElement {
   private cap(): string {
     const { seat } = this;
     if (!seat?.told || seat.lease.state.kind !== "mine") return "";
-    return capWords(seat.told.cap, seat.told.loop_ms, this.pictureAge());
+    const slow = this.device && this.interlocks.store?.slowOf(this.site, this.device.id);
+    return capWords(seat.told.cap, seat.told.loop_ms, this.pictureAge(), slow?.name);
   }
 
   private measured(): Motion {

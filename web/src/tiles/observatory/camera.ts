@@ -198,7 +198,13 @@ export class CameraPart extends Part {
       </div>
       ${map(
         streams,
-        ({ address, name }) => html`<t-camera .site=${this.site} .stream=${address} .name=${name} .online=${this.online}></t-camera>`,
+        ({ address, name, detect }) => html`<t-camera
+          .site=${this.site}
+          .stream=${address}
+          .name=${name}
+          .detect=${detect}
+          .online=${this.online}
+        ></t-camera>`,
       )}`;
   }
 

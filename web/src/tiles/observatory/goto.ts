@@ -11,6 +11,7 @@ import { formatNumber } from "../../format/number.js";
 import { adviceFor } from "../../format/problem.js";
 import { formatAzimuth, formatDec, formatRa } from "../../format/sexagesimal.js";
 import { formatClock } from "../../format/time.js";
+import { typedText } from "../../format/typed.js";
 import { moonFrom, sunFrom } from "../../sky/bodies.js";
 import { nightOf, visibilityOf, visibilityWords, type Night, type Visibility } from "../../sky/night.js";
 import type { Place } from "../../sky/turn.js";
@@ -293,8 +294,7 @@ export class Goto extends LitElement {
   };
 
   private typed(name: string): string {
-    const value = new FormData(this.form).get(name);
-    return typeof value === "string" ? value.trim() : "";
+    return typedText(new FormData(this.form), name);
   }
 
   private look(): void {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { definitionOf, fieldsOf, idOf } from "../../../src/pages/alarms/definition.js";
+import { definitionOf, FIELDS, fieldsOf, fits, idOf, labelOf } from "../../../src/pages/alarms/definition.js";
 import { historyAt, standing } from "../../../src/pages/alarms/words.js";
 import type { AlarmNews } from "../../../src/generated/wire.js";
 
@@ -35,4 +35,11 @@ test("what cannot be judged is never called well", () => {
 test("an alarm leads to its chart at the moment when it was raised", () => {
   const path = historyAt({ site: "agv", signals: ["power/voltage"], raised_us: 1000e6, cleared_us: 1010e6 });
   expect(path).toBe("/sites/agv/history?c=power/voltage&from=880000000&to=1130000000");
+});
+
+test("a number is asked for in the signal's unit, and of the signals only those that fit", () => {
+  const above = FIELDS.find(({ name }) => name === "above");
+  if (above === undefined) throw new Error("there is no such field");
+  expect([labelOf(above, "V"), labelOf(above, "")]).toEqual(["Raised above (V)", "Raised above"]);
+  expect([fits("limit", "number"), fits("limit", "state"), fits("state", "text"), fits("state", "number"), fits("stale", "state")]).toEqual([true, false, true, false, true]);
 });

@@ -9,8 +9,8 @@ function mark(timeUs: number, change: Partial<Mark> = {}): Mark {
 
 describe("marks of what happened", () => {
   it("tell their kind by the event's first word", () => {
-    const said = ["alarm raised", "stop pressed", "command succeeded", "lease taken", "gateway lost", "recording_ended", "anomaly began", "something new", ""];
-    expect(said.map(kindOf)).toEqual(["alarm", "stop", "command", "driving", "link", "recording", "anomaly", "other", "other"]);
+    const said = ["alarm raised", "stop pressed", "command succeeded", "lease taken", "gateway lost", "recording_ended", "anomaly began", "sighting", "something new", ""];
+    expect(said.map(kindOf)).toEqual(["alarm", "stop", "command", "driving", "link", "recording", "anomaly", "sighting", "other", "other"]);
   });
 
   it("stand in the order of time, under the names that people gave", () => {

@@ -63,6 +63,7 @@ describe("what the forecast says", () => {
     expect(forecastText({ ...USE, full_us: null }, "UTC")).toContain("a hundred years");
     expect(forecastText({ ...USE, full_us: null, free_bytes: null }, "UTC")).toContain("not the hub's to see");
     expect(forecastText({ ...USE, day_bytes: 0 }, "UTC")).toContain("Nothing came");
+    expect(forecastText({ ...USE, blocks_bytes: 0, day_bytes: 0 }, "UTC")).toContain("known once");
   });
 
   it("warns on every page when there is something to do, and not before", () => {

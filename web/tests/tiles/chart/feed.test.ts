@@ -55,6 +55,21 @@ const settled = async (): Promise<void> => {
 };
 
 describe("a feed of charts", () => {
+  it("hears scores of detectors beside the signals, and asks for those of before", async () => {
+    const { hub, feed } = start();
+    feed.listen([signal("speed")], ["base/speed~together"]);
+    hub.send("base/speed,base/speed~together", [5e6], { first: true });
+    await settled();
+    expect(hub.asked.map(({ channels }) => channels)).toEqual([["base/speed"], ["base/speed~together"]]);
+    // One that stays the same is in the history once a minute: so the line begins before the window.
+    const [speed, score] = hub.asked;
+    expect((speed?.fromUs ?? 0) - (score?.fromUs ?? 0)).toBe(130e6);
+    // The history has a score a minute at least: so long a pause is no gap.
+    feed.channel("base/speed~together").trace.take(1e6, 0.2);
+    expect(feed.channel("base/speed~together").trace.allowedUs).toBe(130e6);
+    expect(feed.channel("base/speed").trace.allowedUs).toBe(5e6);
+  });
+
   it("asks for what came before, once the hub has told its newest", async () => {
     const { hub, feed } = start();
     feed.listen([signal("speed")]);

@@ -14,7 +14,7 @@ const WIND = rule([limit({ above: 45, until_below: 35 })], 2);
 const SIGNALS = [signal("wind", { unit: "km/h" }), state("rain", ["dry", "wet"])];
 const said = (more: Partial<InterlockNews> = {}): InterlockNews => ({
   t: "interlock_news", site: "s", interlock: "weather", name: "Weather", locked: false, unsafe: false, why: "", since_us: 0,
-  clears_ms: 0, refuses: [], targets: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0, ...more,
+  clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0, ...more,
 });
 const wind = (value: number, fresh = true): ((of: { id: string }) => Known) => ({ id }) =>
   id === "wind" ? { fresh, value, word: "" } : { fresh, value: 0, word: "dry" };

@@ -1,0 +1,335 @@
+"""The gateway put together: builds every part, runs them at once, ends them in order.
+
+Long, because the parts are joined here and nowhere else.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+import os
+import secrets
+import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING
+
+from talaia.clock import SECOND
+from talaia.gateway.acting import Acting
+from talaia.gateway.adapters.catalog import adapter_of
+from talaia.gateway.adapters.many import Many, Post
+from talaia.gateway.batching import Batcher
+from talaia.gateway.changing import Changing
+from talaia.gateway.classic import Newest
+from talaia.gateway.desk import FrontDesk, Voice
+from talaia.gateway.door import Door, keys_of
+from talaia.gateway.exchange import Exchange, Parts, prepared
+from talaia.gateway.frames.outbox import Outbox
+from talaia.gateway.frames.taking import FrameTaker
+from talaia.gateway.frames.whole import WholeFiles
+from talaia.gateway.keep import locked
+from talaia.gateway.links import Way, keep_files, keep_link, keep_media
+from talaia.gateway.pictures.looks import Looks
+from talaia.gateway.ports import Outlets
+from talaia.gateway.reach import Reach
+from talaia.gateway.renewal import Renewal
+from talaia.gateway.roster import Roster
+from talaia.gateway.share import shares_of
+from talaia.gateway.sight.seeing import Outlet, Seeing, WithSeen
+from talaia.gateway.sight.telling import Telling
+from talaia.gateway.spool.journal import Head, Spool
+from talaia.gateway.spool.keeper import Keeper
+from talaia.gateway.stalls import watch_stalls
+from talaia.gateway.taping import Ear, taping_of
+from talaia.gateway.uplink.files import Lane
+from talaia.gateway.uplink.lanes import Lanes
+from talaia.gateway.uplink.pictures import Pictures
+from talaia.gateway.uplink.tls import Trust
+from talaia.model.seen import with_counts
+from talaia.objects.worker import Worker
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from talaia.clock import Clock
+    from talaia.gateway.exchange import Prepared
+    from talaia.gateway.own_copy import OwnCopy
+    from talaia.gateway.ports import Adapter
+    from talaia.gateway.settings import Settings
+    from talaia.gateway.share import Share
+    from talaia.gateway.spool.segment import Record
+    from talaia.model.site import Site
+    from talaia.wire.frames import RecordState
+
+__all__ = ["Gateway"]
+
+
+class Gateway:
+    """All parts of one gateway, built for one event loop.
+
+    Attributes:
+        looks: whoever looks at cameras here (a detector) takes pictures from it.
+        taping: what records.
+        door: for founding clients, where it is asked for.
+
+    """
+
+    def __init__(
+        self, site: Site, settings: Settings, clock: Clock, copy: OwnCopy | None = None
+    ) -> None:
+        """Build every part and take up what an earlier run left in the data folder.
+
+        Args:
+            site: the description, with the devices that were found.
+            settings: see `Settings`.
+            clock: every part's.
+            copy: the description's file; none leaves it as it is until the end.
+
+        Raises:
+            SpoolError: the data folder cannot be used.
+            SettingsError: the description names a connection that cannot be used here.
+
+        """
+        self._settings, self._clock = settings, clock
+        site = with_counts(site)
+        begun = prepared(site, copy.text if copy is not None and copy.editable else "")
+        self._boot = _new_boot()
+        self._renewal = Renewal(settings.data, lambda: self._exchange.now.site)
+        self._roster = roster = Roster(site)
+        self._loop = loop = asyncio.get_running_loop()
+        self._lock = locked(settings.data)
+        # One thread for the small files: their writes keep their order.
+        self._disk = ThreadPoolExecutor(1, "talaia-disk")
+        # Pictures and recordings are large: their disk work has a thread of its own.
+        self._files = ThreadPoolExecutor(1, "talaia-files")
+        self._wake, self._to_send = asyncio.Event(), asyncio.Event()
+        self._lanes = Lanes(self._wake.set)
+        self._voice = Voice(loop, clock, self._lanes)
+        self.looks = Looks()
+        self._keeper = self._make_keeper(begun)
+        self._batcher = Batcher(
+            loop, self._boot, begun.catalogue, settings.flush, self._on_batch, self._keeper.lose
+        )
+        of = {device: site.connection_of(device) for device in site.devices}
+        self._reach = Reach(of, clock, self._lanes.send)
+        self._outbox = Outbox(settings.data / "outbox", settings.outbox_bytes, self._on_file)
+        ear = Ear(self._voice, self._on_recording, self._on_file, self._on_watched)
+        self.taping = taping_of(site, settings, clock, ear)
+        self._pictures = Pictures(loop, clock, self.looks, self.taping.films)
+        self._answers: dict[str, str] = {}
+        self._newest: Newest | None = None
+        if settings.door is not None:
+            self._newest = Newest(roster.numbers(site), self._batcher, clock.monotonic_ns)
+        make = partial(self._make_adapter, self._make_outlets(site))
+        adapters = {each.name: make(each) for each in shares_of(site, roster)}
+        self._adapter = Many(
+            of,
+            dict(adapters),
+            self._reach,
+            self._voice,
+            lambda devices: self._acting.control.robot_lost(devices),
+            lambda devices: self._acting.control.robot_back(devices),
+        )
+        self._voice.adapter = self._adapter
+        self._voice.tapes = self.taping.tapes
+        self._telling = Telling(settings.data / "sightings", self._lanes, self._files)
+        self._seeing = self._make_seeing(site)
+        self._acting = Acting(
+            site, self._boot, clock, self._voice, self._adapter,
+            WithSeen(self._adapter, self._seeing), settings.data, self._on_disk,
+        )  # fmt: skip
+        self.door = self._make_door(site)
+        self._exchange = self._make_exchange(begun, adapters, make)
+        self._changing = Changing(
+            copy, settings.accepts, hashlib.sha256(settings.key.encode()).hexdigest(),
+            settings.data, self._exchange, self._lanes.send, self._voice, self._on_disk,
+        )  # fmt: skip
+        self._desk = FrontDesk(
+            self._boot, self._acting, self._keeper, self._adapter, self._voice, self._lanes,
+            self._reach, self.taping.tapes, self._changing, self._pictures, self._telling,
+        )  # fmt: skip
+        self.looks.on_held = self._on_watched
+        self._way = Way(settings, Trust(settings.hub), clock, self._desk)
+
+    @property
+    def redescribed(self) -> Site | None:
+        """The description to begin again with, after `run`; none at the end."""
+        return self._renewal.site
+
+    def _make_keeper(self, begun: Prepared) -> Keeper:
+        """Make the spool ready, with what an earlier run left in it.
+
+        Raises:
+            SpoolError: the data folder cannot be used.
+
+        """
+        settings, clock = self._settings, self._clock
+        spool = Spool(
+            settings.data / "spool",
+            Head(self._boot, begun.catalogue, begun.addresses),
+            settings.spool_bytes,
+            age_s=settings.spool_age_s,
+            spare=settings.spare_bytes,
+            now=lambda: clock.monotonic_ns() / SECOND,
+        )
+        return Keeper(spool)
+
+    def _make_outlets(self, site: Site) -> Outlets:
+        settings, clock = self._settings, self._clock
+        taken = settings.data / "taking", self._outbox, self._voice, clock, self._files
+        return Outlets(
+            clock,
+            self._newest or self._batcher,
+            self._pictures,
+            self._voice,
+            settings.folder,
+            settings.domain,
+            self._answers,
+            raw=self.taping.recorder,
+            frames=FrameTaker(*taken),
+            files=WholeFiles(*taken, site.name, site.place),
+            site=site.name,
+        )
+
+    def _make_adapter(self, outlets: Outlets, share: Share) -> tuple[Adapter, Post]:
+        post = Post(share.name, self._loop, self._reach)
+        post.on_found = partial(self._renewal.found, share.name)
+        return adapter_of(share, outlets, post), post
+
+    def _make_seeing(self, site: Site) -> Seeing:
+        outlet = Outlet(
+            self._newest or self._batcher, self._pictures.boxes, self._telling.take, self._voice
+        )
+        return Seeing(
+            site, self._roster.numbers(site), self.looks,
+            lambda told: Worker(site.object_models, self._settings.folder, told),
+            outlet, self._clock,
+        )  # fmt: skip
+
+    def _make_door(self, site: Site) -> Door | None:
+        """Make the door for founding clients, where it is asked for.
+
+        Raises:
+            SettingsError: its certificate or token cannot be had.
+
+        """
+        settings = self._settings
+        if settings.door is None or self._newest is None:
+            return None
+        keys = keys_of(settings.door, settings.data)
+        return Door(
+            settings.door, keys, site, self._clock, self._acting.commanding, self._newest,
+            self._answers, self._voice,
+        )  # fmt: skip
+
+    def _make_exchange(
+        self,
+        begun: Prepared,
+        adapters: dict[str, tuple[Adapter, Post]],
+        make: Callable[[Share], tuple[Adapter, Post]],
+    ) -> Exchange:
+        followers: list[Callable[[Site], None]] = [
+            lambda after: self._seeing.redescribe(after, self._roster.numbers(after))
+        ]
+        if self.door is not None:
+            followers.append(self.door.redescribe)
+        parts = Parts(
+            self._boot, self._clock, self._roster, self._batcher, self._keeper, self._reach,
+            self._adapter, adapters, make, self._acting, self._newest, self.taping.tapes,
+            tuple(followers),
+        )  # fmt: skip
+        return Exchange(begun, parts, self._lanes.send, self._renewal.begin)
+
+    # ── what parts tell one another ──
+
+    def _on_batch(self, record: Record) -> None:
+        self._lanes.live(record.body, record.first, record.end)
+        self._keeper.append(record)
+
+    def _on_file(self) -> None:
+        """Tell that a file waits; from any thread."""
+        self._loop.call_soon_threadsafe(self._to_send.set)
+
+    def _on_recording(self, state: RecordState) -> None:
+        """Tell the hub how recording stands; from any thread."""
+        self._loop.call_soon_threadsafe(self._lanes.send, state)
+
+    def _on_watched(self) -> None:
+        """Look at other cameras than before; from any thread."""
+        self._loop.call_soon_threadsafe(self._desk.look)
+
+    async def _on_disk(self, work: Callable[[], None]) -> None:
+        await self._loop.run_in_executor(self._disk, work)
+
+    # ── running ──
+
+    async def run(self, ended: asyncio.Event) -> None:
+        """Run until ``ended`` is set, or there is a new description; then stop and close all."""
+        acting, lanes = self._acting, self._lanes
+        acting.pacer.touch()
+        if self.taping.tapes is not None:
+            self.taping.tapes.start()
+            # Cameras of which the last seconds are held.
+            self._desk.look()
+        pictures = Lane("pictures", self._outbox, self._settings.upload_bytes)
+        files = [pictures, *self.taping.lanes]
+        parts: list[Callable[[], Awaitable[None]]] = [
+            self._adapter.run,
+            partial(
+                keep_link, self._way, self._boot, self._exchange, lanes, self._wake,
+                self._batcher, self._keeper,
+            ),
+            partial(keep_media, self._way, self._pictures),
+            partial(keep_files, self._way, files, self._to_send, lanes, self._voice),
+            partial(self._keeper.keep_syncing, self._settings.sync),
+            self._seeing.run,
+            self._telling.run,
+            partial(watch_stalls, self._clock, self._batcher.missed),
+            self._changing.watch,
+        ]  # fmt: skip
+        if self.door is not None:
+            parts.append(self.door.run)
+        tasks = [asyncio.ensure_future(_until_cancelled(part)) for part in parts]
+        waiting = asyncio.ensure_future(ended.wait())
+        again = asyncio.ensure_future(self._renewal.due(lambda: acting.busy))
+        try:
+            await asyncio.wait([waiting, again, *tasks], return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            waiting.cancel()
+            again.cancel()
+            # The zero goes out while there is still an adapter to carry it.
+            acting.control.halt()
+            await asyncio.sleep(0.05)
+            # An adapter that ends has no readings any more: that is no unsafe weather.
+            acting.pacer.close()
+            for task in reversed(tasks):
+                task.cancel()
+            results = await asyncio.gather(*tasks, return_exceptions=True)
+            await self.close()
+        for result in results:
+            if isinstance(result, Exception):
+                raise result
+
+    async def close(self) -> None:
+        """Release everything; what waits is on disk then."""
+        self._acting.pacer.close()
+        await self._acting.sequences.close()
+        if self.taping.tapes is not None:
+            await asyncio.to_thread(self.taping.tapes.close)
+        self._batcher.flush()
+        await self._desk.close()
+        await self._keeper.close()
+        self._disk.shutdown(wait=True)
+        self._files.shutdown(wait=True)
+        os.close(self._lock)
+
+
+async def _until_cancelled(part: Callable[[], Awaitable[None]]) -> None:
+    with contextlib.suppress(asyncio.CancelledError):
+        await part()
+
+
+def _new_boot() -> str:
+    """Name this run of the gateway; later runs sort behind while the clock is right."""
+    return f"{time.time_ns() // 1_000_000:012x}-{secrets.token_hex(4)}"

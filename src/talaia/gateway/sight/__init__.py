@@ -1,0 +1,1 @@
+"""What the gateway sees on its cameras: counts, boxes and sightings."""

@@ -1,0 +1,227 @@
+"""Sightings on their way to the hub: on disk until it has them. Event loop only.
+
+The hub does not answer a sighting; it has one when the link has lived on for a while after it went
+out. Until then it is told again on each new link, which changes nothing for a hub that had it. A
+gateway that is killed finds them in its folder, and ends those that were in sight when it last
+said so.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+import logging
+import os
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import msgspec
+
+from talaia.errors import TalaiaError
+from talaia.wire.frames import LINK_FROM_GATEWAY, Seen
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from concurrent.futures import Executor
+    from pathlib import Path
+
+    from talaia.objects.eyes import Told
+    from talaia.wire.frames import FromGateway
+
+__all__ = ["MOST_KEPT", "Line", "Telling"]
+
+log = logging.getLogger(__name__)
+# With a thumbnail each they take a few megabytes; of more the oldest go.
+MOST_KEPT = 300
+# A link that lives on for so long has carried what went out: a dead one is known after three.
+CARRIED_S = 5.0
+# How often the files of what is in sight are touched, which tells a later run until when it was.
+TOUCH_S = 2.0
+LOOK_S = 0.05
+_ENDING = ".seen"
+
+
+class Line(Protocol):
+    """The way to the hub; see `talaia.gateway.uplink.lanes.Lanes`."""
+
+    @property
+    def seen_waiting(self) -> int:
+        """How many sightings have not gone out yet."""
+        ...
+
+    def send(self, message: FromGateway) -> None:
+        """Queue a message."""
+        ...
+
+
+class _Key(NamedTuple):
+    """What tells sightings apart."""
+
+    stream: str
+    label: str
+    began_us: int
+
+
+class _Kept:
+    """One sighting: all of it, and what of it has gone out on the link that stands."""
+
+    def __init__(self, seen: Seen) -> None:
+        self.seen = seen
+        # Monotonic; none while it waits to be sent.
+        self.sent_s: float | None = None
+        self.thumbnail_sent = b""
+
+
+class Telling:
+    """Takes news of sightings, and sees that a hub hears of them."""
+
+    def __init__(self, folder: Path, lanes: Line, files: Executor) -> None:
+        """Take up what an earlier run left.
+
+        Args:
+            folder: of the files; made when there is something to keep.
+            lanes: to the hub.
+            files: a thread that writes; one, so that the writes keep their order.
+
+        """
+        self._folder = folder
+        self._lanes = lanes
+        self._files = files
+        self._takes = False
+        self._due: dict[_Key, None] = {}
+        self._wake = asyncio.Event()
+        self._complained = False
+        self._kept = {_key(each): _Kept(each) for each in _left(folder)}
+
+    def take(self, stream: str, told: Told) -> None:
+        """Take news of a sighting on a stream (``device/stream``)."""
+        sighting = told.sighting
+        key = _Key(stream, sighting.label, sighting.began_us)
+        kept = self._kept.get(key)
+        seen = Seen(
+            **key._asdict(),
+            many=sighting.most,
+            confidence=min(max(sighting.score, 0.0), 1.0),
+            ended_us=sighting.ended_us or 0,
+            thumbnail=told.thumbnail or (b"" if kept is None else kept.seen.thumbnail),
+        )
+        if kept is None:
+            kept = self._kept[key] = _Kept(seen)
+        kept.seen, kept.sent_s = seen, None
+        self._write(key, LINK_FROM_GATEWAY.encode(seen))
+        while len(self._kept) > MOST_KEPT:
+            self._forget(min(self._kept, key=lambda one: one.began_us))
+        # What has just happened comes before what is told again.
+        self._due = {key: None, **self._due}
+        self._wake.set()
+
+    def link_up(self, *, takes: bool) -> None:
+        """Tell all of it to a new link, if its hub takes it."""
+        self._takes = takes
+        for kept in self._kept.values():
+            kept.sent_s, kept.thumbnail_sent = None, b""
+        self._due = dict.fromkeys(sorted(self._kept, key=lambda one: one.began_us))
+        self._wake.set()
+
+    def link_lost(self) -> None:
+        """Wait for the next link."""
+        self._takes = False
+
+    async def run(self) -> None:
+        """Tell and forget until cancelled."""
+        loop = asyncio.get_running_loop()
+        touched = loop.time()
+        while True:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(TOUCH_S):
+                    await self._wake.wait()
+            self._wake.clear()
+            while self._takes and self._due:
+                self._send(loop.time())
+                # One at a time: what has just happened need not wait for many.
+                while self._lanes.seen_waiting:  # noqa: ASYNC110 - told by nobody
+                    await asyncio.sleep(LOOK_S)
+            if loop.time() - touched >= TOUCH_S:
+                touched = loop.time()
+                self._look(touched)
+
+    def _send(self, now_s: float) -> None:
+        key = next(iter(self._due))
+        del self._due[key]
+        kept = self._kept.get(key)
+        if kept is None:
+            return
+        seen = kept.seen
+        if seen.thumbnail == kept.thumbnail_sent:
+            seen = msgspec.structs.replace(seen, thumbnail=b"")
+        kept.sent_s, kept.thumbnail_sent = now_s, kept.seen.thumbnail
+        self._lanes.send(seen)
+
+    def _look(self, now_s: float) -> None:
+        """Forget what the hub has, and keep the time of what is in sight."""
+        for key, kept in list(self._kept.items()):
+            if not kept.seen.ended_us:
+                self._do(partial(os.utime, self._path(key)))
+            elif (
+                self._takes
+                and kept.sent_s is not None
+                and now_s - kept.sent_s >= CARRIED_S
+                and not self._lanes.seen_waiting
+            ):
+                self._forget(key)
+
+    def _forget(self, key: _Key) -> None:
+        del self._kept[key]
+        self._due.pop(key, None)
+        self._do(partial(self._path(key).unlink, missing_ok=True))
+
+    def _path(self, key: _Key) -> Path:
+        named = hashlib.sha256(f"{key.stream}\n{key.label}".encode()).hexdigest()[:16]
+        return self._folder / f"{key.began_us}-{named}{_ENDING}"
+
+    def _write(self, key: _Key, data: bytes) -> None:
+        path = self._path(key)
+
+        def write() -> None:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            beside = path.with_suffix(".new")
+            beside.write_bytes(data)
+            beside.replace(path)
+
+        self._do(write)
+
+    def _do(self, work: Callable[[], object]) -> None:
+        def done() -> None:
+            try:
+                work()
+                self._complained = False
+            except FileNotFoundError:
+                pass
+            except OSError as error:
+                if not self._complained:
+                    log.warning("sightings cannot be kept in %s: %s", self._folder, error)
+                self._complained = True
+
+        self._files.submit(done)
+
+
+def _key(seen: Seen) -> _Key:
+    return _Key(seen.stream, seen.label, seen.began_us)
+
+
+def _left(folder: Path) -> list[Seen]:
+    """Read what an earlier run left; what was in sight then has ended when it was touched last."""
+    found = []
+    for path in sorted(folder.glob("*" + _ENDING))[-MOST_KEPT:]:
+        try:
+            seen = LINK_FROM_GATEWAY.decode(path.read_bytes())
+            touched_us = path.stat().st_mtime_ns // 1000
+        except (OSError, TalaiaError) as error:
+            log.warning("%s is not read: %s", path, error)
+            path.unlink(missing_ok=True)
+            continue
+        if isinstance(seen, Seen):
+            ended_us = seen.ended_us or max(seen.began_us, touched_us)
+            found.append(msgspec.structs.replace(seen, ended_us=ended_us))
+    return found

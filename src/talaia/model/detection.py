@@ -1,0 +1,67 @@
+"""What is to be seen on a camera's pictures. Values only: `talaia.objects` sees."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from talaia.model.shape import Shape
+
+__all__ = ["Detect", "DetectAt", "ModelKind", "ObjectModel"]
+
+
+class DetectAt(StrEnum):
+    """Which machine looks at the pictures."""
+
+    GATEWAY = "gateway"
+    # For a robot whose computer is too weak; interlocks cannot rely on what is seen there.
+    HUB = "hub"
+
+
+class ModelKind(StrEnum):
+    """How a detector's file tells its boxes; see `talaia.objects.detector.Kind`."""
+
+    NANODET = "nanodet"
+    YOLO = "yolo"
+
+
+class Detect(Shape, frozen=True, kw_only=True):
+    """Object detection on one camera.
+
+    Attributes:
+        classes: what is counted, kept as sightings and may raise alarms, by the names that the
+            detector's list of classes has. Pages may show boxes of others, too.
+        confidence: what is less sure than this does not count, 0 to 1.
+        max_rate: pictures a second that are looked at, at the most (Hz); fewer where the
+            machine is too busy.
+        at: which machine looks.
+        model: a name of `Site.object_models`; without it NanoDet with COCO's 80 classes.
+
+    """
+
+    classes: tuple[str, ...] = ("person", "bicycle", "car", "cat", "dog")
+    confidence: float = 0.5
+    max_rate: float = 10.0
+    at: DetectAt = DetectAt.GATEWAY
+    model: str = ""
+
+
+class ObjectModel(Shape, frozen=True, kw_only=True):
+    """A detector of one's own, as an ONNX file.
+
+    Attributes:
+        file: where it is, absolute or beside the description, on the machine that looks.
+        classes: their names, in the order in which the file numbers them.
+        side: of the square that it is shown (px).
+        mean: taken from each colour, 0 to 255, in the order in which they are given.
+        spread: each colour is divided by it then.
+        blue_first: it wants blue, green, red instead of red, green, blue.
+
+    """
+
+    file: str
+    kind: ModelKind
+    classes: tuple[str, ...]
+    side: int = 640
+    mean: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    spread: tuple[float, float, float] = (255.0, 255.0, 255.0)
+    blue_first: bool = False

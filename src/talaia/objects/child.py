@@ -1,0 +1,170 @@
+"""A process that sees, for one detector: ``python -m talaia.objects.child``.
+
+It is told by its input what to load (one line of JSON), then shown pictures (`HEAD` and the rows
+of RGB), and answers each with one line of JSON. It ends when its input does.
+
+A process of its own, because a detector's file is a program from somewhere else, run by a large
+library: it may crash, hang, or eat memory, and whoever drives must not notice.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import resource
+import signal
+import struct
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from talaia.objects.detector import Detector, Kind, Setting
+from talaia.objects.errors import DetectorError
+from talaia.objects.things import LABEL_LETTERS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ["HEAD", "main"]
+
+# Of a picture: rows, columns, and how sure a box is at the least.
+HEAD = struct.Struct("<IId")
+# Behind all that drives or records.
+NICENESS = 10
+# Bytes: NanoDet takes 0.1 GB; what takes more than this takes it from the robot.
+MOST_MEMORY = 2 * 1024**3
+# Seconds. The kernel ends the process then, also when it hangs inside the library.
+LONGEST_LOAD_S, LONGEST_LOOK_S = 120, 20
+
+
+def main() -> None:
+    """See until the input ends."""
+    # Libraries may print: the answers' pipe is for answers.
+    answers = os.fdopen(os.dup(1), "wb", buffering=0)
+    os.dup2(2, 1)
+    _humble()
+    source = os.fdopen(0, "rb", buffering=0)
+    signal.alarm(LONGEST_LOAD_S)
+    try:
+        detector, classes = _loaded(json.loads(_line(source)))
+    except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
+        _say(answers, problem=_told(error))
+        return
+    _say(answers)
+    signal.alarm(0)
+    while True:
+        head = _exactly(source, HEAD.size)
+        if head is None:
+            return
+        rows, columns, least = HEAD.unpack(head)
+        body = _exactly(source, rows * columns * 3)
+        if body is None:
+            return
+        picture = np.frombuffer(body, np.uint8).reshape(rows, columns, 3)
+        signal.alarm(LONGEST_LOOK_S)
+        try:
+            boxes = detector.seen(picture, least)
+        except Exception as error:  # noqa: BLE001 - as above
+            _say(answers, problem=_told(error))
+        else:
+            _say(answers, things=[(classes[box[0]], *map(float, box[1:])) for box in boxes])
+        signal.alarm(0)
+
+
+def _humble() -> None:
+    """Give way to every other process, and be the first to go where memory is short."""
+    os.nice(NICENESS)
+    with contextlib.suppress(OSError, AttributeError):
+        # Never takes the processor from another just because a picture has come.
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+    with contextlib.suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text("1000", encoding="ascii")
+    with contextlib.suppress(OSError, ValueError):
+        resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, MOST_MEMORY))
+    with contextlib.suppress(OSError, ValueError):
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    # Ctrl-C in a terminal reaches the whole group; whoever began this ends it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _loaded(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
+    """Load what a job names.
+
+    Raises:
+        DetectorError: it is not there, or cannot be read.
+
+    """
+    file = job["file"]
+    if not Path(file).is_file():
+        raise DetectorError(f"{file}: there is no such file; {job['remedy']}")
+    try:
+        import onnxruntime
+    except ImportError as error:
+        raise DetectorError(f"{error}; install talaia[objects]") from error
+    onnxruntime.set_default_logger_severity(3)
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    try:
+        session = onnxruntime.InferenceSession(file, options, providers=["CPUExecutionProvider"])
+    except Exception as error:
+        raise DetectorError(f"{file} cannot be loaded: {_told(error)}") from error
+    inputs = session.get_inputs()
+    if len(inputs) != 1:
+        raise DetectorError(f"{file} wants {len(inputs)} inputs; expected one, a picture")
+    name = inputs[0].name
+
+    def run(shown: NDArray[np.float32]) -> Sequence[NDArray[np.float32]]:
+        try:
+            found: Sequence[NDArray[np.float32]] = session.run(None, {name: shown})
+        except Exception as error:
+            raise DetectorError(f"{file} cannot be run: {_told(error)}") from error
+        return found
+
+    setting = Setting(
+        Kind(job["kind"]), job["side"], tuple(job["mean"]), tuple(job["spread"]), job["blue_first"]
+    )
+    classes = [each[:LABEL_LETTERS] for each in job["classes"]]
+    return Detector(setting, classes, run), classes
+
+
+def _told(error: BaseException) -> str:
+    said = " ".join(str(error).split())[:1000]
+    return said if isinstance(error, DetectorError) else f"{type(error).__name__}: {said}"
+
+
+def _say(answers: BinaryIO, **what: object) -> None:
+    answers.write(json.dumps(what).encode() + b"\n")
+
+
+def _line(source: BinaryIO) -> bytes:
+    """Read up to a line's end and not a byte further."""
+    said = b""
+    while not said.endswith(b"\n"):
+        more = source.read(1)
+        if not more:
+            break
+        said += more
+    return said
+
+
+def _exactly(source: BinaryIO, count: int) -> bytearray | None:
+    """Read so many bytes; none when the input has ended."""
+    data = bytearray(count)
+    view, at = memoryview(data), 0
+    while at < count:
+        more = source.readinto(view[at:])  # type: ignore[attr-defined]
+        if not more:
+            return None
+        at += more
+    return data
+
+
+if __name__ == "__main__":
+    main()
+    sys.exit(0)

@@ -1,0 +1,134 @@
+"""A detector in an ONNX file: which numbers go in, and what comes out.
+
+Pure but for the run itself, which is a function of one array.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from talaia.objects.boxes import Box, centred, corners, distances, fitted, suppressed
+from talaia.objects.errors import DetectorError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ["NANODET", "Detector", "Kind", "Setting"]
+
+
+class Kind(StrEnum):
+    """How a detector tells its boxes.
+
+    Attributes:
+        NANODET: for each of three steps a score for each class, and distances as distributions.
+        YOLO: one array of (4 + classes) × boxes, each by centre and size in pixels of the square,
+            as YOLOv8 and its successors give.
+
+    """
+
+    NANODET = "nanodet"
+    YOLO = "yolo"
+
+
+class Setting(NamedTuple):
+    """What a detector wants to be shown.
+
+    Attributes:
+        kind: see `Kind`.
+        side: of the square (px).
+        mean: taken from each colour, 0 to 255, in the order in which they are given.
+        spread: each colour is divided by it then.
+        blue_first: BGR instead of RGB.
+
+    """
+
+    kind: Kind
+    side: int
+    mean: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    spread: tuple[float, float, float] = (255.0, 255.0, 255.0)
+    blue_first: bool = False
+
+
+# The normalisation of NanoDet's own configuration: https://github.com/RangiLyu/nanodet.
+NANODET = Setting(
+    Kind.NANODET, 416, (103.53, 116.28, 123.675), (57.375, 57.12, 58.395), blue_first=True
+)
+STEPS = (8, 16, 32)
+
+
+class Detector:
+    """From a picture to the things on it."""
+
+    def __init__(
+        self,
+        setting: Setting,
+        classes: Sequence[str],
+        run: Callable[[NDArray[np.float32]], Sequence[NDArray[np.float32]]],
+    ) -> None:
+        """Use ``run``, which takes 1 × 3 × side × side and gives the file's outputs."""
+        self._setting, self._classes, self._run = setting, classes, run
+        self._mean = np.array(setting.mean, np.float32)
+        self._factor = 1 / np.array(setting.spread, np.float32)
+
+    def seen(self, picture: NDArray[np.uint8], least: float) -> list[Box]:
+        """Find things on a picture.
+
+        Args:
+            picture: height × width × 3, RGB.
+            least: what is less sure (0 to 1) is left out.
+
+        Raises:
+            DetectorError: the file gives other numbers than its setting says.
+
+        """
+        square, frame = fitted(picture, self._setting.side)
+        if self._setting.blue_first:
+            square = square[:, :, ::-1]
+        shown = (square.astype(np.float32) - self._mean) * self._factor
+        outputs = self._run(np.ascontiguousarray(shown.transpose(2, 0, 1)[None]))
+        boxes, scores = self._read(outputs)
+        return corners(suppressed(boxes, scores, least), frame)
+
+    def _read(
+        self, outputs: Sequence[NDArray[np.float32]]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        if self._setting.kind is Kind.YOLO:
+            return self._read_yolo(outputs)
+        side, count = self._setting.side, len(self._classes)
+        by_cells: dict[int, dict[bool, NDArray[np.float32]]] = {}
+        for each in outputs:
+            if each.ndim == 3:
+                by_cells.setdefault(each.shape[1], {})[each.shape[2] == count] = each[0]
+        heads = [by_cells.get((-(-side // step)) ** 2, {}) for step in STEPS]
+        if any(set(head) != {True, False} for head in heads):
+            raise self._other("scores and distances for each cell of three grids", outputs)
+        return (
+            np.concatenate(
+                [
+                    distances(head[False], side, step)
+                    for head, step in zip(heads, STEPS, strict=True)
+                ]
+            ),
+            np.concatenate([head[True] for head in heads]),
+        )
+
+    def _read_yolo(
+        self, outputs: Sequence[NDArray[np.float32]]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        count = len(self._classes)
+        if len(outputs) != 1 or outputs[0].ndim != 3 or outputs[0].shape[1] != 4 + count:
+            raise self._other(f"1 × {4 + count} × boxes, for {count} classes", outputs)
+        told = outputs[0][0].T
+        return centred(told[:, :4]), told[:, 4:]
+
+    def _other(self, expected: str, outputs: Sequence[NDArray[np.float32]]) -> DetectorError:
+        shapes = ", ".join(" × ".join(map(str, each.shape)) for each in outputs)
+        return DetectorError(
+            f"a detector of the kind {self._setting.kind.value} gives {expected}; "
+            f"this file gives {shapes or 'nothing'}: choose another kind or list of classes"
+        )

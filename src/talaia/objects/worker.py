@@ -1,0 +1,337 @@
+"""Detectors that run beside this process, each in one of its own; see `child`. Event loop only.
+
+A picture goes there over a pipe from a thread, so that the loop does not wait. One that ends, hangs
+or says nonsense is begun anew, later each time it happens again; the loss is told once, and so is
+the recovery.
+
+Long, because a process, its thread and its fate are told together.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from talaia.model.coco import COCO
+from talaia.objects.child import HEAD, LONGEST_LOAD_S, LONGEST_LOOK_S
+from talaia.objects.detector import NANODET
+from talaia.objects.errors import DetectorError
+from talaia.objects.things import Thing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from talaia.model.detection import ObjectModel
+
+__all__ = ["OWN_FILE", "Worker"]
+
+# Made by tools/make_detector.py; in an installed package it is there.
+OWN_FILE = Path(__file__).parent / "models" / "nanodet.onnx"
+OWN_REMEDY = "make it: python tools/make_detector.py"
+# The child ends itself before this; the rest is for a machine that is busy.
+PATIENCE_S = LONGEST_LOAD_S + LONGEST_LOOK_S + 10.0
+END_S = 1.0
+FIRST_WAIT_S, LONGEST_WAIT_S = 1.0, 60.0
+# A detector that has worked for so long is well again.
+STEADY_S = 10.0
+# Larger pictures are shown with every second pixel, or fewer: no detector sees them finer.
+MOST_PX = 2048
+# What the pipe holds: a picture of 640 × 480 goes over in one piece.
+PIPE = 1024 * 1024
+# What a detector's process needs of our surroundings; secrets are not among it.
+_SURROUNDINGS = ("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "LANG", "SYSTEMROOT")
+_ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+class Worker:
+    """Sees things on pictures."""
+
+    def __init__(
+        self,
+        models: Mapping[str, ObjectModel],
+        folder: Path,
+        told: Callable[[str, str], None],
+    ) -> None:
+        """Begin nothing yet: a detector is loaded for its first picture.
+
+        Args:
+            models: detectors of one's own, by name; the empty name is NanoDet's.
+            folder: where relative paths of theirs begin.
+            told: takes a model's name and why it cannot see, once, and then once an empty text
+                when it does again.
+
+        """
+        self._models = dict(models)
+        self._folder = folder
+        self._told = told
+        self._running: dict[str, _Running] = {}
+        self._ending: set[asyncio.Task[None]] = set()
+
+    def redescribe(self, models: Mapping[str, ObjectModel]) -> None:
+        """Use these detectors from here on; those that are the same go on."""
+        for name in list(self._running):
+            if name and models.get(name) != self._models.get(name):
+                self._end(name)
+        self._models = dict(models)
+
+    def rest(self, model: str) -> None:
+        """End a detector that nobody needs any more; it begins anew for the next picture."""
+        if model in self._running:
+            self._end(model)
+
+    async def seen(self, model: str, rgb: NDArray[np.uint8], least: float) -> list[Thing]:
+        """Find things on a picture.
+
+        Pictures for one detector take turns in the order in which they are given.
+
+        Args:
+            model: a name of the models', or empty.
+            rgb: rows × columns × 3.
+            least: what is less sure (0 to 1) is left out.
+
+        Returns:
+            The surest first; at most 100.
+
+        Raises:
+            DetectorError: the detector cannot see now; of ``told`` the same is heard. While it
+                waits to be begun anew this is raised at once.
+
+        """
+        running = self._running.get(model)
+        if running is None:
+            running = self._running[model] = _Running(self._job(model), partial(self._told, model))
+        return await running.seen(rgb, least)
+
+    def _job(self, model: str) -> dict[str, Any]:
+        if not model:
+            setting: dict[str, Any] = {**NANODET._asdict(), "kind": NANODET.kind.value}
+            return {**setting, "file": str(OWN_FILE), "remedy": OWN_REMEDY, "classes": COCO}
+        about = self._models.get(model)
+        if about is None:
+            raise DetectorError(f"there is no model {model!r}; describe it in object_models")
+        return {
+            "kind": about.kind.value,
+            "side": about.side,
+            "mean": about.mean,
+            "spread": about.spread,
+            "blue_first": about.blue_first,
+            "classes": about.classes,
+            "file": str(self._folder / about.file),
+            "remedy": f"put it there, or correct object_models.{model}.file",
+        }
+
+    def _end(self, model: str) -> None:
+        task = asyncio.ensure_future(self._running.pop(model).close())
+        self._ending.add(task)
+        task.add_done_callback(self._ending.discard)
+
+    async def close(self) -> None:
+        """End all detectors."""
+        for name in list(self._running):
+            self._end(name)
+        await asyncio.gather(*self._ending, return_exceptions=True)
+
+
+class _Running:
+    """One detector: its process, its thread, and how it has fared."""
+
+    def __init__(self, job: dict[str, Any], told: Callable[[str], None]) -> None:
+        self._told = told
+        self._child = _Child(job)
+        self._thread = ThreadPoolExecutor(1, "talaia-objects")
+        self._turn = asyncio.Lock()
+        self._why = ""
+        self._failures = 0
+        self._not_before = 0.0
+        self._failed_at = 0.0
+        self._closed = False
+
+    async def seen(self, rgb: NDArray[np.uint8], least: float) -> list[Thing]:
+        """See `Worker.seen`."""
+        async with self._turn:
+            if self._closed:
+                raise DetectorError("the detector has been ended")
+            if time.monotonic() < self._not_before:
+                raise DetectorError(self._why)
+            loop = asyncio.get_running_loop()
+            asked = loop.run_in_executor(self._thread, self._child.ask, rgb, least)
+            late = loop.call_later(PATIENCE_S, self._child.kill)
+            try:
+                things = await asked
+            except DetectorError as error:
+                self._failed(str(error))
+                raise
+            finally:
+                late.cancel()
+            self._worked()
+            return things
+
+    def _failed(self, why: str) -> None:
+        if self._closed:
+            return
+        self._failed_at = time.monotonic()
+        wait = min(LONGEST_WAIT_S, FIRST_WAIT_S * 2**self._failures)
+        self._not_before = self._failed_at + wait
+        self._failures = min(self._failures + 1, 10)
+        if not self._why:
+            self._told(why)
+        self._why = why
+
+    def _worked(self) -> None:
+        if self._why and time.monotonic() - self._failed_at > STEADY_S:
+            self._why, self._failures = "", 0
+            self._told("")
+
+    async def close(self) -> None:
+        self._closed = self._child.closed = True
+        self._child.kill()
+        await asyncio.to_thread(self._thread.shutdown)
+        await asyncio.to_thread(self._child.end)
+
+
+class _Child:
+    """The process. One thread asks and ends it; `kill` may be called from another."""
+
+    def __init__(self, job: dict[str, Any]) -> None:
+        self._job = job
+        self._process: subprocess.Popen[bytes] | None = None
+        self._listener: threading.Thread | None = None
+        self._words: deque[str] = deque(maxlen=20)
+        self.closed = False
+
+    def ask(self, rgb: NDArray[np.uint8], least: float) -> list[Thing]:
+        """Show a picture; blocks.
+
+        Raises:
+            DetectorError: with why nothing can be seen. The process may be gone then, and is begun
+                anew when asked again.
+
+        """
+        by = -(-max(rgb.shape[:2]) // MOST_PX)
+        shown = np.ascontiguousarray(rgb[::by, ::by], np.uint8)
+        told = self._told_of(HEAD.pack(*shown.shape[:2], least), shown.data.cast("B"))
+        try:
+            return [
+                Thing(str(each[0]), *(min(max(float(one), 0.0), 1.0) for one in each[1:]))
+                for each in told["things"]
+            ]
+        except (KeyError, ValueError, TypeError, IndexError) as error:
+            self.end()
+            raise DetectorError(f"the detector's process said nonsense: {error!r}") from error
+
+    def _told_of(self, *said: bytes | memoryview) -> dict[str, Any]:
+        """Say something to the process and give its answer."""
+        try:
+            process = self._process or self._begun()
+            for each in said:
+                _write(process, each)
+            told = self._answer(process)
+        except OSError as error:
+            raise DetectorError(self._ended()) from error
+        if "problem" in told:
+            raise DetectorError(str(told["problem"]))
+        return told
+
+    def _begun(self) -> subprocess.Popen[bytes]:
+        kept = {name: os.environ[name] for name in _SURROUNDINGS if name in os.environ}
+        try:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "talaia.objects.child"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                bufsize=0,
+                env={**kept, **_ONE_THREAD},
+            )
+        except OSError as error:
+            raise DetectorError(f"no process could be begun: {error}") from error
+        self._process = process
+        if self.closed:
+            process.kill()
+        self._words.clear()
+        self._listener = threading.Thread(target=self._listen, args=(process,), daemon=True)
+        self._listener.start()
+        with contextlib.suppress(OSError):
+            fcntl.fcntl(process.stdin or 0, fcntl.F_SETPIPE_SZ, PIPE)
+        _write(process, json.dumps(self._job).encode() + b"\n")
+        told = self._answer(process)
+        if "problem" in told:
+            self.end()
+            raise DetectorError(str(told["problem"]))
+        return process
+
+    def _answer(self, process: subprocess.Popen[bytes]) -> dict[str, Any]:
+        assert process.stdout is not None  # noqa: S101 - told to mypy
+        line = process.stdout.readline()
+        if not line.endswith(b"\n"):
+            raise DetectorError(self._ended())
+        told: dict[str, Any] = json.loads(line)
+        return told
+
+    def _listen(self, process: subprocess.Popen[bytes]) -> None:
+        """Take what it and its libraries print, for one who wants to know why it ended."""
+        assert process.stderr is not None  # noqa: S101 - told to mypy
+        with contextlib.suppress(OSError, ValueError):
+            for line in process.stderr:
+                self._words.append(line.decode("utf-8", "replace").strip()[:300])
+
+    def _ended(self) -> str:
+        """Say how it ended, and take it away."""
+        code = self.end()
+        if code == -signal.SIGALRM:
+            return f"the detector took longer than {LONGEST_LOOK_S} s and was ended"
+        last = next((f": {each}" for each in reversed(self._words) if each), "")
+        why = f"by signal {-code}" if code < 0 else f"with code {code}"
+        return f"the detector's process ended {why}{last}"
+
+    def kill(self) -> None:
+        """End it at once; what waits for it hears so."""
+        process = self._process
+        if process is not None:
+            process.kill()
+
+    def end(self) -> int:
+        """End it and take away what is left of it; blocks for a moment; gives how it ended."""
+        process, self._process = self._process, None
+        if process is None:
+            return 0
+        # What ends by itself is to be heard out.
+        with contextlib.suppress(OSError):
+            if process.stdin is not None:
+                process.stdin.close()
+        try:
+            code = process.wait(END_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            code = process.wait()
+        if self._listener is not None:
+            self._listener.join(END_S)
+        for pipe in (process.stdout, process.stderr):
+            if pipe is not None:
+                with contextlib.suppress(OSError):
+                    pipe.close()
+        return code
+
+
+def _write(process: subprocess.Popen[bytes], data: bytes | memoryview) -> None:
+    assert process.stdin is not None  # noqa: S101 - told to mypy
+    left = memoryview(data)
+    while left:
+        left = left[process.stdin.write(left) :]

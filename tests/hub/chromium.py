@@ -1,0 +1,62 @@
+"""A real Chromium, and a person who signs in with it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+
+import pytest
+
+from talaia.web import static_dir
+
+PASSWORD = "a password for tests"  # noqa: S105
+
+
+def program_or_skip() -> str:
+    """Name Chromium's program; without it, or without the built pages, there is no test."""
+    program = shutil.which("chromium") or shutil.which("google-chrome")
+    missing = "" if program else "Chromium"
+    missing = missing or ("" if (static_dir() / "index.html").is_file() else "the built pages")
+    if missing:
+        (pytest.fail if os.environ.get("TALAIA_REQUIRE_ALL") else pytest.skip)(f"no {missing}")
+    return program or ""
+
+
+@pytest.fixture
+async def chromium():
+    program = program_or_skip()
+    clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
+    # Most tests need no browser, and no program that drives one.
+    from playwright.async_api import async_playwright, expect
+
+    # Beside other work a page takes its time to open.
+    expect.set_options(timeout=20_000)
+    async with async_playwright() as play:
+        running = await play.chromium.launch(
+            executable_path=program, args=["--no-sandbox", "--disable-gpu"], env=clean
+        )
+        yield running
+        await running.close()
+
+
+async def sign_in(chromium, hub, name: str, password: str = PASSWORD, script: str = ""):
+    """Open a page whose errors are kept in ``page.errors``.
+
+    ``script`` runs in it before anything else.
+    """
+    page = await chromium.new_page(viewport={"width": 1440, "height": 900})
+    if script:
+        await page.add_init_script(script)
+    await sign_in_on(page, hub, name, password)
+    return page
+
+
+async def sign_in_on(page, hub, name: str, password: str = PASSWORD) -> None:
+    """Sign in on a page that is there; what goes wrong in it is kept in ``errors``."""
+    page.errors = []
+    page.on("pageerror", lambda error: page.errors.append(str(error)))
+    await page.goto(f"{hub.origin}/login")
+    await page.get_by_label("Name").fill(name)
+    await page.get_by_label("Password").fill(password)
+    await page.get_by_role("button", name="Sign in").click()
+    await page.wait_for_url(lambda url: not url.endswith("/login"))

@@ -1,0 +1,64 @@
+"""Quantiles of more numbers than are held are exact, or are known to be missed."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from talaia.hub.history.ranks import Ranks
+
+PARTS = (0.25, 0.75)
+
+
+def asked(pieces, kept):
+    ranks = Ranks(PARTS, kept)
+    for piece in pieces:
+        ranks.take(np.asarray(piece, float))
+    return ranks
+
+
+def linear(values):
+    return [float(each) for each in np.quantile(np.asarray(values, float), PARTS)]
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    st.lists(
+        st.lists(st.floats(-1e6, 1e6) | st.sampled_from([0.0, 1.0, 1.5]), max_size=60), max_size=30
+    ),
+    st.sampled_from([4, 16, 64, 10_000]),
+)
+def test_quantiles_are_those_of_all_numbers_or_none_are_given(pieces, kept) -> None:
+    ranks = asked(pieces, kept)
+    every = [each for piece in pieces for each in piece]
+    found = ranks.quantiles()
+    assert ranks.count == len(every)
+    if not every:
+        assert all(math.isnan(each) for each in found)
+    elif found is not None:
+        assert found == pytest.approx(linear(every), rel=1e-12, abs=1e-9)
+    else:
+        assert kept < len(every)
+
+
+@pytest.mark.parametrize("decimals", [15, 2, 0])
+def test_pieces_in_any_order_give_exact_quantiles_of_far_more_numbers_than_are_held(
+    decimals,
+) -> None:
+    random = np.random.default_rng(5)
+    every = np.round(random.normal(0.0, 3.0, 400_000), decimals)
+    ranks = asked(np.array_split(every, 100), 20_000)
+    assert ranks.quantiles() == linear(every)
+
+
+def test_what_is_no_finite_number_does_not_count() -> None:
+    ranks = asked([[1.0, math.nan, 2.0], [math.inf, 3.0, -math.inf]], 100)
+    assert ranks.count == 3
+    assert ranks.quantiles() == [1.5, 2.5]
+
+
+def test_a_quantile_that_the_first_pieces_misled_about_is_not_given() -> None:
+    # All low numbers come first, so that the bracket closes around them.
+    ranks = asked([np.arange(at, at + 1_000.0) for at in range(0, 100_000, 1_000)], 1_000)
+    assert ranks.quantiles() is None

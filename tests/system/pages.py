@@ -1,0 +1,52 @@
+"""Pages in a real Chromium: a person signed in, and pictures of what is on the screen."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Protocol
+
+from playwright.sync_api import Browser, Page
+
+from .stack import PASSWORD
+
+
+class Served(Protocol):
+    """A hub somewhere."""
+
+    @property
+    def address(self) -> str: ...
+
+
+def sign_in(page: Page, hub: Served, name: str, password: str = PASSWORD) -> None:
+    page.goto(f"{hub.address}/login")
+    page.get_by_label("Name").fill(name)
+    page.get_by_label("Password").fill(password)
+    page.get_by_role("button", name="Sign in").click()
+    page.wait_for_url(re.compile("/(home|public)$"))
+
+
+def visit(
+    browser: Browser,
+    hub: Served,
+    name: str,
+    *,
+    width: int = 1440,
+    height: int = 900,
+    scripts: Iterable[str] = (),
+) -> Page:
+    """A person's page, in a browser of their own."""
+    page = browser.new_context(viewport={"width": width, "height": height}).new_page()
+    for each in scripts:
+        page.add_init_script(each)
+    sign_in(page, hub, name)
+    return page
+
+
+def picture(page: Page, name: str) -> None:
+    """Keep what is on screen, where the person who runs the tests wants to look at it."""
+    folder = os.environ.get("TALAIA_PICTURES")
+    if folder:
+        page.screenshot(path=Path(folder) / f"{name}.png")

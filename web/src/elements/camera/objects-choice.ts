@@ -1,0 +1,197 @@
+/** Which objects are framed on a camera's picture, and how sure they must be. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { objectKind, sureWords } from "../../format/objects.js";
+import { base } from "../base.js";
+import "../button.js";
+
+/** What can be chosen: a class of the site description, or one that was seen here. */
+export interface Choosable {
+  readonly label: string;
+  readonly wanted: boolean;
+  /** It is in the site description: counted, kept in history, and may raise alarms. */
+  readonly described: boolean;
+}
+
+/** What a person chose; null goes back to what the site description says. */
+export interface Wanted {
+  readonly classes: readonly string[] | null;
+  readonly confidence: number | null;
+}
+
+const LEAST = 0.3;
+const MOST = 0.95;
+const STEP = 0.05;
+
+/**
+ * @fires t-objects-want detail is what was chosen
+ * @fires t-close it is chosen
+ */
+@customElement("t-objects-choice")
+export class ObjectsChoice extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+      }
+      .quiet {
+        color: var(--t-muted);
+        font-weight: var(--t-weight);
+      }
+      .panel {
+        display: grid;
+        align-content: start;
+        gap: var(--t-space-2);
+        padding: var(--t-space-3);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        font-size: var(--t-size-s);
+      }
+      fieldset {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(7.5rem, 1fr));
+        gap: 0 var(--t-space-2);
+        margin: 0;
+        padding: 0;
+        border: 0;
+      }
+      legend {
+        padding: 0;
+        font-weight: var(--t-weight-strong);
+      }
+      label {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        min-block-size: 2.25rem;
+        overflow-wrap: anywhere;
+        cursor: pointer;
+      }
+      .key {
+        flex: none;
+        inline-size: 0.8rem;
+        block-size: 0.8rem;
+        border: 2px solid #000;
+        background: var(--t-box-thing);
+      }
+      .key.person {
+        background: var(--t-box-person);
+      }
+      .key.animal {
+        background: var(--t-box-animal);
+      }
+      .key.vehicle {
+        background: var(--t-box-vehicle);
+      }
+      .sure {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr) auto;
+        gap: 0 var(--t-space-3);
+      }
+      .sure input {
+        grid-column: 1 / -1;
+        inline-size: 100%;
+        min-block-size: 2.25rem;
+        margin: 0;
+      }
+      output {
+        font-weight: var(--t-weight-strong);
+        font-variant-numeric: tabular-nums;
+      }
+      .foot {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-2);
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) classes: readonly Choosable[] = [];
+  /** What is less sure is not framed, 0 to 1. */
+  @property({ type: Number }) confidence = 0.5;
+  /** All is as the site description says. */
+  @property({ type: Boolean }) plain = true;
+
+  @query("input") private readonly first!: HTMLInputElement | null;
+
+  override focus(): void {
+    this.first?.focus();
+  }
+
+  override render(): TemplateResult {
+    return html`<div class="panel" role="group" aria-label="Objects on the picture" @keydown=${this.keyed}>
+      <fieldset @change=${this.ticked}>
+        <legend>Framed</legend>
+        ${repeat(
+          this.classes,
+          ({ label }) => label,
+          ({ label, wanted, described }) => html`<label title=${described ? "Counted and kept in history" : "Seen here; shown only"}
+            ><input type="checkbox" .value=${label} .checked=${wanted} /><span class="key ${objectKind(label)}"></span>${label}${
+              described ? nothing : html` <span class="quiet">seen</span>`
+            }</label
+          >`,
+        )}
+      </fieldset>
+      <label class="sure"
+        ><span>At least as sure as</span><output aria-hidden="true">${sureWords(this.confidence)}</output>
+        <input
+          type="range"
+          aria-label="At least as sure as"
+          aria-valuetext=${sureWords(this.confidence)}
+          min=${LEAST * 100}
+          max=${MOST * 100}
+          step=${STEP * 100}
+          .value=${String(Math.round(this.confidence * 100))}
+          @input=${this.slid}
+      /></label>
+      <div class="foot">
+        <t-button ?disabled=${this.plain} @click=${this.described}>As described</t-button>
+        <t-button @click=${this.shut}>Close</t-button>
+      </div>
+    </div>`;
+  }
+
+  private readonly shut = (): void => {
+    this.dispatchEvent(new CustomEvent("t-close"));
+  };
+
+  private readonly keyed = (event: KeyboardEvent): void => {
+    if (event.key === "Escape") this.shut();
+  };
+
+  private readonly ticked = (event: Event): void => {
+    const { target } = event;
+    if (!(target instanceof HTMLInputElement)) return;
+    const { value, checked } = target;
+    this.want({
+      classes: this.classes.filter(({ label, wanted }) => (label === value ? checked : wanted)).map(({ label }) => label),
+      confidence: this.confidence,
+    });
+  };
+
+  private readonly slid = (event: Event): void => {
+    if (!(event.target instanceof HTMLInputElement)) return;
+    this.want({ classes: this.classes.filter(({ wanted }) => wanted).map(({ label }) => label), confidence: event.target.valueAsNumber / 100 });
+  };
+
+  private readonly described = (): void => {
+    this.want({ classes: null, confidence: null });
+  };
+
+  private want(detail: Wanted): void {
+    this.dispatchEvent(new CustomEvent("t-objects-want", { detail }));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-objects-choice": ObjectsChoice;
+  }
+  interface HTMLElementEventMap {
+    "t-objects-want": CustomEvent<Wanted>;
+  }
+}

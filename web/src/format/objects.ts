@@ -1,0 +1,46 @@
+/** What a camera sees, in words: classes by name, how many, and how sure. */
+
+/** What a class means to who looks: it has a colour of its own, and always its name beside. */
+export type ObjectKind = "person" | "animal" | "vehicle" | "thing";
+
+const ANIMALS: ReadonlySet<string> = new Set([
+  "bird", "cat", "dog", "horse", "sheep", "cow", "elephant", "bear", "zebra", "giraffe", "animal", "deer", "fox",
+]);
+const VEHICLES: ReadonlySet<string> = new Set([
+  "bicycle", "car", "motorcycle", "motorbike", "airplane", "aeroplane", "bus", "train", "truck", "boat", "van", "tractor",
+  "vehicle", "forklift",
+]);
+const PERSONS: ReadonlySet<string> = new Set(["person", "people", "pedestrian", "human", "man", "woman", "child"]);
+
+const PLURALS: Readonly<Record<string, string>> = {
+  person: "persons", sheep: "sheep", deer: "deer", mouse: "mice", knife: "knives", man: "men", woman: "women", child: "children",
+  people: "people", scissors: "scissors", skis: "skis", aircraft: "aircraft",
+};
+
+/** What a class is, so far as its name tells. */
+export function objectKind(label: string): ObjectKind {
+  const word = label.toLowerCase();
+  if (PERSONS.has(word)) return "person";
+  if (ANIMALS.has(word)) return "animal";
+  return VEHICLES.has(word) ? "vehicle" : "thing";
+}
+
+/** `1 person`, `2 persons`, `3 wine glasses`. */
+export function countWords(many: number, label: string): string {
+  return `${String(many)} ${many === 1 ? label : pluralOf(label)}`;
+}
+
+function pluralOf(label: string): string {
+  const last = label.split(" ").at(-1) ?? label;
+  const rest = label.slice(0, label.length - last.length);
+  const own = PLURALS[last];
+  if (own !== undefined) return rest + own;
+  if (/(s|x|z|ch|sh)$/.test(last)) return `${label}es`;
+  if (/[^aeiou]y$/.test(last)) return `${label.slice(0, -1)}ies`;
+  return `${label}s`;
+}
+
+/** `87 %`, with a space that no line is broken at. */
+export function sureWords(part: number): string {
+  return `${String(Math.round(part * 100))}\u00a0%`;
+}

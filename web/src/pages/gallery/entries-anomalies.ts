@@ -1,0 +1,125 @@
+/** Anomaly detectors in each of their states, with scores that do not change. */
+
+import { html, type TemplateResult } from "lit";
+import { anomalyMarks } from "../../elements/chart/anomaly-marks.js";
+import { indentOf, type ChartSeries } from "../../elements/chart/model.js";
+import { Trace } from "../../series/trace.js";
+import type { Span } from "../../series/window.js";
+import type { Detector } from "../../state/detectors.js";
+import type { AnomalyInfo, AnomalyList, History } from "../../wire/api.js";
+import { Refused, Unreachable } from "../../wire/http.js";
+import type { Scores } from "../history/anomalies.js";
+import type { GalleryEntry } from "./entry.js";
+import "../../elements/detector.js";
+import "../history/anomalies.js";
+
+const END_US = 1_780_000_000_000_000;
+const SPAN: Span = { fromUs: END_US - 600e6, toUs: END_US };
+const BEGAN_US = END_US - 150e6;
+const ENDED_US = END_US - 90e6;
+const ZONE = "Europe/Madrid";
+const WHY = "11.2 V is 0.61 V below the 11.81 V of the last 12 min, a change greater than nearly all before";
+
+function scoreAt(us: number): number {
+  const quiet = 0.25 + 0.12 * Math.sin(us / 31e6) + 0.05 * Math.sin(us / 2.3e6);
+  return us >= BEGAN_US && us <= ENDED_US ? 0.82 : quiet;
+}
+
+const TIMES = Array.from({ length: 600 }, (_, i) => SPAN.fromUs + i * 1e6);
+
+function info(change: Partial<AnomalyInfo> = {}): AnomalyInfo {
+  const plain: AnomalyInfo = {
+    address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.31, scores: "power/voltage~together",
+    began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false, learns: true, learning: 0, late: 0,
+  };
+  return { ...plain, ...change };
+}
+
+const USUAL = info();
+const ON = info({ began_us: BEGAN_US, from_us: BEGAN_US, score: 0.82, why: WHY });
+const OVER = info({ from_us: BEGAN_US, to_us: ENDED_US, why: WHY });
+const MARKED = info({ from_us: BEGAN_US, to_us: ENDED_US, why: WHY, forgiven: true });
+
+function past(): Promise<History> {
+  const v = TIMES.map(scoreAt);
+  return Promise.resolve({ series: [{ address: "power/voltage~together", t_us: TIMES, v, kind: "exact", gaps: [] }] });
+}
+
+/** A hub that answers this way and no other. */
+function hub(anomalies: () => Promise<AnomalyList>, forgive: () => Promise<boolean> = () => Promise.resolve(true)): Scores {
+  return { anomalies, history: past, forgive };
+}
+
+function listed(one: AnomalyInfo, may_forgive = true): () => Promise<AnomalyList> {
+  return () => Promise.resolve({ detectors: [one], may_forgive, skipped: 0 });
+}
+
+function never<T>(): Promise<T> {
+  return new Promise<T>(() => undefined);
+}
+
+function anomalies(answers: Scores, channels: readonly string[] = ["power/voltage"]): TemplateResult {
+  return html`<t-anomalies site="gallery" .hub=${answers} .channels=${channels} .span=${SPAN} width="800" zone=${ZONE}></t-anomalies>`;
+}
+
+function trace(): Trace {
+  const made = new Trace(Infinity, 130e6);
+  for (const us of TIMES) made.take(us, scoreAt(us));
+  return made;
+}
+
+const SERIES: ChartSeries = {
+  address: "power/voltage~together", name: "Score", unit: "", decimals: 2, colour: 1, samples: trace(), states: [], gaps: [], stale: false,
+};
+
+function detector(change: Partial<Detector>, mayForgive = true): TemplateResult {
+  const one: Detector = {
+    address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.31, scores: "power/voltage~together",
+    learns: true, learning: 0, on: false, anomaly: null, ...change,
+  };
+  const marks = one.anomaly === null ? [] : anomalyMarks([one.anomaly]);
+  return html`<t-detector
+    .detector=${one}
+    .score=${one.score}
+    .series=${SERIES}
+    .marks=${marks}
+    .span=${SPAN}
+    .indent=${indentOf(1, 48)}
+    ?may-forgive=${mayForgive}
+    zone=${ZONE}
+  ></t-detector>`;
+}
+
+const ANOMALY = { scores: "power/voltage~together", fromUs: BEGAN_US, toUs: ENDED_US, why: WHY, forgiven: false };
+
+export const entries: readonly GalleryEntry[] = [
+  {
+    tag: "t-anomalies",
+    wide: true,
+    states: [
+      { name: "loading", show: () => anomalies(hub(never)) },
+      { name: "empty: none watches these signals", show: () => anomalies(hub(listed(USUAL)), ["base/speed"]) },
+      { name: "error", show: () => anomalies(hub(() => Promise.reject(new Unreachable("The hub does not answer.")))) },
+      { name: "forbidden", show: () => anomalies(hub(() => Promise.reject(new Refused(403, "forbidden", "you may not")))) },
+      { name: "as usual", show: () => anomalies(hub(listed(USUAL))) },
+      { name: "on", show: () => anomalies(hub(listed(ON))) },
+      { name: "ended", show: () => anomalies(hub(listed(OVER))) },
+      { name: "ended, for somebody who may only look", show: () => anomalies(hub(listed(OVER, false))) },
+      { name: "marked: not an anomaly", show: () => anomalies(hub(listed(MARKED))) },
+      { name: "the mark is refused (press it)", show: () => anomalies(hub(listed(ON), () => Promise.reject(new Refused(403, "forbidden", "you do not have the right to do this")))) },
+    ],
+  },
+  {
+    tag: "t-detector",
+    wide: true,
+    states: [
+      { name: "learning", show: () => detector({ learning: 620 }) },
+      { name: "as usual", show: () => detector({}) },
+      { name: "on", show: () => detector({ on: true, anomaly: { ...ANOMALY, toUs: Infinity } }) },
+      { name: "ended", show: () => detector({ anomaly: ANOMALY }) },
+      { name: "ended, for somebody who may only look", show: () => detector({ anomaly: ANOMALY }, false) },
+      { name: "marked", show: () => detector({ anomaly: { ...ANOMALY, forgiven: true } }) },
+      { name: "limits, which learn nothing", show: () => detector({ name: "limits", learns: false, on: true, anomaly: { ...ANOMALY, toUs: Infinity, why: "11.2 V is below the least of 11.5 V" } }) },
+    ],
+  },
+];

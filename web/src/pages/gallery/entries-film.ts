@@ -1,0 +1,36 @@
+/** What stands in a film's place while there is none. */
+
+import { html, type TemplateResult } from "lit";
+import type { FilmRow } from "../../wire/films.js";
+import type { Reel } from "../history/film/films.js";
+import type { GalleryEntry } from "./entry.js";
+import "../history/film/film-view.js";
+
+const NOON_US = 1_780_000_000_000_000;
+
+function film(state: FilmRow["state"], note = ""): FilmRow {
+  return {
+    id: "1", stream: "base/front", state, why: "", who: "Ada", note, begin_us: NOON_US, end_us: NOON_US + 60e6, size: 1e7, have: 4.2e6, pictures: 1800,
+  };
+}
+
+function view(us: number, change: Partial<Reel>): TemplateResult {
+  const reel: Reel = { stream: "base/front", name: "Front camera", films: [], unfilmed: [], filming: false, ...change };
+  return html`<t-film-view .reel=${reel} .us=${us} zone="Europe/Madrid"></t-film-view>`;
+}
+
+export const entries: readonly GalleryEntry[] = [
+  {
+    tag: "t-film-view",
+    states: [
+      { name: "none at this moment", show: () => view(NOON_US - 5e6, { films: [film("complete")] }) },
+      { name: "being filmed", show: () => view(NOON_US, { filming: true }) },
+      { name: "on its way", show: () => view(NOON_US + 5e6, { films: [film("uploading")] }) },
+      { name: "lost", show: () => view(NOON_US + 5e6, { films: [film("failed", "its file is not there")] }) },
+      {
+        name: "only in the recording",
+        show: () => view(NOON_US, { unfilmed: [{ recording: "1", stream: "base/front", begin_us: NOON_US, end_us: NOON_US + 60e6 }] }),
+      },
+    ],
+  },
+];

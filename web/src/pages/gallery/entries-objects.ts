@@ -1,0 +1,89 @@
+/** Objects on pictures, and sightings, in each of their states. */
+
+import { html, type TemplateResult } from "lit";
+import { styled } from "../../elements/styled.js";
+import "../../elements/camera/boxes.js";
+import type { Boxed } from "../../elements/camera/boxes.js";
+import "../../elements/camera/objects.js";
+import type { Detector } from "../../elements/camera/objects.js";
+import "../../elements/camera/objects-choice.js";
+import type { Choosable } from "../../elements/camera/objects-choice.js";
+import "../../elements/sighting.js";
+import type { SightingFacts } from "../../elements/sighting.js";
+import type { GalleryEntry } from "./entry.js";
+
+const NOON_US = 1_780_000_000_000_000;
+const box = (label: string, score: number, left: number, top: number, right: number, bottom: number): Boxed => ({ label, score, left, top, right, bottom });
+const THINGS: readonly Boxed[] = [
+  box("person", 0.92, 0.1, 0.15, 0.35, 0.95),
+  box("dog", 0.71, 0.42, 0.6, 0.64, 0.92),
+  box("car", 0.55, 0.66, 0.02, 0.97, 0.4),
+  box("chair", 0.34, 0.72, 0.62, 0.95, 0.9),
+];
+const CLASSES: readonly Choosable[] = [
+  { label: "person", wanted: true, described: true },
+  { label: "dog", wanted: true, described: true },
+  { label: "car", wanted: false, described: true },
+  { label: "chair", wanted: false, described: false },
+];
+
+function boxed(things: readonly Boxed[], earlier = false, zoom = { scale: 1, x: 0, y: 0 }, ground = "linear-gradient(#fff, #9aa, #000)"): TemplateResult {
+  return html`<div ${styled({ position: "relative", "aspect-ratio": "4 / 3", background: ground })}>
+    <t-boxes .things=${things} ?earlier=${earlier} .zoom=${zoom}></t-boxes>
+  </div>`;
+}
+
+function objects(on: boolean, detector: Detector, counts: readonly { label: string; many: number }[], busy = false): TemplateResult {
+  return html`<div ${styled({ "block-size": "6rem", background: "#667" })}>
+    <t-objects ?on=${on} detector=${detector} why="/gallery" .counts=${counts} ?busy=${busy}></t-objects>
+  </div>`;
+}
+
+const SEEN: SightingFacts = { label: "person", many: 2, confidence: 0.87, began_us: NOON_US, ended_us: NOON_US + 185e6 };
+/** A grey picture, so that nothing need be fetched. */
+const PICTURE = "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 4 3'%3E%3Crect width='4' height='3' fill='%23789'/%3E%3Crect x='1.4' y='.6' width='.6' height='1.9' fill='%23342'/%3E%3C/svg%3E";
+
+function seen(more: Partial<SightingFacts>, picture = ""): TemplateResult {
+  return html`<t-sighting .sighting=${{ ...SEEN, ...more }} camera="Front camera" picture=${picture} zone="Europe/Madrid"><a href="/gallery">Chart</a></t-sighting>`;
+}
+
+export const entries: readonly GalleryEntry[] = [
+  {
+    tag: "t-boxes",
+    states: [
+      { name: "on this picture", show: () => boxed(THINGS) },
+      { name: "of an earlier picture", show: () => boxed(THINGS, true) },
+      { name: "looked at closely", show: () => boxed(THINGS, false, { scale: 2, x: -0.2, y: -0.8 }) },
+      { name: "on white", show: () => boxed(THINGS, false, undefined, "#fff") },
+      { name: "nothing", show: () => boxed([]) },
+    ],
+  },
+  {
+    tag: "t-objects",
+    states: [
+      { name: "off", show: () => objects(false, "waiting", []) },
+      { name: "waiting for the detector", show: () => objects(true, "waiting", []) },
+      { name: "nothing seen", show: () => objects(true, "telling", []) },
+      { name: "some seen", show: () => objects(true, "telling", [{ label: "person", many: 2 }, { label: "dog", many: 1 }]) },
+      { name: "the detector is silent", show: () => objects(true, "silent", []) },
+      { name: "while driving", show: () => objects(true, "telling", [{ label: "person", many: 1 }], true) },
+    ],
+  },
+  {
+    tag: "t-objects-choice",
+    states: [
+      { name: "as described", show: () => html`<t-objects-choice .classes=${CLASSES}></t-objects-choice>` },
+      { name: "chosen", show: () => html`<t-objects-choice .classes=${CLASSES} .plain=${false} confidence="0.8"></t-objects-choice>` },
+    ],
+  },
+  {
+    tag: "t-sighting",
+    wide: true,
+    states: [
+      { name: "over", show: () => seen({}, PICTURE) },
+      { name: "in sight", show: () => seen({ many: 1, ended_us: null }, PICTURE) },
+      { name: "without a picture", show: () => seen({ label: "wine glass" }) },
+      { name: "picture not kept", show: () => seen({ label: "dog" }, "/missing.jpg") },
+    ],
+  },
+];

@@ -1,0 +1,223 @@
+/** The films of the window, and the moment at which they and the charts' cursor stand. */
+
+import type { ReactiveController, ReactiveControllerHost } from "lit";
+import { lengthOf, type Span } from "../../../series/window.js";
+import { SECOND_US } from "../../../series/zone.js";
+import type { FilmList } from "../../../wire/films.js";
+import { Asker } from "../asker.js";
+import { firstMoment, isFilmed, nextBegin, reelsOf, type Reel } from "./films.js";
+import { nextSpeed, Playhead } from "./playhead.js";
+
+export interface FilmSource {
+  list(site: string, fromUs: number, toUs: number, signal?: AbortSignal): Promise<FilmList>;
+}
+
+interface Question {
+  readonly site: string;
+  readonly span: Span;
+  readonly turn: number;
+}
+
+/** Playing, the page is drawn anew this often (ms): the films themselves run at their own rate. */
+const DRAW_MS = 40;
+/** A film that is on its way, or being made, is asked for this often (ms). */
+const AGAIN_MS = 3000;
+const STEP_US = 5 * SECOND_US;
+const NOTHING: FilmList = { films: [], more: false, unfilmed: [], filming: [], may_film: false, why_not: "" };
+
+export class FilmController implements ReactiveController {
+  reels: readonly Reel[] = [];
+  more = false;
+  private list: FilmList = NOTHING;
+  private readonly head = new Playhead();
+  private moment: number | null = null;
+  /** A person has put it there: it is the charts' cursor, too. */
+  private isMeant = false;
+  private span: Span = { fromUs: 0, toUs: 0 };
+  private frame = 0;
+  private drawnMs = 0;
+  private isHeld = false;
+  private readonly asker: Asker<Question, FilmList>;
+
+  constructor(
+    private readonly host: ReactiveControllerHost,
+    private readonly source: () => FilmSource | null,
+    /** The moment has left the window, playing. */
+    private readonly left: (us: number) => void,
+  ) {
+    host.addController(this);
+    this.asker = new Asker<Question, FilmList>({
+      fetch: ({ site, span }, signal) => this.source()?.list(site, span.fromUs, span.toUs, signal) ?? Promise.resolve(NOTHING),
+      related: (running, next) => running.site === next.site,
+      answered: (list) => {
+        this.list = list;
+      },
+      changed: () => {
+        host.requestUpdate();
+      },
+    });
+  }
+
+  hostDisconnected(): void {
+    cancelAnimationFrame(this.frame);
+    this.head.pause(performance.now());
+    this.asker.drop();
+    this.list = NOTHING;
+    this.reels = [];
+    this.moment = null;
+  }
+
+  /** Another site: nothing of the last one is shown. */
+  clear(): void {
+    this.hostDisconnected();
+  }
+
+  /** The moment that is shown (µs); null while there is no film. */
+  get us(): number | null {
+    return this.moment;
+  }
+
+  /** The moment as the charts' cursor; null until a person has played, stepped or clicked. */
+  get cursorUs(): number | null {
+    return this.isMeant ? this.moment : null;
+  }
+
+  get playing(): boolean {
+    return this.head.playing;
+  }
+
+  get speed(): number {
+    return this.head.speed;
+  }
+
+  get held(): boolean {
+    return this.isHeld;
+  }
+
+  get failed(): unknown {
+    return this.asker.state === "failed" ? this.asker.error : null;
+  }
+
+  /** @param names of the cameras, by their address */
+  ask(site: string, span: Span, names: ReadonlyMap<string, string>): void {
+    this.span = span;
+    const step = Math.max(STEP_US, 2 ** Math.floor(Math.log2(lengthOf(span) / 4)));
+    const fromUs = Math.max(0, Math.floor(span.fromUs / step) * step);
+    const coming = this.list.filming.length > 0 || this.list.films.some(({ state }) => state === "uploading");
+    const turn = coming ? Math.floor(Date.now() / AGAIN_MS) : 0;
+    this.asker.ask({ site, span: { fromUs, toUs: Math.ceil(span.toUs / step) * step }, turn });
+    this.reels = this.within(reelsOf(this.list, names), span);
+    this.more = this.list.more;
+    this.settle();
+  }
+
+  again(): void {
+    this.asker.forget();
+    this.host.requestUpdate();
+  }
+
+  seek(us: number): void {
+    this.isMeant = true;
+    this.glance(us);
+  }
+
+  /** Shows a moment that a pointer passes over. */
+  glance(us: number): void {
+    this.head.seek(us, performance.now());
+    this.moment = us;
+    this.host.requestUpdate();
+  }
+
+  toggle(): void {
+    if (this.playing) this.pause();
+    else this.play();
+  }
+
+  play(): void {
+    const from = this.moment;
+    if (from === null) return;
+    this.isMeant = true;
+    // At the end it begins anew, as everywhere.
+    if (!isFilmed(this.reels, from) && nextBegin(this.reels, from) === null) {
+      const first = firstMoment(this.reels, this.span.fromUs);
+      if (first !== null) this.seek(first);
+    }
+    this.head.play(performance.now());
+    this.isHeld = false;
+    this.next();
+    this.host.requestUpdate();
+  }
+
+  pause(): void {
+    const now = performance.now();
+    this.head.pause(now);
+    this.moment = this.head.at(now);
+    cancelAnimationFrame(this.frame);
+    this.host.requestUpdate();
+  }
+
+  setSpeed(speed: number): void {
+    this.head.setSpeed(speed, performance.now());
+    this.host.requestUpdate();
+  }
+
+  faster(by: 1 | -1): void {
+    this.setSpeed(nextSpeed(this.speed, by));
+  }
+
+  /** The moment waits for a picture that has not come, or goes on. */
+  hold(held: boolean): void {
+    if (held === this.isHeld || !this.playing) return;
+    this.isHeld = held;
+    this.head.hold(held, performance.now());
+    this.host.requestUpdate();
+  }
+
+  private within(reels: readonly Reel[], span: Span): Reel[] {
+    const here = (one: { readonly begin_us: number; readonly end_us: number }): boolean => one.begin_us <= span.toUs && one.end_us >= span.fromUs;
+    return reels.filter(({ films, unfilmed }) => films.some(here) || unfilmed.some(here));
+  }
+
+  /** Puts the moment to where there is a film, unless a person has put it elsewhere. */
+  private settle(): void {
+    const { moment, span } = this;
+    if (this.reels.length === 0 && !this.playing) {
+      if (this.list !== NOTHING) this.moment = null;
+      return;
+    }
+    const inside = moment !== null && moment >= span.fromUs && moment <= span.toUs;
+    if (inside || this.playing) return;
+    const first = firstMoment(this.reels, span.fromUs) ?? span.fromUs;
+    this.head.seek(first, performance.now());
+    this.moment = first;
+    this.isMeant = false;
+  }
+
+  private next(): void {
+    cancelAnimationFrame(this.frame);
+    this.frame = requestAnimationFrame(this.tick);
+  }
+
+  private readonly tick = (nowMs: number): void => {
+    if (!this.playing) return;
+    const now = performance.now();
+    let us = this.head.at(now);
+    if (!isFilmed(this.reels, us)) {
+      const skip = nextBegin(this.reels, us);
+      if (skip === null) {
+        this.moment = us;
+        this.pause();
+        return;
+      }
+      this.head.seek(skip, now);
+      us = skip;
+    }
+    this.moment = us;
+    if (nowMs - this.drawnMs >= DRAW_MS) {
+      this.drawnMs = nowMs;
+      if (us > this.span.toUs || us < this.span.fromUs) this.left(us);
+      this.host.requestUpdate();
+    }
+    this.next();
+  };
+}

@@ -1,0 +1,316 @@
+/** The films beside the charts: each camera's, and what plays them. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, queryAll, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { base } from "../../../elements/base.js";
+import { momentText } from "../../../elements/chart/read-out.js";
+import { formatClock, knownZone } from "../../../format/time.js";
+import type { FilmController } from "./film-controller.js";
+import type { FilmView } from "./film-view.js";
+import { SPEEDS } from "./playhead.js";
+import "./film-view.js";
+
+/** So many cameras are shown before a person has chosen. */
+const FIRST_CAMERAS = 4;
+
+const PLAY = "M7 4.5v15l12-7.5z";
+const PAUSE = "M7 4.5h3.5v15H7zM13.5 4.5H17v15h-3.5z";
+const ON = "M5 5v14l9-7zM16 5h3v14h-3z";
+const BACK = "M19 5v14l-9-7zM5 5h3v14H5z";
+
+/**
+ * @fires t-moment detail is a moment (µs) to go to
+ * @fires t-cameras detail is the addresses of the cameras that are to be shown
+ */
+@customElement("t-film-panel")
+export class FilmPanel extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-2);
+        align-content: start;
+        padding: var(--t-space-3);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+        min-inline-size: 0;
+        container-type: inline-size;
+      }
+      :host(:fullscreen) {
+        grid-template-rows: minmax(0, 1fr) auto;
+        border: 0;
+        border-radius: 0;
+        background: var(--t-bg);
+      }
+      h2 {
+        font-size: var(--t-size-m);
+      }
+      :host(:fullscreen) .head {
+        display: none;
+      }
+      .head {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: 0 var(--t-space-3);
+      }
+      .head label {
+        display: inline-flex;
+        align-items: center;
+        gap: var(--t-space-1);
+        min-block-size: var(--t-touch);
+        font-size: var(--t-size-s);
+      }
+      .views {
+        display: grid;
+        grid-template-columns: repeat(auto-fit, minmax(min(15rem, 100%), 1fr));
+        gap: var(--t-space-2);
+        min-block-size: 0;
+      }
+      @media (max-width: 60rem) {
+        .views {
+          grid-template-columns: repeat(auto-fit, minmax(9rem, 1fr));
+        }
+      }
+      :host(:fullscreen) .views {
+        grid-auto-rows: minmax(0, 1fr);
+      }
+      :host(:fullscreen) t-film-view {
+        aspect-ratio: auto;
+      }
+      .tools {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-1) var(--t-space-2);
+      }
+      button {
+        display: grid;
+        place-content: center;
+        inline-size: var(--t-touch);
+        block-size: var(--t-touch);
+        padding: 0;
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-text);
+        cursor: pointer;
+      }
+      button:hover {
+        background: var(--t-raised);
+      }
+      button.main {
+        border-color: var(--t-accent);
+        background: var(--t-accent);
+        color: var(--t-on-accent);
+      }
+      button svg {
+        inline-size: 1.4rem;
+        block-size: 1.4rem;
+      }
+      select {
+        min-block-size: var(--t-touch);
+        padding-inline: var(--t-space-2);
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-text);
+        font: inherit;
+      }
+      .moment {
+        margin-inline-start: auto;
+        text-align: end;
+        font-variant-numeric: tabular-nums;
+        line-height: 1.2;
+      }
+      .moment strong {
+        display: block;
+      }
+      .moment span {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .hint {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      @media (pointer: coarse) {
+        .hint {
+          display: none;
+        }
+      }
+      :host(:fullscreen) .hint {
+        display: none;
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) control: FilmController | null = null;
+  /** What of the controller changes; so that the panel is drawn anew. */
+  @property({ type: Number }) us = 0;
+  @property({ type: Boolean }) playing = false;
+  @property({ type: Boolean }) held = false;
+  @property({ type: Number }) speed = 1;
+  @property({ attribute: false }) reels: FilmController["reels"] = [];
+  /** Cameras that a person has chosen; null when nobody has. */
+  @property({ attribute: false }) chosen: readonly string[] | null = null;
+  @property() zone = "UTC";
+
+  @state() private full = false;
+  @queryAll("t-film-view") private readonly views!: NodeListOf<FilmView>;
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    document.addEventListener("fullscreenchange", this.fullChanged);
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    document.removeEventListener("fullscreenchange", this.fullChanged);
+  }
+
+  /** Does what a key asks for; whether it was one of ours. */
+  keyed(key: string): boolean {
+    switch (key) {
+      case " ":
+      case "k":
+        this.control?.toggle();
+        return true;
+      case ".":
+      case ",":
+        this.step(key === "." ? 1 : -1);
+        return true;
+      case ">":
+      case "<":
+        this.control?.faster(key === ">" ? 1 : -1);
+        return true;
+      case "f":
+        this.toggleFull();
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  protected override updated(): void {
+    this.wait();
+  }
+
+  override render(): TemplateResult {
+    const shown = this.shown();
+    return html`<div class="head">
+        <h2>${this.reels.length === 1 ? "Film" : "Films"}</h2>
+        ${this.reels.length > 1 ? this.reels.map(({ stream, name }) => this.box(stream, name, shown.includes(stream))) : nothing}
+      </div>
+      <div class="views">
+        ${repeat(
+          this.reels.filter(({ stream }) => shown.includes(stream)),
+          ({ stream }) => stream,
+          (reel) => html`<t-film-view
+            data-stream=${reel.stream}
+            site=${this.site}
+            .reel=${reel}
+            .us=${this.us}
+            .playing=${this.playing}
+            .held=${this.held}
+            .speed=${this.speed}
+            zone=${this.zone}
+            @t-ready=${this.wait}
+          ></t-film-view>`,
+        )}
+      </div>
+      ${this.tools()}
+      <p class="hint">Keys: space plays, comma and point step a picture, &lt; and &gt; change the speed, F fills the screen.</p>`;
+  }
+
+  private tools(): TemplateResult {
+    const { playing, speed, us } = this;
+    return html`<div class="tools" role="group" aria-label="Films">
+      ${this.tool("A picture back", BACK, () => {
+        this.step(-1);
+      })}
+      ${this.tool(playing ? "Pause" : "Play", playing ? PAUSE : PLAY, () => this.control?.toggle(), "main")}
+      ${this.tool("A picture on", ON, () => {
+        this.step(1);
+      })}
+      <select aria-label="Speed" @change=${this.speedChosen}>
+        ${map(SPEEDS, (one) => html`<option value=${one} .selected=${one === speed}>${one === 0.5 ? "½" : one}×</option>`)}
+      </select>
+      ${this.tool(this.full ? "Leave full screen" : "Full screen", this.full ? "M9 4v5H4M15 4v5h5M9 20v-5H4M15 20v-5h5" : "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5", this.toggleFull, "line")}
+      <span class="moment"><strong>${momentText(us, knownZone(this.zone), 0)}</strong><span>${formatClock(us, "UTC")} UTC</span></span>
+    </div>`;
+  }
+
+  private tool(label: string, path: string, act: () => unknown, kind = ""): TemplateResult {
+    return html`<button type="button" class=${kind} aria-label=${label} title=${label} @click=${act}>
+      <svg viewBox="0 0 24 24" aria-hidden="true">
+        <path
+          d=${path}
+          fill=${kind === "line" ? "none" : "currentColor"}
+          stroke=${kind === "line" ? "currentColor" : "none"}
+          stroke-width="2"
+          stroke-linecap="round"
+        ></path>
+      </svg>
+    </button>`;
+  }
+
+  private box(stream: string, name: string, on: boolean): TemplateResult {
+    return html`<label><input type="checkbox" .value=${stream} .checked=${on} @change=${this.cameraChosen} /> ${name}</label>`;
+  }
+
+  private shown(): readonly string[] {
+    return this.chosen ?? this.reels.slice(0, FIRST_CAMERAS).map(({ stream }) => stream);
+  }
+
+  private step(by: 1 | -1): void {
+    this.control?.pause();
+    const moments = [...this.views].map((view) => view.stepped(this.control?.us ?? this.us, by)).filter((us) => us !== null);
+    // With several cameras: to the nearest picture of any of them.
+    if (moments.length > 0) this.go(by > 0 ? Math.min(...moments) : Math.max(...moments));
+  }
+
+  private go(us: number): void {
+    this.dispatchEvent(new CustomEvent("t-moment", { detail: us, bubbles: true, composed: true }));
+  }
+
+  /** No film runs ahead of another that has not got its picture yet. */
+  private readonly wait = (): void => {
+    if (this.playing) this.control?.hold([...this.views].some((view) => !view.ready));
+  };
+
+  private readonly speedChosen = (event: Event): void => {
+    if (event.target instanceof HTMLSelectElement) this.control?.setSpeed(Number(event.target.value));
+  };
+
+  private readonly cameraChosen = (event: Event): void => {
+    if (!(event.target instanceof HTMLInputElement)) return;
+    const { value, checked } = event.target;
+    const before = this.shown();
+    const detail = this.reels.map(({ stream }) => stream).filter((stream) => (stream === value ? checked : before.includes(stream)));
+    this.dispatchEvent(new CustomEvent("t-cameras", { detail }));
+  };
+
+  private readonly toggleFull = (): void => {
+    if (this.matches(":fullscreen")) void document.exitFullscreen();
+    else void this.requestFullscreen().catch(() => undefined);
+  };
+
+  private readonly fullChanged = (): void => {
+    this.full = this.matches(":fullscreen");
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-film-panel": FilmPanel;
+  }
+  interface HTMLElementEventMap {
+    "t-cameras": CustomEvent<readonly string[]>;
+  }
+}

@@ -1,0 +1,372 @@
+/**
+ * One camera's film at the moment that the charts' cursor stands at.
+ *
+ * Long, because keeping a `<video>` at a moment that others decide is one matter: which file, where
+ * in it, how fast, and what to say while there is no picture.
+ */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { base } from "../../../elements/base.js";
+import { momentText } from "../../../elements/chart/read-out.js";
+import { onPicture } from "../../../elements/on-picture.js";
+import { formatNumber } from "../../../format/number.js";
+import { formatClock, knownZone } from "../../../format/time.js";
+import { fetchTimes } from "../../../wire/film-times.js";
+import { filmPath, type FilmRow } from "../../../wire/films.js";
+import { recordingPath } from "../../../wire/recordings.js";
+import { pictureAt, showingAt, steppedUs, type Reel, type Showing } from "./films.js";
+import "../../../elements/button.js";
+import "../../../elements/icon.js";
+
+/** Playing, a film that is farther from the moment than this (s, at its own speed) jumps to it. */
+const FAR_S = 0.35;
+/** Nearer than that it goes this much faster or slower for each second that it is off. */
+const PULL = 0.4;
+/** A picture is asked for this far behind its beginning (s): its neighbour is not meant. */
+const INTO_S = 0.000_5;
+/** Less than this is the same place (s). */
+const SAME_S = 0.000_4;
+
+interface Presented {
+  readonly mediaTime: number;
+}
+
+/** @fires t-moment detail is a moment (µs) to go to */
+@customElement("t-film-view")
+export class FilmView extends LitElement {
+  static override styles = [
+    base,
+    onPicture,
+    css`
+      :host {
+        display: grid;
+        position: relative;
+        overflow: hidden;
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: #000;
+        aspect-ratio: 4 / 3;
+        min-inline-size: 0;
+        container-type: inline-size;
+      }
+      video {
+        position: absolute;
+        inset: 0;
+        inline-size: 100%;
+        block-size: 100%;
+        object-fit: contain;
+        filter: var(--t-picture-filter, none);
+      }
+      video[hidden] {
+        display: none;
+      }
+      .veil {
+        padding-block-end: var(--t-space-6);
+        background: var(--t-raised);
+        color: var(--t-text);
+        overflow: auto;
+      }
+      .veil a {
+        color: var(--t-accent);
+        font-weight: var(--t-weight-strong);
+      }
+      .ways {
+        display: flex;
+        flex-wrap: wrap;
+        justify-content: center;
+        gap: var(--t-space-2);
+      }
+      .get {
+        position: absolute;
+        inset-block-start: var(--t-space-2);
+        inset-inline-end: var(--t-space-2);
+      }
+      .badge {
+        display: block;
+        position: absolute;
+        inset-block-end: var(--t-space-2);
+        inset-inline-start: var(--t-space-2);
+        max-inline-size: calc(100% - 2 * var(--t-space-2));
+        pointer-events: none;
+      }
+      /* Several side by side on a phone: the picture comes first, full screen has the rest. */
+      @container (inline-size < 15rem) {
+        .get,
+        .badge time,
+        .veil p {
+          display: none;
+        }
+        .badge {
+          inset: auto auto 0 0;
+          border-width: 0;
+          border-radius: 0 var(--t-radius-s) 0 0;
+        }
+        .veil {
+          padding: var(--t-space-1);
+          padding-block-end: var(--t-space-5);
+          gap: 0;
+        }
+        .veil h3 {
+          font-size: var(--t-size-s);
+        }
+        .veil t-button {
+          font-size: var(--t-size-s);
+        }
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) reel: Reel | null = null;
+  /** The moment that is to be shown (µs). */
+  @property({ type: Number }) us = 0;
+  @property({ type: Boolean }) playing = false;
+  @property({ type: Number }) speed = 1;
+  /** The moment stands still, since some picture has not come yet. */
+  @property({ type: Boolean }) held = false;
+  @property() zone = "UTC";
+
+  /** When the picture that is seen came (µs); 0 for none. */
+  @state() shownUs = 0;
+  @state() private broken = "";
+
+  @query("video") private readonly video!: HTMLVideoElement;
+
+  private film: FilmRow | null = null;
+  private times: Float64Array | null = null;
+  private asking: AbortController | null = null;
+  private watching = 0;
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.take(null);
+  }
+
+  /** Whether the picture of the moment is there, or none is to be expected. */
+  get ready(): boolean {
+    if (this.film === null || this.broken !== "") return true;
+    return !this.video.seeking && this.video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA;
+  }
+
+  /** The moment of the next picture or of the one before; null where this film has none. */
+  stepped(us: number, by: 1 | -1): number | null {
+    const { film, times } = this;
+    if (film === null) return null;
+    if (times !== null) return steppedUs(film, times, us, by);
+    const step = (film.end_us - film.begin_us) / Math.max(1, film.pictures - 1);
+    const to = us + by * step;
+    return film.begin_us <= to && to <= film.end_us ? to : null;
+  }
+
+  protected override updated(): void {
+    const { reel } = this;
+    const showing = reel === null ? null : showingAt(reel, this.us);
+    this.take(showing?.kind === "film" ? showing.film : null);
+    this.follow();
+  }
+
+  override render(): TemplateResult {
+    const showing = this.reel === null ? null : showingAt(this.reel, this.us);
+    const plays = showing?.kind === "film" && this.broken === "";
+    const name = this.reel?.name ?? "";
+    return html`<video
+        .muted=${true}
+        playsinline
+        preload="auto"
+        disablepictureinpicture
+        ?hidden=${!plays}
+        aria-label=${`Film of ${name}${plays && this.shownUs > 0 ? `, picture of ${this.moment(this.shownUs)}` : ""}`}
+        @seeked=${this.came}
+        @loadeddata=${this.came}
+        @error=${this.failed}
+      ></video>
+      ${plays
+        ? html`<div class="tint"></div>
+            <a class="key get" href=${filmPath(this.site, showing.film.id)} download title="Download this film" aria-label=${`Download this film of ${name}`}>
+              <svg viewBox="0 0 24 24" aria-hidden="true">
+                <path d="M12 4v11M7 10l5 5 5-5M5 20h14" fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"></path>
+              </svg>
+            </a>`
+        : showing === null ? nothing : this.veil(showing)}
+      <span class="badge">${name}${plays && this.shownUs > 0 ? html`<time> · ${this.moment(this.shownUs)}</time>` : nothing}</span>`;
+  }
+
+  private veil(showing: Showing): TemplateResult {
+    switch (showing.kind) {
+      case "film":
+        return html`<div class="veil">
+          <h3>This film cannot be played</h3>
+          <p role="alert">${this.broken}</p>
+          <div class="ways">
+            <t-button @click=${this.again}>Try again</t-button>
+            <a href=${filmPath(this.site, showing.film.id)} download>Download the film</a>
+          </div>
+        </div>`;
+      case "coming": {
+        const { size, have } = showing.film;
+        return html`<div class="veil">
+          <h3>This film is on its way</h3>
+          <p>${formatNumber(size > 0 ? (100 * have) / size : 0, 0)} % of it has come from the gateway.</p>
+        </div>`;
+      }
+      case "failed":
+        return html`<div class="veil">
+          <h3>This film is lost</h3>
+          <p>${showing.film.note}</p>
+        </div>`;
+      case "raw":
+        return html`<div class="veil">
+          <h3>Not as a film</h3>
+          <p>The pictures of this time are messages in a recording (MCAP), for Foxglove or Lichtblick.</p>
+          <a href=${recordingPath(this.site, showing.recording)} download>Download the recording</a>
+        </div>`;
+      case "none":
+        return html`<div class="veil">
+          <h3>No film of this moment</h3>
+          ${showing.filming ? html`<p>It is being filmed now; the film comes when it has ended.</p>` : nothing}
+          <div class="ways">
+            ${showing.before === null ? nothing : this.way("Before", showing.before.end_us)}
+            ${showing.after === null ? nothing : this.way("Next", showing.after.begin_us)}
+          </div>
+        </div>`;
+    }
+  }
+
+  private way(word: string, us: number): TemplateResult {
+    const go = (): void => {
+      this.dispatchEvent(new CustomEvent("t-moment", { detail: us, bubbles: true, composed: true }));
+    };
+    return html`<t-button @click=${go}>${word}: ${formatClock(us, this.zone)}</t-button>`;
+  }
+
+  private moment(us: number): string {
+    return momentText(us, knownZone(this.zone), 0);
+  }
+
+  // ── the file ──
+
+  private take(film: FilmRow | null): void {
+    if (film?.id === this.film?.id) return;
+    this.film = film;
+    this.times = null;
+    this.broken = "";
+    this.shownUs = 0;
+    this.asking?.abort();
+    this.watching += 1;
+    const { video } = this;
+    if (film === null) {
+      video.removeAttribute("src");
+      video.load();
+      return;
+    }
+    const path = filmPath(this.site, film.id);
+    video.src = path;
+    this.watch(this.watching);
+    const asking = new AbortController();
+    this.asking = asking;
+    fetchTimes(path, asking.signal).then(
+      (times) => {
+        if (asking.signal.aborted) return;
+        this.times = times;
+        this.requestUpdate();
+      },
+      // Without them pictures are asked for by the clock alone.
+      () => undefined,
+    );
+  }
+
+  /** Learns of each picture that is seen while it plays when it came. */
+  private watch(turn: number): void {
+    const { video } = this;
+    const note = (_now: number, { mediaTime }: Presented): void => {
+      if (turn !== this.watching || this.film === null) return;
+      if (!video.paused) this.shows(this.film, mediaTime);
+      video.requestVideoFrameCallback(note);
+    };
+    if ("requestVideoFrameCallback" in video) video.requestVideoFrameCallback(note);
+  }
+
+  private shows({ begin_us }: FilmRow, timeS: number): void {
+    const { times } = this;
+    const us = Math.round(timeS * 1e6);
+    // The browser's own clock is coarser than the film's.
+    this.shownUs = begin_us + Math.round(times === null ? us : (times[pictureAt(times, us + 1e6 * INTO_S)] ?? us));
+  }
+
+  // ── where it stands ──
+
+  /** Where in the file the moment is (s). */
+  private place(film: FilmRow): number {
+    const us = Math.max(0, this.us - film.begin_us);
+    const { times } = this;
+    if (times === null) return us / 1e6;
+    return (times[pictureAt(times, us)] ?? us) / 1e6 + INTO_S;
+  }
+
+  private follow(): void {
+    const { film, video } = this;
+    if (film === null || this.broken !== "") return;
+    if (this.playing && this.us < film.end_us) this.run(film, video);
+    else this.stand(film, video);
+  }
+
+  private run(film: FilmRow, video: HTMLVideoElement): void {
+    const offS = (video.currentTime - (this.us - film.begin_us) / 1e6) / this.speed;
+    if (video.seeking || video.readyState < HTMLMediaElement.HAVE_METADATA) return;
+    if (Math.abs(offS) > FAR_S) {
+      video.currentTime = Math.max(0, (this.us - film.begin_us) / 1e6);
+      return;
+    }
+    if (this.held) {
+      video.pause();
+      return;
+    }
+    const rate = this.speed * (1 - PULL * offS);
+    if (Math.abs(video.playbackRate - rate) > 0.01 * this.speed) video.playbackRate = Math.min(16, Math.max(0.1, rate));
+    // It may be told to pause before it has begun, which is no failure.
+    if (video.paused) video.play().catch(() => undefined);
+  }
+
+  private stand(film: FilmRow, video: HTMLVideoElement): void {
+    if (!video.paused) {
+      video.pause();
+      this.shows(film, video.currentTime);
+    }
+    // One after the other: while fingers move the cursor, what comes in between is left out.
+    if (video.seeking || video.readyState < HTMLMediaElement.HAVE_METADATA) return;
+    const place = this.place(film);
+    if (Math.abs(video.currentTime - place) > SAME_S) video.currentTime = place;
+  }
+
+  private readonly came = (): void => {
+    const { film, video } = this;
+    // Standing still, the picture is that of the place: what is told of frames may come too late.
+    if (film !== null && video.paused && !video.seeking) this.shows(film, video.currentTime);
+    this.follow();
+    this.dispatchEvent(new CustomEvent("t-ready"));
+  };
+
+  private readonly failed = (): void => {
+    const { error } = this.video;
+    if (this.film === null || error === null) return;
+    this.broken = error.code === MediaError.MEDIA_ERR_SRC_NOT_SUPPORTED || error.code === MediaError.MEDIA_ERR_DECODE
+      ? "This browser cannot play it, or the hub does not give it any more."
+      : "The hub does not answer.";
+  };
+
+  private readonly again = (): void => {
+    const { film } = this;
+    this.take(null);
+    this.take(film);
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-film-view": FilmView;
+  }
+  interface HTMLElementEventMap {
+    "t-moment": CustomEvent<number>;
+  }
+}

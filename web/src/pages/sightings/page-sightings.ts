@@ -1,0 +1,244 @@
+/** What the cameras of a site have seen: newest first, found by camera, class and time. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { EndlessList } from "../../controllers/endless-list.js";
+import { FilterForm } from "../../controllers/filter-form.js";
+import { LinkController } from "../../controllers/link.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store.js";
+import { base } from "../../elements/base.js";
+import { forms } from "../../elements/forms.js";
+import { settled } from "../../elements/settled.js";
+import { sheets } from "../../elements/sheets.js";
+import { knownZone } from "../../format/time.js";
+import { typedText } from "../../format/typed.js";
+import { clockOf, type ZoneClock } from "../../series/zone.js";
+import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
+import { sitePath, withQuery } from "../../state/router.js";
+import type { SiteDetail } from "../../wire/api.js";
+import type { HubApi } from "../../wire/http.js";
+import { RecordingsApi, type RecordingRow } from "../../wire/recordings.js";
+import { sightingPicturePath, SightingsApi, type SeenLabel, type Sighting } from "../../wire/sightings.js";
+import { listEnd } from "../list-end.js";
+import { recordingAt } from "../logbook/query.js";
+import { historyQuery, NO_FILTER, pageQuery, readFilter, told, writeFilter, type SightingFilter } from "./query.js";
+import "../../elements/button.js";
+import "../../elements/empty.js";
+import "../../elements/field.js";
+import "../../elements/sighting.js";
+
+const ROWS = 30;
+
+@customElement("t-page-sightings")
+export class PageSightings extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    forms,
+    css`
+      ul.rows > li {
+        grid-template-columns: minmax(0, 1fr);
+        align-content: start;
+      }
+      @media (min-width: 75rem) {
+        ul.rows {
+          grid-template-columns: 1fr 1fr;
+          column-gap: var(--t-space-6);
+        }
+        ul.rows > li:nth-child(2) {
+          border-block-start: 0;
+          padding-block-start: 0;
+        }
+      }
+    `,
+  ];
+
+  @property() site = "";
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly router = new StoreController(this, routerContext);
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly labels = new LoadController<readonly SeenLabel[]>(this);
+  private readonly recordings = new LoadController<readonly RecordingRow[]>(this);
+  private readonly list = new EndlessList<Sighting>(
+    this,
+    async (before) => {
+      const { sightings, more } = await this.hub().find(pageQuery(this.filter(), this.classes(), before, ROWS));
+      return { rows: sightings, more };
+    },
+    (row) => !this.filter().open || row.ended_us === null,
+  );
+  private readonly form = new FilterForm<SightingFilter>(
+    this,
+    (said) => this.read(said),
+    (filter) => {
+      this.router.store?.replace(withQuery(sitePath(this.site, "sightings"), writeFilter(filter)));
+    },
+    NO_FILTER,
+  );
+
+  constructor() {
+    super();
+    new LinkController(this, (connection) => [
+      connection.on("sighting", (news) => {
+        if (news.site !== this.site) return;
+        this.list.change((rows) => told(rows, news) ?? rows);
+        // Whether there is a picture, and whether it fits the filter, only the hub knows.
+        this.list.soon();
+      }),
+    ]);
+  }
+
+  override willUpdate(): void {
+    const sites = this.sites.store;
+    if (sites === undefined || this.site === "") return;
+    this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
+    this.labels.ask(this.site, () => this.hub().labels());
+    // Who may not see them has no links to them, and that is all.
+    this.recordings.ask(this.site, async () => (await new RecordingsApi(this.api).list(this.site)).recordings);
+    const filter = this.filter();
+    // What was typed means a class only once the classes are known.
+    if (filter.what !== "" && this.labels.value === undefined && this.labels.result.state !== "failed") return;
+    this.list.ask(`${this.site}\n${writeFilter(filter)}`);
+  }
+
+  override render(): TemplateResult {
+    return html`<div class="head">
+        <div>
+          <h1>Sightings</h1>
+          <p class="muted">What the cameras of ${this.sites.store?.row(this.site)?.name ?? this.site} have seen, newest first.</p>
+        </div>
+        <div class="actions">
+          <a href=${sitePath(this.site, "cameras")}>Cameras</a>
+          <a href=${sitePath(this.site, "logbook")}>Logbook</a>
+        </div>
+      </div>
+      ${this.search(this.filter())} ${this.content()}`;
+  }
+
+  private search(filter: SightingFilter): TemplateResult {
+    const clock = this.clock();
+    const shown = (us: number | null): string => (us === null ? "" : clock.toInput(us));
+    return html`<section class="sheet" aria-label="Filter">
+      <form class="filter" novalidate @submit=${this.form.chosen} @input=${this.form.typed}>
+        <t-field label="What was seen">
+          <input name="what" type="search" list="labels" maxlength="200" autocomplete="off" .value=${settled(filter.what)} />
+        </t-field>
+        <datalist id="labels">${map(this.classes(), (label) => html`<option value=${label}></option>`)}</datalist>
+        <t-field label="Camera">
+          <select name="camera">
+            <option value="">all</option>
+            ${map(this.cameras(), ([address, name]) => html`<option value=${address} .selected=${address === filter.camera}>${name}</option>`)}
+          </select>
+        </t-field>
+        <t-field class="time" label=${`From (${clock.zone})`}><input name="from" type="datetime-local" step="1" .value=${settled(shown(filter.fromUs))} /></t-field>
+        <t-field class="time" label=${`To (${clock.zone})`}><input name="to" type="datetime-local" step="1" .value=${settled(shown(filter.toUs))} /></t-field>
+        <label class="tick"><input name="open" type="checkbox" .checked=${filter.open} /> Only what is in sight now</label>
+        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clear}>Clear</t-button>
+      </form>
+    </section>`;
+  }
+
+  private content(): TemplateResult {
+    const { rows, more, loading } = this.list;
+    return html`${rows.length === 0 && !more ? this.nothing() : nothing}
+      ${rows.length === 0
+        ? nothing
+        : html`<section class="sheet" aria-label="Sightings" aria-busy=${loading}>
+            <ul class="rows">
+              ${repeat(
+                rows,
+                ({ id }) => id,
+                (row) => this.row(row),
+              )}
+            </ul>
+          </section>`}
+      ${listEnd(this.list, "the sightings")}`;
+  }
+
+  private nothing(): TemplateResult {
+    const all = writeFilter(this.filter()) === "";
+    const looking = this.detail.value?.devices.some(({ streams }) => streams.some(({ detect }) => detect != null)) === true;
+    if (!all) {
+      return html`<t-empty heading="Nothing fits" icon="camera">
+        <p>No camera has seen anything like this.</p>
+        <t-button @click=${this.form.clear}>Show everything</t-button>
+      </t-empty>`;
+    }
+    if (looking) return html`<t-empty heading="Nothing seen yet" icon="camera"><p>What comes into sight of a camera is listed here by itself.</p></t-empty>`;
+    return html`<t-empty heading="No camera looks for anything" icon="camera">
+      <p>Object detection is switched on for each camera in the site's description, under <code>detect:</code>.</p>
+    </t-empty>`;
+  }
+
+  private row(row: Sighting): TemplateResult {
+    const device = row.camera.split("/", 1)[0] ?? "";
+    return html`<li data-sighting=${row.id}>
+      <t-sighting
+        .sighting=${row}
+        .camera=${this.nameOf(row.camera)}
+        .picture=${row.picture ? sightingPicturePath(this.site, row.id) : ""}
+        .zone=${this.sites.store?.zoneOf(this.site) ?? "UTC"}
+      >
+        <div class="ways">
+          <a href=${`${sitePath(this.site, "history")}?${historyQuery(row, this.detail.value)}`} aria-label=${`Chart at the moment of ${row.label}`}>Chart</a>
+          ${recordingAt(this.recordings.value ?? [], row.began_us) === undefined
+            ? nothing
+            : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.began_us)}`}>Recording</a>`}
+          ${row.ended_us === null ? html`<a href=${`/sites/${encodeURIComponent(this.site)}/devices/${encodeURIComponent(device)}`}>Look now</a>` : nothing}
+        </div>
+      </t-sighting>
+    </li>`;
+  }
+
+  // ── what can be chosen ──
+
+  private cameras(): readonly (readonly [address: string, name: string])[] {
+    const names = new Map<string, string>();
+    for (const { camera } of this.labels.value ?? []) names.set(camera, camera);
+    for (const { streams } of this.detail.value?.devices ?? []) {
+      for (const { address, name, detect } of streams) if (detect != null || names.has(address)) names.set(address, name);
+    }
+    return [...names];
+  }
+
+  private classes(): readonly string[] {
+    const described = (this.detail.value?.devices ?? []).flatMap(({ streams }) => streams.flatMap(({ detect }) => detect?.classes ?? []));
+    return [...new Set([...(this.labels.value ?? []).map(({ label }) => label), ...described])].sort((a, b) => a.localeCompare(b));
+  }
+
+  private nameOf(camera: string): string {
+    return new Map(this.cameras()).get(camera) ?? camera;
+  }
+
+  private clock(): ZoneClock {
+    return clockOf(knownZone(this.sites.store?.zoneOf(this.site) ?? "UTC"));
+  }
+
+  private filter(): SightingFilter {
+    return readFilter(this.router.store?.search ?? "");
+  }
+
+  private hub(): SightingsApi {
+    return new SightingsApi(this.api, this.site);
+  }
+
+  private read(said: FormData): SightingFilter {
+    const time = (name: string): number | null => {
+      const us = this.clock().fromInput(typedText(said, name));
+      return Number.isNaN(us) ? null : us;
+    };
+    return { what: typedText(said, "what"), camera: typedText(said, "camera"), fromUs: time("from"), toUs: time("to"), open: said.has("open") };
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-sightings": PageSightings;
+  }
+}

@@ -1,0 +1,59 @@
+/** When alarms were raised and over, as marks on the live charts of what they are about. */
+
+/** What is needed of an event. */
+export interface AlarmEvent {
+  readonly time_us: number;
+  readonly kind: string;
+  /** Empty: about the whole site. */
+  readonly device: string;
+  readonly good: boolean;
+  /** The alarm's name, and why after a colon. */
+  readonly message: string;
+}
+
+export interface AlarmMark {
+  /** µs since the epoch, UTC */
+  readonly timeUs: number;
+  readonly good: boolean;
+  /** `Battery low raised` */
+  readonly said: string;
+}
+
+const SHOWN: ReadonlySet<string> = new Set(["alarm raised", "alarm cleared"]);
+/** The charts show minutes: older ones than the last so many are not looked for. */
+const MOST = 200;
+
+export class AlarmMarks {
+  private events: readonly AlarmEvent[] = [];
+  private readonly lists = new Map<string, readonly AlarmMark[]>();
+
+  /** Takes in events, in whatever order and also twice; those that are none of alarms are left out. */
+  add(events: readonly AlarmEvent[]): void {
+    const fresh = events.filter((event) => SHOWN.has(event.kind) && !this.events.some((one) => alike(one, event)));
+    if (fresh.length === 0) return;
+    this.events = [...this.events, ...fresh].sort((a, b) => a.time_us - b.time_us).slice(-MOST);
+    this.lists.clear();
+  }
+
+  clear(): void {
+    this.events = [];
+    this.lists.clear();
+  }
+
+  /** Those of a device and of the whole site; the same array until something happens. */
+  of(device: string): readonly AlarmMark[] {
+    const held = this.lists.get(device);
+    if (held !== undefined) return held;
+    const list = this.events
+      .filter((event) => event.device === device || event.device === "")
+      .map(({ time_us, good, kind, message }) => ({
+        timeUs: time_us, good, said: `${message.split(": ", 1)[0] ?? ""} ${kind === "alarm raised" ? "raised" : "over"}`.trim(),
+      }));
+    this.lists.set(device, list);
+    return list;
+  }
+}
+
+function alike(a: AlarmEvent, b: AlarmEvent): boolean {
+  return a.time_us === b.time_us && a.kind === b.kind && a.device === b.device;
+}
