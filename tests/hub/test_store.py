@@ -191,6 +191,27 @@ async def test_who_writes_holds_the_turn_until_the_end(database) -> None:
         assert (await connection.execute(text("SELECT MAX(id) FROM write_turn"))).scalar() == 11
 
 
+async def test_write_that_is_cut_off_anywhere_keeps_no_other_from_writing(database) -> None:
+    """As a request that takes too long is; somebody still holds what cut it off."""
+    cut = []
+
+    async def write(times: int) -> None:
+        async with database.write() as connection:
+            for _ in range(times):
+                await connection.execute(text("UPDATE write_turn SET id = id"))
+                await connection.execute(text("SELECT id FROM write_turn"))
+
+    for steps in range(50):
+        task = asyncio.create_task(write(5))
+        for _ in range(steps):
+            await asyncio.sleep(0)
+        task.cancel()
+        cut += await asyncio.gather(task, return_exceptions=True)
+        # A database that is locked answers StoreDown after ten seconds.
+        await write(1)
+    assert asyncio.CancelledError in {type(each) for each in cut}
+
+
 async def test_server_that_is_not_there_is_named_without_its_password() -> None:
     for engine in ("postgresql", "mariadb"):
         database = Database(f"{engine}://u:secret@127.0.0.1:9/talaia")

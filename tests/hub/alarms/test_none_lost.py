@@ -31,7 +31,6 @@ from talaia.clock import SECOND, HandClock
 from talaia.hub.alarms.machine import Acknowledge, NotNow, Shelve
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.auth.seal import Seal
-from talaia.hub.errors import StoreDown
 from talaia.hub.live.alarms import Alarms
 from talaia.hub.live.browsers import Browsers
 from talaia.hub.live.sites import Sites
@@ -242,11 +241,10 @@ class Hub(RuleBasedStateMachine):
         try:
             self.runner.run(work)
         except BaseExceptionGroup as group:
-            # A disk that stalls for seconds locks SQLite: nothing may be lost by that either.
-            if group.subgroup((Killed, StoreDown)) is None:
+            if group.subgroup(Killed) is None:
                 raise
             self.restart()
-        except (Killed, StoreDown):
+        except Killed:
             self.restart()
         self.store.kill = self.sender.kill = ""
         self.sender.answer = Outcome.SENT

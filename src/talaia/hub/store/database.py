@@ -14,7 +14,7 @@ from sqlalchemy.ext.asyncio import create_async_engine
 
 from talaia.hub.errors import StoreDown, StoreError
 from talaia.hub.store.reach import reach
-from talaia.hub.store.sqlite import open_sqlite
+from talaia.hub.store.sqlite import SqliteConnection, open_sqlite
 from talaia.hub.store.tables import write_turn
 
 if TYPE_CHECKING:
@@ -121,8 +121,9 @@ class Database:
 def _engine(found: Reach) -> AsyncEngine:
     server = found.url.get_backend_name() != "sqlite"
     more = {"pool_pre_ping": True, "pool_timeout": _POOL_S} if server else {}
+    arguments = found.arguments if server else {**found.arguments, "factory": SqliteConnection}
     try:
-        engine = create_async_engine(found.url, connect_args=found.arguments, **more)
+        engine = create_async_engine(found.url, connect_args=arguments, **more)
     except ImportError as error:
         raise found.missing(error) from error
     if not server:
