@@ -52,7 +52,7 @@ class Sink:
     def look(self, *_look: object) -> None:
         """See `PictureSink.look`."""
 
-    def filming(self, _stream: str) -> Filming:
+    def filming(self, _stream: str, _time_us: int) -> Filming:
         """See `PictureSink.filming`."""
         return self.wish
 

@@ -117,8 +117,8 @@ class PictureSink(Protocol):
         """Take one encoded picture for the hub."""
         ...
 
-    def filming(self, stream: str) -> Filming:
-        """Tell whether a stream is filmed here, whoever else looks at it."""
+    def filming(self, stream: str, time_us: int) -> Filming:
+        """Tell whether a picture that came then (wall) is filmed here, whoever else looks at it."""
         ...
 
     def film(self, picture: Picture) -> None:

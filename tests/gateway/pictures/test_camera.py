@@ -40,7 +40,7 @@ class Hall:
         self.filmed: list[Picture] = []
         self.wish = Filming.NO
 
-    def filming(self, _stream: str) -> Filming:
+    def filming(self, _stream: str, _time_us: int) -> Filming:
         wish = self.wish
         if wish is Filming.ANEW:
             self.wish = Filming.ON

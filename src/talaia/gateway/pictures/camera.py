@@ -190,7 +190,7 @@ class PictureStream:
         forms = _served(sink.asked(self.address))
         for form in self._rungs.keys() - forms.keys():
             del self._rungs[form]
-        filming = Filming.NO if self._reel is None else sink.filming(self.address)
+        filming = Filming.NO if self._reel is None else sink.filming(self.address, time_us)
         if not forms and filming is Filming.NO:
             return
         share = sink.room()

@@ -51,7 +51,7 @@ class _Reel:
         self.until_ns = 0
         self.why = self.who = self.note = ""
         self.wants_key = True
-        self.asked_ns = 0
+        self.asked_ns = self.asked_us = 0
         self.lost = 0
         # Of the writing thread alone.
         self.file: FilmFile | None = None
@@ -182,8 +182,14 @@ class Films:
 
     # ── for the encoding threads ──
 
-    def filming(self, stream: str) -> Filming:
-        """Tell whether a camera's pictures are wanted, and whether one to begin with is needed."""
+    def filming(self, stream: str, time_us: int) -> Filming:
+        """Tell whether a camera's next picture is wanted, and whether it must need none before it.
+
+        Args:
+            stream: the camera (``device/stream``).
+            time_us: when the picture came (wall, UTC).
+
+        """
         with self._wake:
             reel = self._reels.get(stream)
             held = stream in self._cameras and self._plan.before > 0
@@ -191,9 +197,11 @@ class Films:
                 return Filming.NO
             reel = reel or self._reel(stream)
             now_ns = self._clock.monotonic_ns()
-            # After a silence another film begins, and with the very first picture.
-            anew = reel.wants_key or now_ns - reel.asked_ns > reel.silent_us * 1000
-            reel.wants_key, reel.asked_ns = False, now_ns
+            # Another film begins after a silence and with a clock that was put back: with the
+            # very first picture, for without its beginning all until the next one were lost.
+            silent = now_ns - reel.asked_ns > reel.silent_us * 1000
+            anew = reel.wants_key or silent or time_us <= reel.asked_us
+            reel.wants_key, reel.asked_ns, reel.asked_us = False, now_ns, time_us
             return Filming.ANEW if anew else Filming.ON
 
     def put(self, picture: Picture) -> None:
@@ -290,17 +298,18 @@ class Films:
         silent = interval_us > reel.silent_us
         reel.silent_us = min(max(_SILENT_US, _INTERVALS * interval_us), _LONGEST_US)
         file = reel.file
-        most = self._plan.file_mb * _MB
-        if file is not None and (silent or not file.fits(picture) or file.size > most):
-            self._finish(reel)
-            file = None
-        if file is not None:
-            file.add(picture)
-        elif picture.key:
-            self._open(reel, picture)
-        else:
+        full = file is not None and file.size > self._plan.file_mb * _MB
+        cut = silent or (file is not None and not file.fits(picture)) or (full and picture.key)
+        if not picture.key and (full or cut or file is None):
+            # Before anything that takes a while: pictures come meanwhile.
             with self._wake:
                 reel.wants_key = True
+        if cut:
+            self._finish(reel)
+        if reel.file is not None:
+            reel.file.add(picture)
+        elif picture.key:
+            self._open(reel, picture)
         reel.wrote_ns = self._clock.monotonic_ns()
 
     def _open(self, reel: _Reel, first: Picture) -> None:

@@ -119,9 +119,9 @@ class Pictures:
         """See `PictureSink.look`."""
         self._looks.put(stream, stamp, decode)
 
-    def filming(self, stream: str) -> Filming:
+    def filming(self, stream: str, time_us: int) -> Filming:
         """See `PictureSink.filming`."""
-        return Filming.NO if self._films is None else self._films.filming(stream)
+        return Filming.NO if self._films is None else self._films.filming(stream, time_us)
 
     def film(self, picture: Picture) -> None:
         """See `PictureSink.film`."""
