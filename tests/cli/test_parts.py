@@ -9,6 +9,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from patience import PATIENCE_S
 
 from talaia.cli.errors import PartStopped
 from talaia.cli.parts import end_all, start
@@ -40,7 +41,7 @@ async def test_a_part_is_in_a_session_of_its_own_and_ends_when_asked(tmp_path: P
     part = await start("waiter", ["account", "ada", "--data", str(tmp_path)], tmp_path / "log")
     assert os.getsid(part.process.pid) == part.process.pid
     os.kill(part.process.pid, signal.SIGSTOP)  # it cannot answer: the kill must follow
-    end = time.monotonic() + 10
+    end = time.monotonic() + PATIENCE_S
     while psutil.Process(part.process.pid).status() != psutil.STATUS_STOPPED:
         assert time.monotonic() < end
     await part.end(within=0.2)

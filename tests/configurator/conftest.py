@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE_S
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
@@ -77,7 +78,9 @@ def settle(qt: Any) -> None:
         qt.processEvents()
 
 
-def wait(qt: Any, condition: Callable[[], object], within: float = 30, what: str = "") -> None:
+def wait(
+    qt: Any, condition: Callable[[], object], within: float = PATIENCE_S, what: str = ""
+) -> None:
     """Let Qt run until a condition holds."""
     from PySide6.QtCore import QEventLoop
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE_MS, PATIENCE_S
 
 pytest.importorskip("playwright.sync_api")
 
@@ -126,10 +127,10 @@ def test_from_an_empty_window_to_live_charts_in_a_browser(
         page.get_by_role("button", name="Make this admin").click()
         page.wait_for_url(re.compile("/home$"))
         page.goto(f"{run.address}/sites/robot/live")
-        expect(page.get_by_text("Temperature 1").first).to_be_visible(timeout=20_000)
+        expect(page.get_by_text("Temperature 1").first).to_be_visible(timeout=PATIENCE_MS)
         for address in ("sensors/temperature1", "sensors/voltage1", "sensors/radiation1"):
             # Asked again and again from here: the page forbids itself to evaluate texts.
-            deadline = time.monotonic() + 30
+            deadline = time.monotonic() + PATIENCE_S
             while page.evaluate("(each) => (window.__painted[each] ?? []).length", address) <= 5:
                 assert time.monotonic() < deadline, f"{address} is not drawn"
                 page.wait_for_timeout(50)

@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from patience import PATIENCE_S
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # test modules are imported by path; their shared parts by name
 
-from gateway_bench import DEADLINE_S, Peer  # noqa: E402
+from gateway_bench import Peer  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -74,5 +75,5 @@ async def peer_in(domain: int) -> AsyncIterator[Peer]:
     yield one
     assert process.stdin is not None
     process.stdin.close()
-    await asyncio.wait_for(process.wait(), DEADLINE_S)
+    await asyncio.wait_for(process.wait(), PATIENCE_S)
     await reading

@@ -12,6 +12,7 @@ from contextlib import asynccontextmanager
 from http import HTTPStatus
 from typing import TYPE_CHECKING, TypeVar
 
+from patience import PATIENCE_S
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
@@ -51,7 +52,6 @@ if TYPE_CHECKING:
 
 KEY = "test-key"
 M = TypeVar("M")
-DEADLINE_S = 30.0
 
 
 class FakeHub:
@@ -96,7 +96,7 @@ class FakeHub:
 
     async def until(self, holds: Callable[[], object], what: str) -> None:
         """Wait until something holds; it is asked after every frame that comes."""
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             while not holds():
                 self._changed.clear()
                 try:

@@ -10,6 +10,8 @@ from contextlib import asynccontextmanager
 from itertools import count
 from typing import TYPE_CHECKING
 
+from patience import PATIENCE_S
+
 from talaia.clock import SystemClock
 from talaia.gateway.app import Gateway
 from talaia.gateway.own_copy import OwnCopy
@@ -35,7 +37,6 @@ if TYPE_CHECKING:
 
     from talaia.wire.frames import Hello
 
-DEADLINE_S = 20.0
 SEQ = count()
 
 SITE = """
@@ -140,7 +141,7 @@ class Peer:
         return [row[key] for row in self.rows if key in row]
 
     async def until(self, holds: Callable[[], object]) -> None:
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             while not holds():
                 self._changed.clear()
                 await self._changed.wait()
@@ -150,7 +151,7 @@ class Peer:
 
         ``more`` is asked of the peer with it.
         """
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             while True:
                 count = len(self.heard("listeners"))
                 await self.do("listeners", **more)
@@ -185,7 +186,7 @@ async def running(
         yield gateway
     finally:
         ended.set()
-        await asyncio.wait_for(task, DEADLINE_S)
+        await asyncio.wait_for(task, PATIENCE_S)
 
 
 async def command(hub: FakeHub, name: str, command_id: str, **args: object) -> CommandState:

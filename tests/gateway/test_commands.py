@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, strategies as st
+from patience import PATIENCE_S
 
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.commanding import Commanding, Journal
@@ -168,14 +169,14 @@ class Bench:
         )
 
     async def says(self, words: str) -> CommandState:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(PATIENCE_S):
             while not self.said or words not in self.said[-1].message:
                 self.changed.clear()
                 await self.changed.wait()
         return self.said[-1]
 
     async def ended(self) -> CommandState:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(PATIENCE_S):
             while not self.said or self.said[-1].phase not in FINAL:
                 self.changed.clear()
                 await self.changed.wait()
@@ -296,7 +297,7 @@ async def run_sequence(bench: Bench, steps: tuple[Step, ...]) -> list[str]:
     sequences = Sequences(bench.commanding, Mouth(), "boot")
     sequences.begin("interlock rain", steps)
     sequences.begin("interlock rain", steps)
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(PATIENCE_S):
         await done.wait()
     await sequences.close()
     await bench.commanding.close()

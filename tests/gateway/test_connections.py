@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 from fake_hub import fake_hub
-from gateway_bench import DEADLINE_S, Peer, addresses_of, filled, running
+from gateway_bench import Peer, addresses_of, filled, running
+from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
 from talaia.gateway.adapters.many import Many, Post
@@ -116,7 +117,7 @@ class Told:
         self.changed.set()
 
     async def until(self, holds) -> None:
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             while not holds():
                 self.changed.clear()
                 await self.changed.wait()
@@ -171,7 +172,7 @@ async def test_what_an_adapter_cannot_help_ends_the_gateway() -> None:
     post = Post("x", asyncio.get_running_loop(), reach)
     many = Many({}, {"x": (Broken(), post)}, reach, Told(), list, list)
     with pytest.raises(ZeroDivisionError, match="a defect"):
-        await asyncio.wait_for(many.run(), DEADLINE_S)
+        await asyncio.wait_for(many.run(), PATIENCE_S)
 
 
 def test_each_share_has_its_own_devices_and_the_places_of_their_channels_in_the_whole() -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import given, strategies as st
+from patience import PATIENCE_S
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -83,13 +84,13 @@ async def house(tmp_path: Path) -> AsyncIterator[House]:
     task = asyncio.ensure_future(gateway.run(ended))
     try:
         assert gateway.door is not None
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(PATIENCE_S):
             while not gateway.door.port:  # noqa: ASYNC110 - it says so in the log only
                 await asyncio.sleep(0.01)
         yield House(gateway, tmp_path)
     finally:
         ended.set()
-        await asyncio.wait_for(task, 20)
+        await asyncio.wait_for(task, PATIENCE_S)
 
 
 async def answer(socket: Any, message: object) -> dict[str, Any]:
@@ -99,7 +100,7 @@ async def answer(socket: Any, message: object) -> dict[str, Any]:
 
 async def until(socket: Any, word: str) -> dict[str, Any]:
     """Ask for the status, as the founding client does, until all was read and the dome is so."""
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(PATIENCE_S):
         while True:
             said = await answer(socket, {"msg": "status"})
             fields = [each for device in said["status"].values() for each in device.values()]
@@ -157,7 +158,7 @@ async def test_plain_text_is_not_spoken(house: House) -> None:
     writer.write(ask.encode())
     said = b""
     with contextlib.suppress(ConnectionError):
-        said = await asyncio.wait_for(reader.read(), 20)
+        said = await asyncio.wait_for(reader.read(), PATIENCE_S)
     assert b"HTTP" not in said
     writer.close()
     with contextlib.suppress(ConnectionError):

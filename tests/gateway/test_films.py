@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_S
 
 pytest.importorskip("av")
 
@@ -91,7 +92,7 @@ class Bench:
         return times
 
     def wait(self) -> None:
-        assert self.finished.acquire(timeout=20)
+        assert self.finished.acquire(timeout=PATIENCE_S)
 
     def paths(self) -> list[Path]:
         return [self.shelf.whole(each.id) for each in self.shelf.waiting()]
@@ -303,7 +304,7 @@ def test_a_film_that_was_cut_anywhere_is_made_whole_up_to_there(tmp_path) -> Non
     bench.films.begin("ada", "a long one", 600.0, CAMERA)
     bench.send(100)
     # The file as it lies on the disk while it is written.
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + PATIENCE_S
     (part,) = (part for part in [*tmp_path.glob("*.mp4.part")])
     while bench.films._reels[CAMERA].file.pictures < 100:
         assert time.monotonic() < deadline
@@ -422,7 +423,7 @@ async def test_a_robot_s_camera_is_filmed_around_stop_and_alone_when_a_person_as
         assert (await hub.next(RecordState)).can_film
         films = gateway.taping.films
         # Nobody looks, and the last seconds are held all the same.
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while not (films._reels and len(films._reels["base/front"].ring) > 5):
                 await peer.do("image", encoding="rgb8")
                 await asyncio.sleep(0.05)
@@ -449,7 +450,7 @@ async def test_a_robot_s_camera_is_filmed_around_stop_and_alone_when_a_person_as
         # Alone, by a person: nothing else is recorded.
         await hub.send(RecordAsk(on=True, who="ben", stream="base/front"))
         await hub.next(RecordState, lambda state: state.films and not state.on)
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while films._reels["base/front"].file is None:
                 await peer.do("image", encoding="rgb8")
         await hub.send(RecordAsk(on=False, who="ben", stream="base/front"))

@@ -25,6 +25,7 @@ from fake_hub import fake_hub
 from gateway_bench import addresses_of, running
 from msgspec.structs import replace
 from observatory_site import as_ros1
+from patience import PATIENCE_S
 
 import talaia
 from talaia.model.classic import site_of
@@ -127,7 +128,7 @@ async def do(hub: FakeHub, device: str, what: str, **args: Scalar) -> CommandSta
     )  # fmt: skip
     await hub.send(ask)
     ended = (CommandPhase.ACCEPTED, CommandPhase.RUNNING)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + PATIENCE_S
     while True:
         try:
             return await hub.next(
@@ -239,7 +240,7 @@ async def test_a_picture_comes_into_the_archive_once_and_astropy_finds_nothing_w
         before = len(hub.values("camera/state"))
         await seen(hub, lambda: len(hub.hellos) == files, "the gateway")
         await seen(hub, lambda: len(hub.values("camera/state")) > before, "the camera")
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + PATIENCE_S
         while True:
             taken = await do(hub, "camera", "expose", seconds=0.1, **target)
             # The gateway has just begun and may not have found what takes exposures.
@@ -372,7 +373,7 @@ def away(hub: FakeHub) -> list[str]:
 
 
 async def seen(hub: FakeHub, holds: Callable[[], object], what: str) -> None:
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + PATIENCE_S
     while not holds():
         assert time.monotonic() < deadline, what
         with contextlib.suppress(TimeoutError):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 from fake_hub import KEY, fake_hub
 from gateway_bench import SITE, Peer, addresses_of
+from patience import PATIENCE_S
 
 from talaia.wire.frames import CommandAsk, CommandState, Drive, LeaseAsk, LeaseOp, LeaseState
 
@@ -56,7 +57,7 @@ async def started(tmp_path: Path, url: str, text: str) -> asyncio.subprocess.Pro
 
 
 async def finished(process: asyncio.subprocess.Process) -> tuple[int, str]:
-    _, said = await asyncio.wait_for(process.communicate(), 10)
+    _, said = await asyncio.wait_for(process.communicate(), PATIENCE_S)
     assert process.returncode is not None
     return process.returncode, said.decode()
 

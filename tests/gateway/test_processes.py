@@ -16,6 +16,7 @@ import pytest
 from fake_hub import fake_hub
 from gateway_bench import addresses_of, running
 from hypothesis import given, strategies as st
+from patience import PATIENCE_S
 
 from talaia.gateway.adapters.process import filled, number_in, run_words
 from talaia.model.check import check
@@ -89,7 +90,7 @@ async def test_a_command_that_hangs_is_ended_with_all_it_has_started(tmp_path: P
     assert (answer.code, answer.text) == (-1, "")
     assert "did not end within 1 s" in answer.problem
     child = int(started.read_text())
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(PATIENCE_S):
         while _alive(child):  # noqa: ASYNC110 - another process's child tells nobody
             await asyncio.sleep(0.01)
 
@@ -227,7 +228,7 @@ def test_a_malformed_command_file_is_told_with_its_place_and_no_gateway_starts(
             sys.executable, "-m", "talaia", "gateway", str(path), "--hub", "wss://127.0.0.1:1",
             "--key-file", str(tmp_path / "key"), "--data", str(tmp_path / "data"),
         ],
-        capture_output=True, text=True, timeout=60, check=False,
+        capture_output=True, text=True, timeout=PATIENCE_S, check=False,
     )  # fmt: skip
     assert done.returncode != 0
     assert said in done.stderr

@@ -16,6 +16,7 @@ from fake_hub import fake_hub
 from gateway_bench import SITE, addresses_of, running
 from hypothesis import given, settings, strategies as st
 from mcap.reader import make_reader
+from patience import PATIENCE_S
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -75,7 +76,7 @@ class Bench:
         self.recorder.offer(topic, NUMBER, number(value), self.clock.wall_ns())
 
     def wait(self) -> None:
-        assert self.finished.acquire(timeout=20)
+        assert self.finished.acquire(timeout=PATIENCE_S)
 
     def values(self) -> list[list[float]]:
         return [numbers_in(self.shelf.whole(each.id)) for each in self.shelf.waiting()]
@@ -290,7 +291,7 @@ async def test_the_robots_messages_around_stop_reach_the_hub_as_a_file_that_othe
         await peer.do("odom", speed=0.25)
         recorder = gateway.taping.recorder
         assert recorder is not None
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while "/images" not in {raw.topic for raw in list(recorder._ring._held)}:
                 await peer.do("image", encoding="rgb8")
                 await asyncio.sleep(0.05)

@@ -16,7 +16,6 @@ import ros1_bench
 import simplejpeg
 from fake_hub import FakeHub, fake_hub
 from gateway_bench import (
-    DEADLINE_S,
     Peer,
     addresses_of,
     command,
@@ -26,6 +25,7 @@ from gateway_bench import (
     take_lease,
 )
 from hypothesis import given, strategies as st
+from patience import PATIENCE_S
 
 from talaia.cli.importing.decoding import decoder_of
 from talaia.cli.importing.mcap_file import McapFile
@@ -183,7 +183,7 @@ async def test_raw_messages_are_recorded_with_the_definitions_that_came_with_the
         await peer.until_heard_by(1)
         ring = gateway.taping.recorder._ring
         await peer.do("count", **{"from": 0, "to": 20, "hz": 400})
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             while {raw.topic for raw in list(ring._held)} != {"/number", "/odd", "/images"}:
                 # Until the robot has found who listens.
                 await peer.do("odd", flags=[7, 9], word="héllo")
@@ -327,7 +327,7 @@ async def test_pictures_come_only_while_somebody_looks(robot: Robot) -> None:
     hub, peer = robot.hub, robot.peer
 
     async def show(stream: str, **what: object) -> None:
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             while not [each for each in hub.pictures if each.stream == stream]:
                 await peer.do(**what)
                 await asyncio.sleep(0.05)
@@ -452,7 +452,7 @@ async def test_the_node_says_zero_when_its_gateway_ends(
     async with ros1_bench.robot(port, ros1_home) as peer:
         bridge = Bridge(port, ros1_home)
         try:
-            async with asyncio.timeout(DEADLINE_S):
+            async with asyncio.timeout(PATIENCE_S):
                 while not peer.heard("cmd"):
                     bridge.move()
                     await asyncio.sleep(0.05)
@@ -464,7 +464,7 @@ async def test_the_node_says_zero_when_its_gateway_ends(
             took = peer.rows[-1]["at"] - last
             assert took < (0.5e9 if end == "dies" else 1.5e9)
             if end == "dies":
-                assert bridge.process.wait(DEADLINE_S) == 0
+                assert bridge.process.wait(PATIENCE_S) == 0
         finally:
             bridge.close()
 

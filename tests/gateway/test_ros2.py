@@ -10,6 +10,7 @@ import pytest
 import simplejpeg
 from fake_hub import FakeHub, fake_hub
 from gateway_bench import Peer, addresses_of, command, drive, filled, running, take_lease
+from patience import PATIENCE_S
 
 from talaia.wire.frames import (
     CommandAsk,
@@ -265,7 +266,7 @@ async def test_command_id_acts_once_even_across_a_restart(peer: Peer, tmp_path: 
 async def test_pictures_come_only_while_somebody_looks(hub: FakeHub, peer: Peer) -> None:
     async def show(encoding: str) -> None:
         before = len(hub.pictures)
-        async with asyncio.timeout(15):
+        async with asyncio.timeout(PATIENCE_S):
             while len(hub.pictures) == before:
                 await peer.do("image", encoding=encoding)
                 await asyncio.sleep(0.05)

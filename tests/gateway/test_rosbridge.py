@@ -27,6 +27,7 @@ import simplejpeg
 from fake_hub import fake_hub
 from gateway_bench import addresses_of, command, drive, filled, running, take_lease
 from hypothesis import given, strategies as st
+from patience import PATIENCE_S
 from rosbridge_bench import recording, replaying
 from websockets.asyncio.server import serve
 
@@ -152,7 +153,7 @@ async def test_the_story_of_a_robot_behind_a_real_server(
             counted = await command(hub, "count", "count", order=3)
             assert counted.phase is CommandPhase.SUCCEEDED
             await hub.send(Watch(streams=["base/front"]))
-            async with asyncio.timeout(15):
+            async with asyncio.timeout(PATIENCE_S):
                 while not hub.pictures:
                     await robot.do("image", encoding="rgb8")
                     await asyncio.sleep(0.1)

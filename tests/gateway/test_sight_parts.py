@@ -9,6 +9,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 import pytest
+from patience import PATIENCE_S
 
 from talaia.clock import SECOND
 from talaia.gateway.interlocks import Interlocks
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-DEADLINE_S = 20.0
 JPEG = b"\xff\xd8" + bytes(1000)
 
 
@@ -57,7 +57,7 @@ class Bench:
         self.telling.link_lost()
 
     async def next(self) -> Seen:
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             while (data := self.lanes.next()) is None:  # noqa: ASYNC110 - told by nobody
                 await asyncio.sleep(0.01)
         seen = LINK_FROM_GATEWAY.decode(data)
@@ -69,7 +69,7 @@ class Bench:
         return sorted(each.name for each in self.folder.glob("*.seen"))
 
     async def until_forgotten(self) -> None:
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             while self.kept():  # noqa: ASYNC110 - told by nobody
                 await asyncio.sleep(0.01)
 

@@ -6,6 +6,7 @@ import os
 import shutil
 
 import pytest
+from patience import PATIENCE_MS
 
 from talaia.web import static_dir
 
@@ -30,7 +31,7 @@ async def chromium():
     from playwright.async_api import async_playwright, expect
 
     # Beside other work a page takes its time to open.
-    expect.set_options(timeout=20_000)
+    expect.set_options(timeout=PATIENCE_MS)
     async with async_playwright() as play:
         running = await play.chromium.launch(
             executable_path=program, args=["--no-sandbox", "--disable-gpu"], env=clean

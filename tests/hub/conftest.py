@@ -14,6 +14,7 @@ import httpx
 import numpy as np
 import pytest
 import websockets
+from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
 from talaia.hub.app import build
@@ -44,7 +45,6 @@ from .databases import database, database_url  # noqa: F401 - fixtures of every 
 EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
 # Less what watches it: each test says for itself what is watched.
 DESCRIPTION = re.sub(r"\n +anomalies:(\n +- .*)+", "", EXAMPLE.partition("\nalarms:\n")[0])
-DEADLINE_S = 10.0
 
 
 class MemoryHistory:
@@ -142,7 +142,7 @@ class Peer:
 
     async def hear(self, kind, where=lambda message: True):
         """Wait for a message, of those heard already or still to come; it is taken out."""
-        async with asyncio.timeout(DEADLINE_S), self._news:
+        async with asyncio.timeout(PATIENCE_S), self._news:
             while True:
                 for message in self.heard:
                     if isinstance(message, kind) and where(message):
@@ -154,7 +154,7 @@ class Peer:
 
     async def closed(self) -> int:
         """Wait until the other side has closed; give the close code."""
-        async with asyncio.timeout(DEADLINE_S), self._news:
+        async with asyncio.timeout(PATIENCE_S), self._news:
             await self._news.wait_for(lambda: self.close_code is not None)
         return self.close_code
 
@@ -269,7 +269,7 @@ class RunningHub:
     async def client(self, name: str = "") -> httpx.AsyncClient:
         """Open an HTTP client, signed in as ``name`` unless it is empty."""
         client = httpx.AsyncClient(
-            base_url=self.origin, headers={"Origin": self.origin}, timeout=60
+            base_url=self.origin, headers={"Origin": self.origin}, timeout=PATIENCE_S
         )
         await self._stack.enter_async_context(client)
         if name:

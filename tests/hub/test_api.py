@@ -3,6 +3,7 @@
 import httpx
 import pytest
 import websockets
+from patience import PATIENCE_S
 
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import Ack
@@ -257,7 +258,7 @@ async def test_no_path_leaves_the_folder_of_the_pages(hub, path) -> None:
 )
 async def test_another_origin_changes_nothing(hub, headers) -> None:
     cookie = await hub.cookie("operator")
-    async with httpx.AsyncClient(base_url=hub.origin, timeout=60) as client:
+    async with httpx.AsyncClient(base_url=hub.origin, timeout=PATIENCE_S) as client:
         answer = await client.post(
             "/api/logout", content="{}", headers={**headers, "Cookie": cookie}
         )

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import simplejpeg
+from patience import PATIENCE_S
 from playwright.async_api import expect
 
 from talaia.model.detection import Detect
@@ -162,7 +163,7 @@ def keep(page, name: str):
 
 async def until(page, condition, what: str):
     """Look at what was drawn until it is so."""
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(PATIENCE_S):
         while not condition(await notes(page)):  # noqa: ASYNC110 - another process draws
             await asyncio.sleep(0.1)
     assert condition(await notes(page)), what

@@ -7,6 +7,7 @@ import hashlib
 from itertools import count
 
 import numpy as np
+from patience import PATIENCE_S
 
 from talaia.model.load import dump_site, load_site
 from talaia.wire.browser import EventNews, SiteNews
@@ -227,7 +228,7 @@ async def test_problem_of_the_gateways_own_file_is_shown(hub) -> None:
     await gateway.say(
         ChangeState(phase=ChangePhase.REFUSED, message="cannot be used", problems=[problem])
     )
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(PATIENCE_S):
         while not (shown := (await admin.get(AT)).json())["problem"]:  # noqa: ASYNC110
             await asyncio.sleep(0.02)
     assert shown["findings"][0]["problem"] == "there is no device"

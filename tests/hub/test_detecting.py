@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import simplejpeg
 from msgspec import structs
+from patience import PATIENCE_S
 
 from talaia.model.detection import Detect, DetectAt, ModelKind, ObjectModel
 from talaia.model.load import dump_site, load_site
@@ -116,7 +117,7 @@ async def test_the_hub_sees_frames_counts_and_keeps_what_comes_into_sight(
     client = await hub.client("operator")
     found = (await client.get("/api/sites/agv/sightings")).json()["sightings"]
     assert (found[0]["id"], found[0]["picture"]) == (str(news.id), True)
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(PATIENCE_S):
         while len(stored := kept_by_the_hub(history)) < 2:
             history.appended.clear()
             await history.appended.wait()

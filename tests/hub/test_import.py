@@ -14,6 +14,7 @@ from contextlib import asynccontextmanager
 import numpy as np
 import pytest
 import sqlalchemy as sa
+from patience import PATIENCE_S
 
 from talaia.cli.main import main
 from talaia.clock import SystemClock
@@ -330,7 +331,7 @@ async def running_hub(data, url):
         stdout=asyncio.subprocess.PIPE,
         env={**os.environ, "PYTHONPATH": "src", "TALAIA_DATABASE_URL": url},
     )  # fmt: skip
-    assert "is ready" in (await asyncio.wait_for(process.stdout.readline(), 60)).decode()
+    assert "is ready" in (await asyncio.wait_for(process.stdout.readline(), PATIENCE_S)).decode()
     return process
 
 
@@ -350,7 +351,7 @@ async def test_an_import_beside_a_running_hub_is_taken_over_by_it(
         assert "were there already" in capsys.readouterr().out
     finally:
         process.send_signal(signal.SIGTERM)
-        assert await asyncio.wait_for(process.wait(), 30) == 0
+        assert await asyncio.wait_for(process.wait(), PATIENCE_S) == 0
     await same_as_told(database_url)
     database = Database(database_url)
     assert [each.site for each in await SiteRegistry(database, SystemClock()).all()] == ["rover"]
@@ -380,7 +381,7 @@ async def test_an_import_that_was_broken_off_is_taken_up_by_the_hub(data, monkey
     while parcel.exists():
         await asyncio.sleep(0.05)
     hub.send_signal(signal.SIGTERM)
-    assert await asyncio.wait_for(hub.wait(), 30) == 0
+    assert await asyncio.wait_for(hub.wait(), PATIENCE_S) == 0
     await same_as_told(own_url(data), 1_000)
 
 
@@ -392,7 +393,7 @@ async def test_a_damaged_parcel_is_set_aside_and_the_hub_goes_on(data) -> None:
     while not (data / FOLDER / "a.bad").exists():
         await asyncio.sleep(0.05)
     hub.send_signal(signal.SIGTERM)
-    assert await asyncio.wait_for(hub.wait(), 30) == 0
+    assert await asyncio.wait_for(hub.wait(), PATIENCE_S) == 0
     assert {each.name for each in (data / FOLDER).iterdir()} == {"a.bad"}
 
 
@@ -402,7 +403,7 @@ async def test_two_hubs_never_share_a_data_folder(data) -> None:
         sys.executable, "-c", PROGRAM, "--data", str(data), "--port", "0", "--plain",
         stderr=asyncio.subprocess.PIPE, env={**os.environ, "PYTHONPATH": "src"},
     )  # fmt: skip
-    _, said = await asyncio.wait_for(other.communicate(), 60)
+    _, said = await asyncio.wait_for(other.communicate(), PATIENCE_S)
     assert other.returncode == 2
     assert "is used by another hub" in said.decode()
     hub.send_signal(signal.SIGTERM)

@@ -12,6 +12,7 @@ import sys
 import httpx
 import pytest
 from cryptography import x509
+from patience import PATIENCE_S
 
 from talaia.hub.certificate import fingerprint, own_certificate
 from talaia.hub.errors import CannotStart
@@ -35,7 +36,7 @@ async def started(*words: str) -> asyncio.subprocess.Process:
 
 async def refused(*words: str) -> str:
     process = await started(*words)
-    _, errors = await asyncio.wait_for(process.communicate(), 20)
+    _, errors = await asyncio.wait_for(process.communicate(), PATIENCE_S)
     assert process.returncode == 2
     return errors.decode()
 
@@ -44,7 +45,7 @@ async def refused(*words: str) -> str:
 async def test_hub_says_where_it_is_and_ends_cleanly(tmp_path, number) -> None:
     process = await started("--data", str(tmp_path / "data"), "--port", "0")
     assert process.stdout is not None
-    ready = (await asyncio.wait_for(process.stdout.readline(), 20)).decode()
+    ready = (await asyncio.wait_for(process.stdout.readline(), PATIENCE_S)).decode()
     print_ = (await process.stdout.readline()).decode()
     setup = (await process.stdout.readline()).decode()
     address = ready.split()[-1]

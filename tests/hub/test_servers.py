@@ -12,6 +12,7 @@ from contextlib import asynccontextmanager, suppress
 import httpx
 import pytest
 import websockets
+from patience import PATIENCE_S
 
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Ack
 
@@ -37,14 +38,14 @@ class Process:
             stderr=asyncio.subprocess.DEVNULL,
             env={**os.environ, "PYTHONPATH": "src", "TALAIA_DATABASE_URL": self._url},
         )
-        ready = await asyncio.wait_for(self._process.stdout.readline(), 60)
+        ready = await asyncio.wait_for(self._process.stdout.readline(), PATIENCE_S)
         self.port = int(ready.decode().rsplit(":", 1)[1])
         self.origin = f"http://127.0.0.1:{self.port}"
         return self
 
     async def setup_token(self) -> str:
         while True:
-            line = (await asyncio.wait_for(self._process.stdout.readline(), 20)).decode()
+            line = (await asyncio.wait_for(self._process.stdout.readline(), PATIENCE_S)).decode()
             found = re.search(r"/setup#(\S+)", line)
             if found:
                 return found[1]
@@ -53,7 +54,7 @@ class Process:
         # A signal to a process that has died just now would take its exit code from asyncio.
         if self._process.returncode is None and not self._killed:
             self._process.send_signal(signal.SIGTERM)
-        await asyncio.wait_for(self._process.communicate(), 20)
+        await asyncio.wait_for(self._process.communicate(), PATIENCE_S)
         assert self._process.returncode == (-signal.SIGKILL if self._killed else 0)
 
     def kill(self) -> None:
@@ -84,7 +85,9 @@ class Process:
             return str(enrolled.json()["key"])
 
     def client(self) -> httpx.AsyncClient:
-        return httpx.AsyncClient(base_url=self.origin, headers={"Origin": self.origin}, timeout=60)
+        return httpx.AsyncClient(
+            base_url=self.origin, headers={"Origin": self.origin}, timeout=PATIENCE_S
+        )
 
 
 @pytest.mark.timeout(180)

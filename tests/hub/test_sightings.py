@@ -11,6 +11,7 @@ import pytest
 import simplejpeg
 from hypothesis import given, strategies as st
 from msgspec import structs
+from patience import PATIENCE_S
 from sqlalchemy.exc import DataError
 
 from talaia.hub.errors import StoreDown
@@ -355,7 +356,7 @@ async def test_boxes_reach_the_pages_that_asked_and_the_newest_wins(hub, gateway
     await asks.say(page_wire.Shown(seq=2))
     # No box goes before a picture that waits.
     last = page_wire.ShotBoxes(seq=4, time_us=1, things=[])
-    async with asyncio.timeout(10), asks._news:
+    async with asyncio.timeout(PATIENCE_S), asks._news:
         await asks._news.wait_for(lambda: last in asks.heard and 4 in shots_of(asks))
     told = [(type(each), each.seq) for each in asks.heard]
     assert told == [(page_wire.Shot, 4), (page_wire.ShotBoxes, 4)]

@@ -8,6 +8,7 @@ import ssl
 
 import pytest
 import websockets
+from patience import PATIENCE_S
 from sqlalchemy import select
 
 from talaia.clock import HandClock
@@ -67,7 +68,7 @@ async def test_only_a_few_gateways_have_the_database_at_once_and_all_get_in(
         crowd.append(await hub.gateway(key=await registry.new_key(site)))
         text = KEPT_AT_A_HUT.format(site=site)
         await crowd[-1].say(Hello(site=site, boot="b", description=text, catalogue="c"))
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(PATIENCE_S):
         await full.wait()
     # All turns are taken, and people still sign in.
     await hub.client("operator")
@@ -194,7 +195,7 @@ async def test_whoever_comes_in_a_crowd_is_taken_in_though_some_say_nothing_or_n
         writer.write(b"this is no TLS\r\n\r\n")
     for _, writer in silent[10:20]:
         writer.transport.abort()
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(PATIENCE_S):
         assert set(await asyncio.gather(*(said(port, trust) for _ in range(40)))) == {b"hello"}
     for _, writer in silent:
         writer.transport.abort()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
+from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
 from talaia.hub.api.anomaly_shapes import AnomalyList
@@ -12,7 +13,7 @@ from talaia.hub.live.watching import Watching
 from talaia.wire.browser import AnomalyNews, EventNews, Subscribe, Subscribed, Values
 from talaia.wire.columns import unpack
 
-from .conftest import DEADLINE_S, DESCRIPTION
+from .conftest import DESCRIPTION
 
 NOW = 1_795_000_000_000_000
 SECOND = 1_000_000
@@ -34,7 +35,7 @@ async def watched(hub):
 
 
 async def until(is_so) -> None:
-    async with asyncio.timeout(DEADLINE_S):
+    async with asyncio.timeout(PATIENCE_S):
         while not is_so():  # noqa: ASYNC110 - the hub tells no test
             await asyncio.sleep(0.02)
 

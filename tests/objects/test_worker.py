@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
+from patience import PATIENCE_S
 
 from talaia.model.detection import ModelKind, ObjectModel
 from talaia.objects import worker as module
@@ -104,7 +105,7 @@ async def test_killed_process_is_begun_anew_and_both_are_said_once(
         first = bench.process()
         first.send_signal(signal.SIGSEGV)
         problems = []
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while not (bench.said and not bench.said[-1][1]):
                 try:
                     await bench.worker.seen("red", RED, 0.5)
@@ -136,7 +137,7 @@ asyncio.run(main())
 """
     done = subprocess.run(
         [sys.executable, "-c", program, str(tmp_path)],
-        capture_output=True, text=True, check=False, timeout=60,
+        capture_output=True, text=True, check=False, timeout=PATIENCE_S,
     )  # fmt: skip
     assert done.returncode == -signal.SIGKILL, done.stderr
     with contextlib.suppress(psutil.NoSuchProcess):

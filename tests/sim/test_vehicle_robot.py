@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from patience import PATIENCE_S
 from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
 from talaia.model.load import read_site
@@ -257,7 +258,7 @@ def test_wandering_from_the_start_moves_it_and_is_written_down(ros: None, tmp_pa
 def first_line(log: Path) -> Any:
     """Follow a file until its first line is complete."""
     with log.open() as lines, selectors.DefaultSelector() as pause:
-        deadline = time.monotonic() + 20.0
+        deadline = time.monotonic() + PATIENCE_S
         text = ""
         while not text.endswith("\n"):
             assert time.monotonic() < deadline, "nothing was written down"

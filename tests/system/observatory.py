@@ -11,6 +11,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from patience import PATIENCE_S
+
 from talaia.model.load import dump_site, load_site
 from talaia.sim import domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
@@ -76,7 +78,7 @@ class Observatory:
         """The prefix of a client's words, in place of ``ros2 run``."""
         return [sys.executable, "-m", "talaia", "sim", "run", *self._ros1]
 
-    def client(self, *words: str, within: float = 60) -> str:
+    def client(self, *words: str, within: float = PATIENCE_S) -> str:
         """What a client of a person on site says."""
         done = subprocess.run(
             [*self.words, *words],

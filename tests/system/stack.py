@@ -16,6 +16,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
+from patience import PATIENCE_S
+
 import talaia
 from talaia.cli.parts import _follow_parent
 from talaia.hub import accounts
@@ -119,7 +121,7 @@ class Process:
             file.seek(self._begin)
             return file.read().decode(errors="replace")
 
-    async def says(self, word: str, within: float = 30, times: int = 1) -> None:
+    async def says(self, word: str, within: float = PATIENCE_S, times: int = 1) -> None:
         def found() -> bool:
             assert self.popen.poll() is None, f"it ended:\n{self.said()}"
             return self.said().count(word) >= times

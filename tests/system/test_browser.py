@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
+from patience import PATIENCE_MS, PATIENCE_S
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from . import pages
@@ -162,7 +163,7 @@ def test_a_page_that_loses_its_network_stops_the_vehicle(
     # The page itself freezes: no frame, no goodbye; only the gateway's watchdog is left.
     session.send("Debugger.enable")
     session.send("Debugger.pause")
-    end = time.monotonic() + 10
+    end = time.monotonic() + PATIENCE_S
     while actuations(demo)[-1]["v"] != 0:
         assert time.monotonic() < end
     assert len(actuations(demo)) > known
@@ -193,7 +194,7 @@ def test_escape_stops_latches_and_is_released_in_two_steps(
     take_control(page, demo)
     hold_until_it_drives(page, demo)
     page.keyboard.press("Escape")
-    expect(page.get_by_text("Confirmed by the robot").first).to_be_visible(timeout=10_000)
+    expect(page.get_by_text("Confirmed by the robot").first).to_be_visible(timeout=PATIENCE_MS)
     until(lambda: actuations(demo)[-1]["v"] == 0, page)
     page.keyboard.up("w")
     known = len([each for each in actuations(demo) if each["v"] != 0])
@@ -205,7 +206,7 @@ def test_escape_stops_latches_and_is_released_in_two_steps(
         page.get_by_role("button", name="Take control").click()
     page.get_by_role("button", name="Release STOP…").click()
     page.get_by_role("button", name="Release now").click()
-    expect(page.get_by_text("Not latched").first).to_be_visible(timeout=10_000)
+    expect(page.get_by_text("Not latched").first).to_be_visible(timeout=PATIENCE_MS)
     assert len([each for each in actuations(demo) if each["v"] != 0]) == known
 
 
@@ -230,7 +231,7 @@ def test_history_draws_what_was_driven(context: BrowserContext, demo: Demo) -> N
     assert max(series["v"]) > 0.05
     assert len(series["v"]) <= 1600
     page.goto(f"{demo.address}/sites/agv/history")
-    expect(page.get_by_text("newest shown").first).to_be_visible(timeout=15_000)
+    expect(page.get_by_text("newest shown").first).to_be_visible(timeout=PATIENCE_MS)
     expect(page.locator("canvas").first).to_be_visible()
 
 
@@ -238,7 +239,7 @@ def test_a_command_is_done_once_and_says_so(context: BrowserContext, demo: Demo)
     page = sign_in(context, demo, "operator")
     page.goto(f"{demo.address}/sites/agv/drive")
     page.get_by_role("button", name="Send").first.click()
-    expect(page.get_by_text("succeeded").first).to_be_visible(timeout=10_000)
+    expect(page.get_by_text("succeeded").first).to_be_visible(timeout=PATIENCE_MS)
     until(lambda: actuations(demo)[-1]["source"] == "wander", page)
     take_control(page, demo)
     hold_until_it_drives(page, demo)  # a hand on the keys wins over wandering
@@ -252,10 +253,10 @@ def test_the_history_page_tells_what_happened_and_its_link_opens_the_same_view(
     page = sign_in(context, demo, "operator")
     page.goto(f"{demo.address}/sites/agv/drive")
     page.get_by_role("button", name="Send").first.click()
-    expect(page.get_by_text("succeeded").first).to_be_visible(timeout=10_000)
+    expect(page.get_by_text("succeeded").first).to_be_visible(timeout=PATIENCE_MS)
     page.goto(f"{demo.address}/sites/agv/history?c=base/speed&c=power/voltage&last=300&versus=1")
     marks = page.get_by_role("toolbar", name="Events in the window").get_by_role("button")
-    expect(marks.first).to_be_visible(timeout=15_000)
+    expect(marks.first).to_be_visible(timeout=PATIENCE_MS)
     marks.last.focus()
     expect(page.get_by_role("tooltip")).to_contain_text("by operator")
     page.keyboard.press("Escape")

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_MS
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from .conftest import missing
@@ -136,7 +137,7 @@ def page(plugged: Plugged, chrome: Browser) -> Page:
     finish(plugged.ready())
     shown = visit(chrome, plugged, "driver", width=1280)
     shown.goto(f"{plugged.address}/sites/{SITE}/drive")
-    expect(shown.get_by_role("button", name="Take control")).to_be_enabled(timeout=20_000)
+    expect(shown.get_by_role("button", name="Take control")).to_be_enabled(timeout=PATIENCE_MS)
     level(plugged, shown)
     return shown
 
@@ -307,17 +308,17 @@ def test_an_action_is_run_from_the_page_told_of_and_called_off(
     expect(survey.get_by_text("sent", exact=True)).to_have_count(0)
     time_s.fill("20")
     survey.get_by_role("button", name="Send").click()
-    expect(survey.get_by_text("running")).to_be_visible(timeout=10_000)
+    expect(survey.get_by_text("running")).to_be_visible(timeout=PATIENCE_MS)
     bar = survey.get_by_role("progressbar")
     expect(bar).to_be_visible()
     before = float(bar.get_attribute("value") or bar.evaluate("each => each.value"))
     until(lambda: float(bar.evaluate("each => each.value")) > before, page)
     picture(page, "by-hand-action")
     survey.get_by_role("button", name="Cancel it").click()
-    expect(survey.get_by_text("cancelled")).to_be_visible(timeout=10_000)
+    expect(survey.get_by_text("cancelled")).to_be_visible(timeout=PATIENCE_MS)
     time_s.fill("1")
     survey.get_by_role("button", name="Send").click()
-    expect(survey.get_by_text("succeeded")).to_be_visible(timeout=15_000)
+    expect(survey.get_by_text("succeeded")).to_be_visible(timeout=PATIENCE_MS)
 
 
 def test_what_an_interlock_locks_is_greyed_out_with_the_reason_and_who_can_help(
@@ -383,7 +384,7 @@ def test_the_hub_is_killed_while_driving_and_the_page_says_so_and_recovers(
     picture(page, "by-hand-hub-killed")
     plugged.start_hub()
     back = time.monotonic_ns()
-    expect(page.get_by_role("button", name="Take control")).to_be_enabled(timeout=30_000)
+    expect(page.get_by_role("button", name="Take control")).to_be_enabled(timeout=PATIENCE_MS)
     expect(page.get_by_text("No connection to the hub")).to_have_count(0)
     # The key was held all the while: nothing moves before it is let go, and control taken anew.
     page.wait_for_timeout(500)
@@ -403,7 +404,7 @@ def test_the_network_stops_while_values_are_logged_and_none_of_them_is_lost(
 ) -> None:
     page.goto(f"{plugged.address}/sites/{SITE}/live")
     count = page.get_by_role("heading", name="Count")
-    expect(count).to_be_visible(timeout=10_000)
+    expect(count).to_be_visible(timeout=PATIENCE_MS)
     pulled_us = time.time_ns() // 1000
     plugged.cable.change(DARK)
     try:
@@ -416,7 +417,7 @@ def test_the_network_stops_while_values_are_logged_and_none_of_them_is_lost(
     finally:
         plugged.cable.cut()
         plugged.cable.change(Weather())
-    expect(banner).to_have_count(0, timeout=30_000)
+    expect(banner).to_have_count(0, timeout=PATIENCE_MS)
     back_us = time.time_ns() // 1000
     window = f"channel=base/count&width=4000&from_us={pulled_us}&to_us={back_us}"
 
@@ -438,10 +439,10 @@ def test_a_second_gateway_with_the_same_key_is_told_of_on_every_page(
     rival = Process(words, tmp_path / "rival.log", plugged._ros)
     try:
         alarm = page.get_by_role("status").filter(has_text="A second gateway uses the key of")
-        expect(alarm).to_be_visible(timeout=30_000)
+        expect(alarm).to_be_visible(timeout=PATIENCE_MS)
         expect(alarm).to_contain_text("Switch the other one off")
         page.goto(f"{plugged.address}/home")
-        expect(alarm).to_be_visible(timeout=30_000)
+        expect(alarm).to_be_visible(timeout=PATIENCE_MS)
         picture(page, "by-hand-second-gateway")
     finally:
         rival.end()

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from patience import PATIENCE_MS
 from PIL import Image
 from playwright.sync_api import Browser, Page as BrowserPage, expect
 from tests.gateway.pictures.scenes import packed, psnr, scene
@@ -94,7 +95,7 @@ def camera(page: BrowserPage, name: str):
 
 
 def drawn(page: BrowserPage, name: str) -> np.ndarray:
-    expect(camera(page, name).get_by_text("Live", exact=True)).to_be_visible(timeout=20_000)
+    expect(camera(page, name).get_by_text("Live", exact=True)).to_be_visible(timeout=PATIENCE_MS)
     url = camera(page, name).locator("canvas").evaluate("canvas => canvas.toDataURL('image/png')")
     with Image.open(io.BytesIO(base64.b64decode(url.split(",")[1]))) as image:
         return np.array(image.convert("RGB"))
@@ -115,7 +116,7 @@ def test_what_is_drawn_is_what_the_robot_sent_and_bad_pictures_say_what_is_wrong
     grey = packed(sent, "mono8").data.reshape(240, 320, 1)
     assert psnr(drawn(page, "mono16"), grey) > 28
     for name, words in BAD.items():
-        expect(camera(page, name).get_by_text("cannot be shown")).to_be_visible(timeout=20_000)
+        expect(camera(page, name).get_by_text("cannot be shown")).to_be_visible(timeout=PATIENCE_MS)
         expect(camera(page, name).get_by_text(words)).to_be_visible()
     assert set(page.evaluate("window.__formats")) == {format_}
     picture(page, f"cameras-{format_}")

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_MS, PATIENCE_S
 from playwright.sync_api import Browser, Page as BrowserPage, expect
 
 from .conftest import missing
@@ -70,7 +71,7 @@ class Ros1:
 
     def start(self) -> None:
         self._run(ROSMASTER, "--core", "-p", str(self.port))
-        until = time.monotonic() + 20
+        until = time.monotonic() + PATIENCE_S
         while True:
             with contextlib.suppress(OSError), xmlrpc.client.ServerProxy(self.uri) as proxy:
                 proxy.getPid("/test")
@@ -125,7 +126,7 @@ def test_a_lost_robot_is_unknown_within_two_seconds_and_the_other_goes_on(
 ) -> None:
     shown.goto(f"{stack.address}/sites/{SITE}/devices/tank")
     level = shown.locator("t-chart-tile", has_text="Level")
-    expect(level).to_contain_text("1.25", timeout=30_000)
+    expect(level).to_contain_text("1.25", timeout=PATIENCE_MS)
     lost = time.monotonic()
     ros1.kill()
     expect(level.locator("t-status")).to_have_text("not reached", timeout=5_000)
@@ -152,5 +153,5 @@ def test_a_lost_robot_is_unknown_within_two_seconds_and_the_other_goes_on(
     picture(shown, "not-reached-devices")
     ros1.start()
     shown.goto(f"{stack.address}/sites/{SITE}/devices/tank")
-    expect(level.locator("t-status")).to_have_text("live", timeout=30_000)
+    expect(level.locator("t-status")).to_have_text("live", timeout=PATIENCE_MS)
     expect(level).to_contain_text("1.25")

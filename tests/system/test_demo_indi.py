@@ -10,6 +10,7 @@ from pathlib import Path
 import httpx
 import psutil
 import pytest
+from patience import PATIENCE_S
 from websockets.asyncio.client import connect
 
 from talaia.cli.demo_indi import DRIVERS
@@ -23,7 +24,7 @@ pytestmark = [pytest.mark.robot, pytest.mark.timeout(150)]
 
 async def turn(demo: Demo, degrees: float) -> browser.CommandNews:
     """Let the operator turn the dome, as the page does, and wait for the end."""
-    async with httpx.AsyncClient(base_url=demo.address, timeout=30) as client:
+    async with httpx.AsyncClient(base_url=demo.address, timeout=PATIENCE_S) as client:
         page = await client.get("/")
         assert "<title>" in page.text
         words = {"name": "operator", "password": demo.passwords["operator"]}
@@ -54,7 +55,7 @@ def azimuth(demo: Demo) -> float:
     assert found is not None
     asked = "Dome Simulator.ABS_DOME_POSITION.DOME_ABSOLUTE_POSITION"
     words = ["indi_getprop", "-1", "-p", found[1], asked]
-    return float(subprocess.run(words, capture_output=True, timeout=20, check=True).stdout)
+    return float(subprocess.run(words, capture_output=True, timeout=PATIENCE_S, check=True).stdout)
 
 
 async def test_the_demo_starts_turns_a_dome_and_ends_with_everything_it_started(
@@ -73,7 +74,7 @@ async def test_the_demo_starts_turns_a_dome_and_ends_with_everything_it_started(
     finally:
         code = stop_demo(demo)
     assert code == 0
-    _, alive = psutil.wait_procs(family, timeout=10)
+    _, alive = psutil.wait_procs(family, timeout=PATIENCE_S)
     assert alive == []
     assert not demo.data.exists()
     port = int(demo.address.rsplit(":", 1)[1])

@@ -13,6 +13,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 import pytest
+from patience import PATIENCE_MS, PATIENCE_S
 from PIL import Image
 from playwright.sync_api import Browser, Locator, Page as BrowserPage, expect
 from tests.gateway.pictures.scenes import number_in, numbered, psnr
@@ -65,7 +66,7 @@ class Yard(Stack):
         words = [str(Path(__file__).parent / "film_robot.py"), str(self.sent)]
         self.eyes = Process(words, folder / "eyes.log", self._ros)
         self.client = httpx.Client(
-            base_url=self.address, headers={"Origin": self.address}, timeout=20
+            base_url=self.address, headers={"Origin": self.address}, timeout=PATIENCE_S
         )
 
     def number_at(self, time_us: int) -> int:
@@ -135,7 +136,7 @@ SHOT = """async view => {
 def shot(page: BrowserPage, stream: str) -> tuple[int, np.ndarray]:
     """Give the picture that stands there, and the time that is said of it (µs)."""
     one = view(page, stream)
-    expect(one.locator("video")).to_be_visible(timeout=20_000)
+    expect(one.locator("video")).to_be_visible(timeout=PATIENCE_MS)
     shown_us, url = one.evaluate(SHOT)
     with Image.open(io.BytesIO(base64.b64decode(url.split(",")[1]))) as image:
         return shown_us, np.array(image.convert("RGB"))
@@ -152,7 +153,7 @@ def decoded(client: httpx.Client, film: dict, folder: Path) -> dict[int, np.ndar
         }
 
 
-def wait_for(condition: Callable[[], object], within: float = 40) -> None:
+def wait_for(condition: Callable[[], object], within: float = PATIENCE_S) -> None:
     """Wait beside a page, whose own loop leaves no room for `until`."""
     deadline = time.monotonic() + within
     while not condition():
@@ -166,15 +167,17 @@ def filmed(yard: Yard, browser: Browser) -> dict[str, dict]:
     page = opened(browser, yard, "cameras")
     for stream in ("eyes/ros", "gate/road"):
         tile = page.locator(f"t-camera[data-stream='{stream}']")
-        tile.get_by_role("button", name="Film this camera").click(timeout=20_000)
-        expect(tile.get_by_role("button", name="End the film")).to_be_visible(timeout=20_000)
+        tile.get_by_role("button", name="Film this camera").click(timeout=PATIENCE_MS)
+        expect(tile.get_by_role("button", name="End the film")).to_be_visible(timeout=PATIENCE_MS)
     picture(page, "filming")
     # Long enough for two pictures to begin with.
     page.wait_for_timeout(6000)
     for stream in ("eyes/ros", "gate/road"):
         tile = page.locator(f"t-camera[data-stream='{stream}']")
         tile.get_by_role("button", name="End the film").click()
-        expect(tile.get_by_role("button", name="Film this camera")).to_be_visible(timeout=20_000)
+        expect(tile.get_by_role("button", name="Film this camera")).to_be_visible(
+            timeout=PATIENCE_MS
+        )
     page.context.close()
     wait_for(lambda: len({each["stream"] for each in yard.films()}) == 2)
     return {stream: yard.films(stream)[0] for stream in ("eyes/ros", "gate/road")}
@@ -294,14 +297,14 @@ def test_a_moment_without_film_says_so_and_leads_to_the_next_one(
     film = filmed["eyes/ros"]
     page = opened(chrome, yard, window(film, film["begin_us"] - 2_000_000))
     one = view(page, "eyes/ros")
-    expect(one.get_by_text("No film of this moment")).to_be_visible(timeout=20_000)
+    expect(one.get_by_text("No film of this moment")).to_be_visible(timeout=PATIENCE_MS)
     one.get_by_role("button", name=re.compile("^Next")).click()
     assert shot(page, "eyes/ros")[0] == film["begin_us"]
     # To its end: it plays that far, and stands.
     page.locator("t-film-panel").get_by_label("Speed").select_option("16")
     page.keyboard.press(" ")
     expect(page.locator("t-film-panel").get_by_role("button", name="Play")).to_be_visible(
-        timeout=20_000
+        timeout=PATIENCE_MS
     )
     picture(page, "film-ended")
 
@@ -319,7 +322,7 @@ def test_a_recording_s_mark_and_the_list_lead_to_the_film(
     page.get_by_role("link", name="Chart").first.click()
     page.wait_for_url("**/history?*at=*")
     at = int(re.search(r"at=(\d+)", page.url)[1])
-    expect(page.locator("t-film-panel")).to_be_visible(timeout=20_000)
+    expect(page.locator("t-film-panel")).to_be_visible(timeout=PATIENCE_MS)
     assert page.locator("t-film-panel").evaluate("panel => panel.us") == at
     # A mark in the lane takes cursor and film to its moment.
     mark = page.locator("t-marks-lane").get_by_role("button", name=re.compile("recording"))

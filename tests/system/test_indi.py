@@ -15,6 +15,7 @@ import httpx
 import pytest
 from astropy.io import fits
 from astropy.wcs import WCS, FITSFixedWarning
+from patience import PATIENCE_S
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway" / "indi"))
 from indi_server import server_of
@@ -60,7 +61,7 @@ async def observatory(port: int, data: Path) -> AsyncIterator[tuple[httpx.AsyncC
     ready, ended = asyncio.Event(), asyncio.Event()
     server = hub_server_of(hub, ready.set)
     serving = asyncio.ensure_future(server.serve(sockets=[listener]))
-    await asyncio.wait_for(ready.wait(), 30)
+    await asyncio.wait_for(ready.wait(), PATIENCE_S)
     gateway = asyncio.ensure_future(
         serve(
             raise_first(load_site(DESCRIPTION % port)),
@@ -74,7 +75,7 @@ async def observatory(port: int, data: Path) -> AsyncIterator[tuple[httpx.AsyncC
     )
     try:
         async with httpx.AsyncClient(
-            base_url=f"http://{place}", headers={"Origin": f"http://{place}"}, timeout=30
+            base_url=f"http://{place}", headers={"Origin": f"http://{place}"}, timeout=PATIENCE_S
         ) as client:
             words = {"name": "operator", "password": PASSWORD}
             answer = await client.post("/api/login", json=words)
@@ -82,13 +83,13 @@ async def observatory(port: int, data: Path) -> AsyncIterator[tuple[httpx.AsyncC
             yield client, place
     finally:
         ended.set()
-        await asyncio.wait_for(gateway, 20)
+        await asyncio.wait_for(gateway, PATIENCE_S)
         server.should_exit = True
         await serving
 
 
 async def until_there(client: httpx.AsyncClient, path: str, holds) -> dict:
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(PATIENCE_S):
         while True:
             answer = await client.get(path)
             if answer.status_code == 200 and holds(answer.json()):
@@ -104,7 +105,7 @@ async def does(page: ClientConnection, device: str, command: str, **args: object
             browser.Command(site="sky", device=device, command=command, id=command_id, args=args)
         )
     )
-    async with asyncio.timeout(40):
+    async with asyncio.timeout(PATIENCE_S):
         while True:
             news = TO_BROWSER.decode(await page.recv())
             if (

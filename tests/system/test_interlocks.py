@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 
 import pytest
+from patience import PATIENCE_MS
 from playwright.sync_api import Browser, expect
 
 from talaia.wire import browser
@@ -146,7 +147,7 @@ def test_every_page_shows_the_lock_and_an_admin_overrides_it_with_a_reason(
     boss = visit(chrome, slope, "boss", width=1280)
     bar = boss.locator("t-interlock").filter(has_text="Too steep")
     # Nothing was heard of the slope yet: unknown is unsafe.
-    expect(bar).to_contain_text("Tilt: no value yet", timeout=30_000)
+    expect(bar).to_contain_text("Tilt: no value yet", timeout=PATIENCE_MS)
     while not bar.filter(has_text="above").count():
         # Until the gateway's subscription and the robot have found each other.
         tilt(slope, 30)

@@ -19,6 +19,7 @@ from pathlib import Path
 import httpx
 import pytest
 from aiosmtpd.controller import Controller
+from patience import PATIENCE_MS, PATIENCE_S
 from playwright.async_api import Browser, Page as BrowserPage, async_playwright, expect
 
 from talaia.objects.worker import OWN_FILE
@@ -40,7 +41,6 @@ DESCRIPTION = EXAMPLE.replace("\nsite: agv\n", f"\nsite: {SITE}\n").replace(
     " confidence: 0.4}\n",
 )
 # Drawing pictures, looking at them and showing them, on whatever machine this is.
-PATIENCE_S = 90
 
 
 class Mailbox:
@@ -150,7 +150,7 @@ async def picture_of(page: BrowserPage, name: str) -> None:
 async def boxed(page: BrowserPage, label: str) -> float:
     """Wait for a box of this label and give where its middle is, as a part of the picture."""
     box = page.locator(f"t-camera .box[data-label='{label}']").first
-    await expect(box).to_be_visible(timeout=PATIENCE_S * 1000)
+    await expect(box).to_be_visible(timeout=PATIENCE_MS)
     await expect(box).to_have_text(re.compile(rf"^\s*{label} \d+\s%\s*$"))
     # Both at one moment: a box goes with its picture, and the next brings another.
     script = """(boxes, label) => {
@@ -201,7 +201,7 @@ async def test_a_person_and_a_dog_are_framed_logged_and_told_of(
         await page.goto(f"{seeing.address}/sites/{SITE}/logbook")
         for label in ("person", "dog"):
             row = page.get_by_text(f"{label} seen at Front camera").first
-            await expect(row).to_be_visible(timeout=PATIENCE_S * 1000)
+            await expect(row).to_be_visible(timeout=PATIENCE_MS)
         await expect(page.get_by_text("Somebody is in the vehicle's way").first).to_be_visible()
         await expect(page.get_by_text("Persons in the drive path is above 0").first).to_be_visible()
         await picture_of(page, "objects-logbook")
@@ -211,7 +211,7 @@ async def test_a_person_and_a_dog_are_framed_logged_and_told_of(
         for words in (r"1 person|\d+ people|\d+ persons", "1 dog"):
             shown = page.locator("t-sighting").filter(has_text=re.compile(words)).first
             picture = shown.locator("img")
-            await expect(picture).to_be_visible(timeout=PATIENCE_S * 1000)
+            await expect(picture).to_be_visible(timeout=PATIENCE_MS)
             assert await picture.evaluate("img => img.decode().then(() => img.naturalWidth)") > 16
         await picture_of(page, "objects-sightings")
         await chrome.close()

@@ -17,6 +17,7 @@ from typing import ClassVar
 
 import msgspec
 import pytest
+from patience import PATIENCE_MS, PATIENCE_S
 from playwright.sync_api import Browser, Locator, Page, expect
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
@@ -140,7 +141,7 @@ class IndiDome(Dome):
         asked = "Dome Simulator.DOME_SHUTTER.SHUTTER_OPEN"
         is_open = subprocess.run(
             ["indi_getprop", "-1", "-p", str(self.indi), asked],
-            capture_output=True, text=True, timeout=20, check=True,
+            capture_output=True, text=True, timeout=PATIENCE_S, check=True,
         )  # fmt: skip
         return "open" if is_open.stdout.strip() == "On" else "closed"
 
@@ -173,7 +174,7 @@ def press(page: Page, deed: str, *, asks_again: bool) -> None:
     named = page.get_by_role("button", name=re.compile(rf"^{deed}\b"))
     under = page.locator("form").filter(has=heading).locator(button)
     there = named.or_(under).first
-    expect(there).to_be_enabled(timeout=30_000)
+    expect(there).to_be_enabled(timeout=PATIENCE_MS)
     there.click()
     if asks_again:
         expect(page.get_by_role("dialog").filter(visible=True)).to_be_visible()
@@ -187,7 +188,7 @@ def test_the_same_page_opens_and_closes_a_dome(
     page = visit(chrome, dome, "driver", width=1280)
     page.goto(f"{dome.address}/sites/{SITE}/devices/dome")
     expect(page.get_by_role("heading", name="Dome", level=1)).to_be_visible()
-    expect(words(page, "closed")).to_be_visible(timeout=30_000)
+    expect(words(page, "closed")).to_be_visible(timeout=PATIENCE_MS)
     press(page, "Open", asks_again=dome.asks_again)
     expect(words(page, "opened", "open")).to_be_visible(timeout=MOVED_MS)
     outcome = page.get_by_role("main").get_by_text(re.compile(r"\bsucceeded\b"))

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import httpx
+from patience import PATIENCE_S
 
 from talaia.model.load import read_site
 from talaia.model.site import Site
@@ -50,7 +51,7 @@ def talaia(here: dict[str, str], *words: str, given: str = "") -> subprocess.Com
         input=given,
         capture_output=True,
         text=True,
-        timeout=90,
+        timeout=PATIENCE_S,
         check=False,
     )
 
@@ -84,7 +85,9 @@ def up(here: dict[str, str], site: Path, data: Path) -> Iterator[tuple[httpx.Cli
                 break
         ready = re.search(r"is up \([\d.]+ s\):\s+(http://\S+)", said)
         assert ready is not None, said + _logs(data)
-        with httpx.Client(base_url=ready[1], timeout=60, headers={"origin": ready[1]}) as client:
+        with httpx.Client(
+            base_url=ready[1], timeout=PATIENCE_S, headers={"origin": ready[1]}
+        ) as client:
             words = {"name": "ada", "password": PASSWORD}
             setup = re.search(r"/setup#(\S+)", said)
             asked = {**words, "token": setup[1]} if setup else words

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 from fake_hub import FakeHub, fake_hub
-from gateway_bench import DEADLINE_S, addresses_of
+from gateway_bench import addresses_of
+from patience import PATIENCE_S
 
 from talaia.gateway.run import serve
 from talaia.gateway.settings import HubAddress, Settings
@@ -96,7 +97,7 @@ async def bench(port: int, data: Path, text: str = BARE) -> AsyncIterator[Bench]
             yield Bench(hub)
         finally:
             ended.set()
-            await asyncio.wait_for(task, DEADLINE_S)
+            await asyncio.wait_for(task, PATIENCE_S)
 
 
 async def test_devices_are_found_by_themselves_with_their_signals_and_commands(
@@ -297,7 +298,7 @@ async def test_unsafe_weather_parks_and_closes_without_a_hub_within_the_bound(
             ]
         finally:
             ended.set()
-            await asyncio.wait_for(task, DEADLINE_S)
+            await asyncio.wait_for(task, PATIENCE_S)
 
 
 SWITCHED = re.compile(
@@ -322,7 +323,7 @@ class Ledger:
     async def parked_and_closed(self) -> list[tuple[str, str]]:
         """Which device was asked for what first, once both were."""
         said = ""
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             while True:
                 said += (await self._reader.read(65536)).decode()
                 # A vector that says it anew is the same news.
@@ -360,7 +361,7 @@ class Watcher:
 
     async def until(self, device: str, name: str, **wanted: str) -> None:
         """Wait until a switch is as wanted and rests."""
-        async with asyncio.timeout(70):
+        async with asyncio.timeout(PATIENCE_S):
             while await self.value(f"{device}.{name}._STATE") in ("Busy", "") or any(
                 [await self.value(f"{device}.{name}.{each}") != wanted[each] for each in wanted]
             ):

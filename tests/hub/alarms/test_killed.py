@@ -17,6 +17,7 @@ import httpx
 import pytest
 import websockets
 from aiosmtpd.smtp import SMTP
+from patience import PATIENCE_S
 
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, AlarmNews
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB
@@ -72,7 +73,7 @@ class HubProcess:
             stdout=asyncio.subprocess.DEVNULL,
             stderr=asyncio.subprocess.DEVNULL,
         )
-        async with asyncio.timeout(40), httpx.AsyncClient() as client:
+        async with asyncio.timeout(PATIENCE_S), httpx.AsyncClient() as client:
             while True:
                 with contextlib.suppress(httpx.TransportError):
                     if (await client.get(f"{self.origin}/api/health")).is_success:
@@ -145,7 +146,7 @@ async def test_alarm_whose_message_waits_survives_the_kill_and_is_told_once(hub,
     await hub.end(signal.SIGKILL)
     assert mailbox.mails == []
     await hub.start()
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
     page = await hub.page()
     told = await page.hear(AlarmNews, lambda news: news.alarm == "low")
@@ -156,7 +157,7 @@ async def test_alarm_whose_message_waits_survives_the_kill_and_is_told_once(hub,
     await again.samples(("power/voltage", time.time_ns() // 1000, 12.0))
     await page.hear(AlarmNews, lambda news: news.phase == "cleared")
     mailbox.news.clear()
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
     assert ["over:" in mail for mail in mailbox.mails] == [False, True]
 
@@ -165,7 +166,7 @@ async def test_message_under_way_at_the_kill_is_not_repeated_and_the_page_says_s
     gateway = await hub.gateway("one")
     mailbox.may_answer.clear()
     await gateway.samples(("power/voltage", time.time_ns() // 1000, 10.0))
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
     await hub.end(signal.SIGKILL)
     mailbox.may_answer.set()

@@ -13,6 +13,7 @@ import time
 
 import pytest
 from aiosmtpd.smtp import SMTP
+from patience import PATIENCE_S
 
 from talaia.hub.ports import AnomalyNews, AnomalySink, Sighting, SightingSink
 from talaia.wire.browser import AlarmNews, EventNews, SightingNews
@@ -142,7 +143,7 @@ async def want_mail(hub, mailbox, **rule) -> str:
 async def test_the_mail_of_an_alarm_reaches_a_mail_server(hub, watched, mailbox):
     await want_mail(hub, mailbox)
     await watched.samples(("power/voltage", now_us(), 10.0))
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
     assert mailbox.envelopes[0].rcpt_tos == ["op@example.org"]
     said = mailbox.text()
@@ -188,11 +189,11 @@ async def test_what_a_changed_rule_has_gathered_is_told_once_and_to_the_new_addr
     asked = {key: said for key, said in kept.items() if key != "id"}
     moved = {**asked, "target": "new@example.org", "group_s": 0}
     assert (await operator.put(f"/api/me/rules/{rule}", json=moved)).status_code == 204
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
     mailbox.news.clear()
     await watched.samples(("power/voltage", now_us(), 12.0))
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
     assert [each.rcpt_tos for each in mailbox.envelopes] == [["new@example.org"]] * 2
     assert "Voltage is 10 V, below 11 V" in mailbox.text(0)
@@ -234,7 +235,7 @@ async def test_two_people_before_a_camera_bring_one_mail(hub, mailbox):
     await see(2)
     raised = await page.hear(AlarmNews, lambda news: news.phase == "active")
     assert (raised.device, raised.why) == ("camera", "2 × person seen (80% sure)")
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
     said = mailbox.text()
     assert "Somebody is there (critical)" in said.splitlines()[0]
@@ -313,7 +314,7 @@ async def test_what_comes_in_a_burst_is_one_message(hub, mailbox):
     await gateway.hello(DESCRIPTION + "\nalarms:\n" + many)
     await want_mail(hub, mailbox, group_s=1)
     await gateway.samples(("power/voltage", now_us(), 10.0))
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
     assert all(f"Low {n}" in mailbox.text() for n in range(5))
     assert len(mailbox.envelopes) == 1

@@ -16,6 +16,7 @@ import requests
 import schemathesis
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.errors import Unsatisfiable
+from patience import PATIENCE_S
 from schemathesis.core.failures import Failure, FailureGroup
 from schemathesis.specs.openapi.checks import (
     content_type_conformance,
@@ -110,7 +111,7 @@ class Fuzz:
                 session=self._session,
                 headers={"Origin": self._world.hub.origin},
                 cookies=self._cookies[actor],
-                timeout=60,
+                timeout=PATIENCE_S,
             )
             route = (case.method.upper(), case.operation.path)
             self.seen[route].add(answer.status_code)

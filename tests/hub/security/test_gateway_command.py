@@ -10,6 +10,7 @@ import stat
 import sys
 
 import pytest
+from patience import PATIENCE_S
 
 from talaia.gateway.arguments import parsed, settings_of
 from talaia.gateway.enrol import enrol
@@ -26,7 +27,7 @@ SITE = "talaia: 1\nsite: agv\nname: A\ndevices: {d: {name: D}}\n"
 
 async def run(*words: str) -> tuple[int, str, str]:
     process = await started(*words)
-    out, err = await asyncio.wait_for(process.communicate(), 60)
+    out, err = await asyncio.wait_for(process.communicate(), PATIENCE_S)
     return process.returncode or 0, out.decode(), err.decode()
 
 
@@ -74,7 +75,7 @@ async def test_code_from_the_page_makes_a_gateway_that_links_without_more_words(
             str(site), "--key-file", str(key_file), "--data", str(tmp_path / "gateway")
         )
         try:
-            async with browsing(running, "admin") as admin, asyncio.timeout(30):
+            async with browsing(running, "admin") as admin, asyncio.timeout(PATIENCE_S):
                 while True:
                     listed = (await admin.get("/api/gateways")).json()["gateways"]
                     mine = next(each for each in listed if each["id"] == kept.gateway)

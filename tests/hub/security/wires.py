@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import NamedTuple
 
-DEADLINE_S = 10.0
+from patience import PATIENCE_S
 
 
 class Reply(NamedTuple):
@@ -20,7 +20,7 @@ async def say(port: int, *parts: bytes, tls=None) -> Reply:
     """Send bytes over a connection of their own, and read one answer."""
     reader, writer = await asyncio.open_connection("127.0.0.1", port, ssl=tls)
     try:
-        async with asyncio.timeout(DEADLINE_S):
+        async with asyncio.timeout(PATIENCE_S):
             for part in parts:
                 writer.write(part)
                 await writer.drain()

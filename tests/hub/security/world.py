@@ -10,6 +10,7 @@ import time
 from typing import TYPE_CHECKING
 
 import httpx
+from patience import PATIENCE_S
 from sqlalchemy import insert, select
 
 from talaia.hub.store.sightings import Sighted, SightingsAsked
@@ -177,7 +178,7 @@ class World:
             headers={"Origin": self.hub.origin},
             transport=self._transport,
             trust_env=False,
-            timeout=60,
+            timeout=PATIENCE_S,
         )
         if actor == "nobody":
             return client
