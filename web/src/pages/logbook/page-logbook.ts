@@ -4,7 +4,6 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { repeat } from "lit/directives/repeat.js";
 import { EndlessList } from "../../controllers/endless-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { LinkController } from "../../controllers/link.js";
@@ -22,7 +21,7 @@ import type { SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
 import { RecordingsApi, type RecordingRow } from "../../wire/recordings.js";
 import { sightingPicturePath } from "../../wire/sightings.js";
-import { listEnd } from "../list-end.js";
+import { listed } from "../listed.js";
 import { historyQuery } from "../sightings/query.js";
 import {
   KINDS,
@@ -147,30 +146,20 @@ export class PageLogbook extends LitElement {
         </form>
       </section>
       ${showsInSight(filter) ? html`<t-in-sight .site=${this.site} .zone=${this.sites.store?.zoneOf(this.site) ?? "UTC"}></t-in-sight>` : nothing}
-      ${this.content(filter)}`;
+      ${listed(this.list, {
+        label: "Events",
+        what: "the logbook",
+        row: (row) => this.row(row),
+        nothing: () => this.nothing(filter),
+      })}`;
   }
 
-  private content(filter: LogbookFilter): TemplateResult {
-    const { rows, more, loading } = this.list;
+  private nothing(filter: LogbookFilter): TemplateResult {
     const all = writeFilter(filter) === "";
-    return html`${rows.length === 0 && !more
-        ? html`<t-empty heading="Nothing fits" icon="logbook">
-            <p>${all ? "Nothing has happened yet." : "Nothing in the logbook is like this."}</p>
-            ${all ? nothing : html`<t-button @click=${this.form.clear}>Show everything</t-button>`}
-          </t-empty>`
-        : nothing}
-      ${rows.length === 0
-        ? nothing
-        : html`<section class="sheet" aria-label="Events" aria-busy=${loading}>
-            <ul class="rows">
-              ${repeat(
-                rows,
-                ({ id }) => id,
-                (row) => this.row(row),
-              )}
-            </ul>
-          </section>`}
-      ${listEnd(this.list, "the logbook")}`;
+    return html`<t-empty heading="Nothing fits" icon="logbook">
+      <p>${all ? "Nothing has happened yet." : "Nothing in the logbook is like this."}</p>
+      ${all ? nothing : html`<t-button @click=${this.form.clear}>Show everything</t-button>`}
+    </t-empty>`;
   }
 
   private row(row: EventShape): TemplateResult {

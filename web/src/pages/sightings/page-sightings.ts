@@ -4,7 +4,6 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { repeat } from "lit/directives/repeat.js";
 import { EndlessList } from "../../controllers/endless-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { LinkController } from "../../controllers/link.js";
@@ -23,7 +22,7 @@ import type { SiteDetail } from "../../wire/api.js";
 import type { HubApi } from "../../wire/http.js";
 import { RecordingsApi, type RecordingRow } from "../../wire/recordings.js";
 import { sightingPicturePath, SightingsApi, type SeenLabel, type Sighting } from "../../wire/sightings.js";
-import { listEnd } from "../list-end.js";
+import { listed } from "../listed.js";
 import { recordingAt } from "../logbook/query.js";
 import { historyQuery, NO_FILTER, pageQuery, readFilter, told, writeFilter, type SightingFilter } from "./query.js";
 import "../../elements/button.js";
@@ -118,7 +117,13 @@ export class PageSightings extends LitElement {
           <a href=${sitePath(this.site, "logbook")}>Logbook</a>
         </div>
       </div>
-      ${this.search(this.filter())} ${this.content()}`;
+      ${this.search(this.filter())}
+      ${listed(this.list, {
+        label: "Sightings",
+        what: "the sightings",
+        row: (row) => this.row(row),
+        nothing: () => this.nothing(),
+      })}`;
   }
 
   private search(filter: SightingFilter): TemplateResult {
@@ -142,23 +147,6 @@ export class PageSightings extends LitElement {
         <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clear}>Clear</t-button>
       </form>
     </section>`;
-  }
-
-  private content(): TemplateResult {
-    const { rows, more, loading } = this.list;
-    return html`${rows.length === 0 && !more ? this.nothing() : nothing}
-      ${rows.length === 0
-        ? nothing
-        : html`<section class="sheet" aria-label="Sightings" aria-busy=${loading}>
-            <ul class="rows">
-              ${repeat(
-                rows,
-                ({ id }) => id,
-                (row) => this.row(row),
-              )}
-            </ul>
-          </section>`}
-      ${listEnd(this.list, "the sightings")}`;
   }
 
   private nothing(): TemplateResult {
