@@ -18,6 +18,7 @@ from talaia.hub.api.archive_shapes import (
     NightList,
     NightShape,
 )
+from talaia.hub.api.asked import STILL, Time, Word
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.archive.looking import PREVIEW_PX, SMALL_PX, STRETCHES, NotKept
 from talaia.hub.archive.store import Cone, Wanted
@@ -30,12 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ArchivePages"]
 
-_Word = Annotated[str, Query(max_length=200)]
-_Time = Annotated[int, Query(ge=0, le=2**53)]
 _Degrees = Annotated[float | None, Query(ge=-90, le=360, allow_inf_nan=False)]
 _LONGEST_RADIUS = 180.0
-# A picture may have been made by anyone who can send one: it must not act in a page.
-_STILL = {"Content-Security-Policy": "sandbox; default-src 'none'"}
 
 
 class ArchivePages:
@@ -68,13 +65,13 @@ class ArchivePages:
         self,
         request: Request,
         site: str,
-        night: _Word = "",
-        target: _Word = "",
-        filter: _Word = "",  # noqa: A002 - the field's word
-        kind: _Word = "",
-        device: _Word = "",
-        from_us: _Time = 0,
-        to_us: _Time = 2**53,
+        night: Word = "",
+        target: Word = "",
+        filter: Word = "",  # noqa: A002 - the field's word
+        kind: Word = "",
+        device: Word = "",
+        from_us: Time = 0,
+        to_us: Time = 2**53,
         ra: _Degrees = None,
         dec: _Degrees = None,
         radius: Annotated[float, Query(gt=0, le=_LONGEST_RADIUS, allow_inf_nan=False)] = 1.0,
@@ -112,9 +109,7 @@ class ArchivePages:
         path = self._archive.path(found)
         if not path.is_file():
             raise ApiProblem(410, "gone", "the file is not there any more")
-        return FileResponse(
-            path, media_type="application/fits", filename=found.name, headers=_STILL
-        )
+        return FileResponse(path, media_type="application/fits", filename=found.name, headers=STILL)
 
     async def preview(
         self,
@@ -130,7 +125,7 @@ class ArchivePages:
             data = await self._archive.preview(found, stretch, SMALL_PX if px <= SMALL_PX else px)
         except NotKept as error:
             raise ApiProblem(410, "gone", f"the file cannot be read any more: {error}") from error
-        return Response(data, media_type="image/png", headers=_STILL)
+        return Response(data, media_type="image/png", headers=STILL)
 
     async def _frame(self, request: Request, site: str, frame: str) -> Frame:
         found = await self._archive.get(site, number_of(frame, "picture"))

@@ -14,6 +14,7 @@ from fastapi.responses import StreamingResponse
 
 from talaia.hub.anomaly.watched import SCORES
 from talaia.hub.api.access import live_of, who_of
+from talaia.hub.api.asked import Time  # noqa: TC001 - FastAPI reads it
 from talaia.hub.api.channels import Asked, NoChannel, asked_channels, former_channel, may_read
 from talaia.hub.api.history_shapes import (
     OutlierList,
@@ -48,7 +49,6 @@ _BUSY_S = 5
 _ARROW = MEDIA_TYPES[FileForm.ARROW]
 _FILES = [kind.partition(";")[0] for kind in MEDIA_TYPES.values()]
 _BYTES: dict[str, object] = {"schema": {"type": "string", "format": "binary"}}
-_Time = Annotated[int, Query(ge=0, le=2**53)]
 _Addresses = Annotated[list[str], Query(max_length=_MOST_SERIES)]
 
 
@@ -85,8 +85,8 @@ class HistoryPages:
     async def window(
         self,
         request: Request,
-        from_us: _Time,
-        to_us: _Time,
+        from_us: Time,
+        to_us: Time,
         channel: _Addresses = [],  # noqa: B006 - FastAPI copies it
         signal: _Addresses = [],  # noqa: B006
         width: Annotated[int, Query(ge=1, le=10_000)] = 1000,
@@ -114,7 +114,7 @@ class HistoryPages:
     async def last(
         self,
         request: Request,
-        before_us: _Time,
+        before_us: Time,
         channel: _Addresses = [],  # noqa: B006
         signal: _Addresses = [],  # noqa: B006
     ) -> ValueList:
@@ -134,8 +134,8 @@ class HistoryPages:
     async def statistics(
         self,
         request: Request,
-        from_us: _Time,
-        to_us: _Time,
+        from_us: Time,
+        to_us: Time,
         channel: _Addresses = [],  # noqa: B006
         signal: _Addresses = [],  # noqa: B006
     ) -> StatisticsList:
@@ -149,8 +149,8 @@ class HistoryPages:
     async def outliers(
         self,
         request: Request,
-        from_us: _Time,
-        to_us: _Time,
+        from_us: Time,
+        to_us: Time,
         channel: _Addresses = [],  # noqa: B006
         signal: _Addresses = [],  # noqa: B006
         k: Annotated[float, Query(ge=0, le=100)] = 1.5,
@@ -194,8 +194,8 @@ class HistoryPages:
     async def export(
         self,
         request: Request,
-        from_us: _Time,
-        to_us: _Time,
+        from_us: Time,
+        to_us: Time,
         format: Literal["csv", "parquet", "arrow"],  # noqa: A002 - the query's name for it
         channel: _Addresses = [],  # noqa: B006
         signal: _Addresses = [],  # noqa: B006

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from starlette.responses import FileResponse, Response
 
 from talaia.hub.api.access import address_of, live_of, who_of
+from talaia.hub.api.asked import Time  # noqa: TC001 - FastAPI reads it
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.recording_shapes import (
     FilmListShape,
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["RecordingPages"]
 
-_Time = Annotated[int, Query(ge=0, le=2**53)]
 _MOST_FILMS = 500
 # A file may have been made by anyone who has a gateway's key: it must not act in a page.
 _STILL = {"Content-Security-Policy": "sandbox; default-src 'none'; media-src 'self'"}
@@ -115,7 +115,7 @@ class RecordingPages:
         return await self._sent(found, request, "attachment")
 
     async def films(
-        self, site: str, request: Request, from_us: _Time = 0, to_us: _Time = 2**53
+        self, site: str, request: Request, from_us: Time = 0, to_us: Time = 2**53
     ) -> FilmListShape:
         """List films that have something of a time, of the cameras that you may see."""
         live, grants = live_of(request), who_of(request).grants

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from talaia.hub.api.access import live_of, number_of, who_of
+from talaia.hub.api.asked import STILL, Time, Word
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.sighting_shapes import (
     LabelShape,
@@ -22,12 +23,6 @@ if TYPE_CHECKING:
     from talaia.hub.store.sightings import Kept, SightingStore
 
 __all__ = ["SightingPages", "seen_shape"]
-
-_Time = Annotated[int, Query(ge=0, le=2**53)]
-# No database holds a NUL.
-_Word = Annotated[str, Query(max_length=200, pattern=r"^[^\x00]*$")]
-# Whoever made it could be anyone who has a gateway's key: it must not act in a page.
-_STILL = {"Content-Security-Policy": "sandbox; default-src 'none'"}
 
 
 class SightingPages:
@@ -50,12 +45,12 @@ class SightingPages:
         self,
         request: Request,
         site: str,
-        from_us: _Time = 0,
-        to_us: _Time = 2**53,
-        camera: _Word = "",
-        label: _Word = "",
+        from_us: Time = 0,
+        to_us: Time = 2**53,
+        camera: Word = "",
+        label: Word = "",
         open: bool | None = None,  # noqa: A002, FBT001 - a part of the address
-        before: _Time | None = None,
+        before: Time | None = None,
         limit: Annotated[int, Query(ge=1, le=500)] = 100,
     ) -> SightingList:
         """List what was in sight from one time to another, the last to begin first.
@@ -90,7 +85,7 @@ class SightingPages:
         found = await self._store.picture(site, number_of(sighting, "sighting"))
         if found is None or not found[1] or not _may_see(request, found[0]):
             raise ApiProblem(404, "unknown", "there is no such picture")
-        return Response(found[1], media_type="image/jpeg", headers=_STILL)
+        return Response(found[1], media_type="image/jpeg", headers=STILL)
 
 
 def seen_shape(kept: Kept) -> SeenShape:

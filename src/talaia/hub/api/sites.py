@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import APIRouter, Query, Request
 
 from talaia.hub.api.access import live_of, who_of
+from talaia.hub.api.asked import Time  # noqa: TC001 - FastAPI reads it
 from talaia.hub.api.described import describe, list_devices, summarise
 from talaia.hub.api.people_shapes import DeviceList
 from talaia.hub.api.shapes import (
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SitePages"]
 
-_Time = Annotated[int, Query(ge=0, le=2**53)]
 # No database holds a NUL.
 _Text = Annotated[str | None, Query(max_length=200, pattern=r"^[^\x00]*$")]
 
@@ -87,9 +87,9 @@ class SitePages:
         request: Request,
         site: str,
         limit: Annotated[int, Query(ge=1, le=1000)] = 100,
-        from_us: _Time = 0,
-        to_us: _Time = 2**53,
-        before: _Time | None = None,
+        from_us: Time = 0,
+        to_us: Time = 2**53,
+        before: Time | None = None,
         kind: _Text = None,
         who: _Text = None,
         device: _Text = None,
