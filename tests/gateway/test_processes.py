@@ -9,9 +9,10 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
+import psutil
 import pytest
 from fake_hub import fake_hub
 from gateway_bench import addresses_of, running
@@ -93,6 +94,32 @@ async def test_a_command_that_hangs_is_ended_with_all_it_has_started(tmp_path: P
     async with asyncio.timeout(PATIENCE_S):
         while _alive(child):  # noqa: ASYNC110 - another process's child tells nobody
             await asyncio.sleep(0.01)
+
+
+async def test_a_command_that_is_cancelled_leaves_nothing_behind_at_whatever_moment(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known = {each.pid for each in psutil.Process().children()}
+    start = asyncio.create_subprocess_exec
+
+    async def slowly(*words: str, **how: Any) -> asyncio.subprocess.Process:
+        process = await start(*words, **how)
+        # A busy machine: it runs, and nobody has been told yet.
+        await asyncio.sleep(0.01)
+        return process
+
+    monkeypatch.setattr(asyncio, "create_subprocess_exec", slowly)
+    for steps in range(12):
+        task = asyncio.ensure_future(run_words(["sleep", "600"], 600))
+        for _ in range(steps):
+            await asyncio.sleep(0)
+        # Twice: who cancels, and who ends the gateway meanwhile.
+        task.cancel()
+        await asyncio.sleep(0)
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        assert {each.pid for each in psutil.Process().children()} <= known
 
 
 def _alive(pid: int) -> bool:

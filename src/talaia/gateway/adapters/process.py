@@ -17,7 +17,7 @@ import os
 import re
 import shlex
 import signal as signals
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.gateway.adapters.topics import Gathered
 from talaia.gateway.errors import AdapterLost
@@ -118,15 +118,22 @@ async def run_words(words: Sequence[str], within: float) -> Answer:
         OSError: it cannot be started.
 
     """
-    process = await asyncio.create_subprocess_exec(
-        *words,
-        stdin=asyncio.subprocess.DEVNULL,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-        # A group of its own, so that what it starts can be ended with it.
-        start_new_session=True,
+    starting = asyncio.ensure_future(
+        asyncio.create_subprocess_exec(
+            *words,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+            # A group of its own, so that what it starts can be ended with it.
+            start_new_session=True,
+        )
     )
+    # Cut off while it starts, it would run on, and nobody would know of it.
+    cancelled = await _done(starting)
+    process = starting.result()
     try:
+        if cancelled is not None:
+            raise cancelled
         async with asyncio.timeout(within):
             text, problem = await asyncio.gather(_all_of(process.stdout), _all_of(process.stderr))
             code = await process.wait()
@@ -136,21 +143,21 @@ async def run_words(words: Sequence[str], within: float) -> Answer:
         # Also on cancellation, and when it left children behind that hold its output.
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signals.SIGKILL)
-        await _reaped(process)
+        cancelled = await _done(asyncio.ensure_future(process.wait()))
+        if cancelled is not None:
+            raise cancelled
     return Answer(code, text, problem.strip()[-MAX_SAID:])
 
 
-async def _reaped(process: asyncio.subprocess.Process) -> None:
-    """Wait for a process that was killed, however often this task is cancelled meanwhile."""
-    waiting = asyncio.ensure_future(process.wait())
+async def _done(task: asyncio.Future[Any]) -> asyncio.CancelledError | None:
+    """Wait until a task is done, however often this one is cancelled meanwhile; say if it was."""
     cancelled: asyncio.CancelledError | None = None
-    while not waiting.done():
+    while not task.done():
         try:
-            await asyncio.shield(waiting)
+            await asyncio.wait([task])
         except asyncio.CancelledError as error:
             cancelled = error
-    if cancelled is not None:
-        raise cancelled
+    return cancelled
 
 
 async def _all_of(stream: asyncio.StreamReader | None) -> str:
