@@ -40,7 +40,11 @@ from talaia.wire.frames import (
 )
 
 from .chromium import PASSWORD, chromium  # noqa: F401 - a fixture of every test of the hub
-from .databases import database, database_url  # noqa: F401 - fixtures of every test of the hub
+from .databases import (  # noqa: F401 - fixtures of every test of the hub
+    database,
+    database_url,
+    origin_of,
+)
 
 EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
 # Less what watches it: each test says for itself what is watched.
@@ -329,29 +333,9 @@ class RunningHub:
         return peer
 
 
-@pytest.fixture(scope="session")
-def fresh_database(tmp_path_factory) -> Path:
-    """The database of a hub that has started once: all tables, and nothing in them.
-
-    To make the tables takes longer than most tests; that they are made from nothing is
-    `test_store`'s and `test_servers`'s to see.
-    """
-    folder = tmp_path_factory.mktemp("fresh")
-
-    async def make() -> None:
-        made = build(Settings(data=folder), SystemClock(), MemoryHistory())._database
-        await made.migrate()
-        await made.close()
-
-    asyncio.run(make())
-    # One file: SQLite writes its journal back when the last connection is closed.
-    (found,) = folder.glob("*.db*")
-    return found
-
-
 @pytest.fixture
-def settings(tmp_path, fresh_database) -> Settings:
-    shutil.copy(fresh_database, tmp_path)
+def settings(tmp_path) -> Settings:
+    shutil.copy(origin_of("sqlite"), tmp_path)
     return Settings(
         data=tmp_path,
         plain=True,

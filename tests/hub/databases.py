@@ -3,6 +3,9 @@
 SQLite always; a server's where one answers on this machine, or at the URL that
 TALAIA_TEST_POSTGRESQL or TALAIA_TEST_MARIADB holds.
 
+To make the tables takes longer than most tests: they are made once for each run, and copied. That
+they are made from nothing is `test_store`'s and `test_servers`'s to see.
+
 A run that is killed drops nothing. So each run holds a lock on the server for as long as it lives,
 and has the lock's number in the names of its databases; what belongs to a lock that nobody holds
 is dropped by the next run.
@@ -10,11 +13,16 @@ is dropped by the next run.
 
 from __future__ import annotations
 
+import asyncio
+import atexit
 import contextlib
 import functools
 import os
 import re
 import secrets
+import shutil
+import tempfile
+from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
@@ -85,8 +93,26 @@ class Run:
 
     def make(self) -> str:
         """Make an empty database."""
-        name = f"talaia_run_{self.number}_{secrets.token_hex(4)}"
+        name = self._new_name()
         self._say(f"CREATE DATABASE {name}")
+        return name
+
+    def _new_name(self) -> str:
+        return f"talaia_run_{self.number}_{secrets.token_hex(4)}"
+
+    def copy(self, origin: str) -> str:
+        """Make a database with the tables of another, and what is in them."""
+        if self._kind == "postgresql":
+            name = self._new_name()
+            self._say(f"CREATE DATABASE {name} TEMPLATE {origin}")
+            return name
+        name = self.make()
+        # Whatever refers to a table may come before it.
+        self._say("SET foreign_key_checks = 0")
+        self._say(f"USE {name}")
+        for (table,) in self._say(f"SHOW TABLES FROM {origin}").all():
+            self._say(self._say(f"SHOW CREATE TABLE {origin}.{table}").one()[1].replace("%", "%%"))
+            self._say(f"INSERT INTO {table} SELECT * FROM {origin}.{table}")  # noqa: S608 - names of ours
         return name
 
     def drop(self, name: str) -> None:
@@ -117,13 +143,18 @@ def servers_url(kind: str, name: str) -> str:
     return url.render_as_string(hide_password=False)
 
 
-@contextlib.contextmanager
-def empty_database(kind: str):
-    """Make a database on a server, or skip; give its URL."""
+def needed_run_of(kind: str) -> Run:
+    """Give this run on a server, or skip."""
     _, why = server_of(kind)
     if why:
         (pytest.fail if os.environ.get("TALAIA_REQUIRE_ALL") else pytest.skip)(why)
-    run = run_of(kind)
+    return run_of(kind)
+
+
+@contextlib.contextmanager
+def empty_database(kind: str):
+    """Make a database on a server, or skip; give its URL."""
+    run = needed_run_of(kind)
     name = run.make()
     try:
         yield servers_url(kind, name)
@@ -131,19 +162,61 @@ def empty_database(kind: str):
         run.drop(name)
 
 
+@contextlib.contextmanager
+def database_with_tables(kind: str, folder: Path):
+    """Make a database with all tables and nothing in them, or skip; give its URL."""
+    if kind == "sqlite":
+        shutil.copy(origin_of(kind), folder / "talaia.db")
+        yield f"sqlite:///{folder}/talaia.db"
+        return
+    run = needed_run_of(kind)
+    name = run.copy(origin_of(kind))
+    try:
+        yield servers_url(kind, name)
+    finally:
+        run.drop(name)
+
+
+@functools.cache
+def origin_of(kind: str) -> str:
+    """Make what is copied: the name of a server's database, or SQLite's file."""
+    if kind == "sqlite":
+        folder = tempfile.mkdtemp(prefix="talaia-test-")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        found = f"{folder}/talaia.db"
+        make_tables(f"sqlite:///{found}")
+    else:
+        found = run_of(kind).make()
+        atexit.register(run_of(kind).drop, found)
+        make_tables(servers_url(kind, found))
+    return found
+
+
+def make_tables(url: str) -> None:
+    async def make() -> None:
+        database = Database(url)
+        await database.migrate()
+        await database.close()
+
+    asyncio.run(make())
+
+
 @pytest.fixture(params=["sqlite", "postgresql", "mariadb"])
 def database_url(request, tmp_path):
-    """Give the URL of an empty database, as a user would write it."""
-    if request.param == "sqlite":
+    """Give a database's URL, as a user would write it: empty, but where `database` is asked."""
+    if "database" in request.fixturenames:
+        with database_with_tables(request.param, tmp_path) as url:
+            yield url
+    elif request.param == "sqlite":
         yield f"sqlite:///{tmp_path}/talaia.db"
-        return
-    with empty_database(request.param) as url:
-        yield url
+    else:
+        with empty_database(request.param) as url:
+            yield url
 
 
 @pytest.fixture
 async def database(database_url):
+    """Give a database that has all tables."""
     database = Database(database_url)
-    await database.migrate()
     yield database
     await database.close()

@@ -31,13 +31,17 @@ from talaia.hub.store.sites import SiteRegistry
 from talaia.hub.store.tables import metadata
 
 
-async def test_migrations_make_exactly_the_tables_of_the_code(database) -> None:
+async def test_migrations_make_exactly_the_tables_of_the_code(database_url) -> None:
+    database = Database(database_url)
+    await database.migrate()
+
     def differences(connection):
         context = MigrationContext.configure(connection, opts={"compare_type": False})
         return compare_metadata(context, metadata)
 
     async with database.read() as connection:
         assert await connection.run_sync(differences) == []
+    await database.close()
 
 
 async def test_migrating_again_changes_nothing(database) -> None:
