@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import socket
 import subprocess
 import time
 import xmlrpc.client
@@ -34,12 +33,6 @@ def need_ros1() -> None:
     if os.environ.get("TALAIA_REQUIRE_ALL") == "1":
         pytest.fail(f"ROS 1 is missing ({', '.join(missing)}), and TALAIA_REQUIRE_ALL=1")
     pytest.skip("needs ROS 1: apt install python3-rospy python3-rosmaster")
-
-
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 def environment(port: int, home: Path) -> dict[str, str]:

@@ -11,7 +11,6 @@ import math
 import os
 import selectors
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -26,6 +25,7 @@ from gateway_bench import addresses_of, running
 from msgspec.structs import replace
 from observatory_site import as_ros1
 from patience import PATIENCE_S
+from ports import free_port
 
 import talaia
 from talaia.model.classic import site_of
@@ -74,10 +74,7 @@ def ros(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iter
             or subprocess.run(probe, env=clean, capture_output=True, check=False).returncode
         ):
             missing("Debian's ROS 1 (python3-rospy, python3-rosmaster)")
-        with socket.socket() as one:
-            one.bind(("127.0.0.1", 0))
-            port = one.getsockname()[1]
-        monkeypatch.setenv("ROS_MASTER_URI", f"http://localhost:{port}")
+        monkeypatch.setenv("ROS_MASTER_URI", f"http://localhost:{free_port()}")
         monkeypatch.setenv("ROS_IP", "127.0.0.1")
         yield "ros1"
         return

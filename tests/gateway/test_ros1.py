@@ -26,6 +26,7 @@ from gateway_bench import (
 )
 from hypothesis import given, strategies as st
 from patience import PATIENCE_S
+from ports import free_port
 
 from talaia.cli.importing.decoding import decoder_of
 from talaia.cli.importing.mcap_file import McapFile
@@ -139,7 +140,7 @@ def ros1_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def port(ros1_home: Path) -> Iterator[int]:
-    number = ros1_bench.free_port()
+    number = free_port()
     with ros1_bench.master(number, ros1_home):
         yield number
 
@@ -369,7 +370,7 @@ async def test_a_device_connected_anew_says_what_is_not_there(robot: Robot) -> N
 async def test_a_restart_of_the_master_shows_unknown_at_once_and_all_is_back_by_itself(
     ros1_home: Path, tmp_path: Path
 ) -> None:
-    port = ros1_bench.free_port()
+    port = free_port()
     async with fake_hub(addresses_of) as hub:
         with ros1_bench.master(port, ros1_home) as first:
             async with ros1_bench.robot(port, ros1_home) as peer:

@@ -12,6 +12,7 @@ import msgspec
 import pytest
 import ros1_bench
 from hypothesis import given, strategies as st
+from ports import free_port
 
 from talaia.gateway.adapters.ros1_kinds import definition_of
 from talaia.gateway.adapters.ros1_master import fields_of, header_of
@@ -54,7 +55,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
 @asynccontextmanager
 async def robot(tmp_path: Path) -> AsyncIterator[tuple[int, Peer]]:
     ros1_bench.need_ros1()
-    port = ros1_bench.free_port()
+    port = free_port()
     with ros1_bench.master(port, tmp_path):
         async with ros1_bench.robot(port, tmp_path) as peer:
             yield port, peer
@@ -124,7 +125,7 @@ async def test_the_description_made_of_it_runs_as_it_is(tmp_path: Path) -> None:
 
 
 def test_no_master_is_told_with_its_address() -> None:
-    port = ros1_bench.free_port()
+    port = free_port()
     with pytest.raises(AdapterLost, match=f"no ROS master answers at http://127.0.0.1:{port}"):
         look(f"http://127.0.0.1:{port}", 0.5)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import subprocess
 import sys
 import time
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from patience import PATIENCE_S
+from ports import free_port
 
 from talaia.model.load import dump_site, load_site
 from talaia.sim import domain
@@ -21,12 +21,6 @@ from .stack import SOURCE, Process, until
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
 SPEED = 4
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 class Observatory:

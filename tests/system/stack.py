@@ -7,7 +7,6 @@ import bisect
 import json
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from patience import PATIENCE_S
+from ports import free_port
 
 import talaia
 from talaia.cli.parts import _follow_parent
@@ -198,9 +198,7 @@ class Stack:
         return f"http://localhost:{self.port}"
 
     def _free_port(self) -> int:
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            return int(probe.getsockname()[1])
+        return free_port()
 
     async def _accounts(self) -> None:
         settings = Settings(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import socket
 import subprocess
 import time
 import xmlrpc.client
@@ -13,6 +12,7 @@ from pathlib import Path
 import pytest
 from patience import PATIENCE_MS, PATIENCE_S
 from playwright.sync_api import Browser, Page as BrowserPage, expect
+from ports import free_port
 
 from .conftest import missing
 from .pages import picture, visit
@@ -59,9 +59,7 @@ class Ros1:
     """A master and a node of Debian's, that are started and killed together."""
 
     def __init__(self, home: Path) -> None:  # noqa: D107
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         self.uri = f"http://127.0.0.1:{self.port}"
         self._environment = {
             "PATH": "/usr/bin:/bin", "ROS_MASTER_URI": self.uri, "ROS_IP": "127.0.0.1",

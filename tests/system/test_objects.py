@@ -11,7 +11,6 @@ import email
 import email.policy
 import os
 import re
-import socket
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -21,6 +20,7 @@ import pytest
 from aiosmtpd.controller import Controller
 from patience import PATIENCE_MS, PATIENCE_S
 from playwright.async_api import Browser, Page as BrowserPage, async_playwright, expect
+from ports import free_port
 
 from talaia.objects.worker import OWN_FILE
 from talaia.wire import browser as wire
@@ -49,9 +49,7 @@ class Mailbox:
     def __init__(self) -> None:
         """Listen at a port of its own."""
         self.mails: list[tuple[list[str], str, str]] = []
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = int(probe.getsockname()[1])
+        self.port = free_port()
         self._server = Controller(self, hostname="127.0.0.1", port=self.port)
         self._server.start()
 

@@ -19,6 +19,7 @@ import msgspec
 import pytest
 from patience import PATIENCE_MS, PATIENCE_S
 from playwright.sync_api import Browser, Locator, Page, expect
+from ports import free_port
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
 from observatory_site import as_ros1
@@ -27,7 +28,6 @@ from talaia.model.load import dump_site, read_site
 from talaia.model.site import Site
 
 from .conftest import need_indi, need_ros1, need_ros2
-from .observatory import free_port
 from .pages import picture, visit
 from .stack import SITE, Process, Stack, finish
 

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway" / "indi"))
@@ -61,7 +62,7 @@ def ros2_world() -> Iterator[tuple[dict[str, str], int]]:
 @contextmanager
 def ros1_world(folder: Path) -> Iterator[dict[str, str]]:
     ros1_bench.need_ros1()
-    port = ros1_bench.free_port()
+    port = free_port()
     with ros1_bench.master(port, folder):
         world = ros1_bench.environment(port, folder)
         yield {

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from patience import PATIENCE_S
+from ports import free_port
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -59,9 +60,7 @@ async def server_of(tmp_path: Path, *drivers: str) -> AsyncIterator[Server]:
         if os.environ.get("TALAIA_REQUIRE_ALL") == "1":
             pytest.fail(f"{said}, and TALAIA_REQUIRE_ALL=1")
         pytest.skip(said)
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     home = tmp_path / "home"
     home.mkdir(exist_ok=True)
     server = Server(port, home, drivers)

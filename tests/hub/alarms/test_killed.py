@@ -8,7 +8,6 @@ import asyncio
 import contextlib
 import os
 import signal
-import socket
 import sys
 import time
 from pathlib import Path
@@ -18,6 +17,7 @@ import pytest
 import websockets
 from aiosmtpd.smtp import SMTP
 from patience import PATIENCE_S
+from ports import free_port
 
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, AlarmNews
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB
@@ -59,8 +59,7 @@ class HubProcess:
 
     def __init__(self, data: Path, keys: dict[str, str]) -> None:
         self.data, self.keys = data, keys
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            self.port = free.getsockname()[1]
+        self.port = free_port()
         self.origin = f"http://127.0.0.1:{self.port}"
 
     async def start(self) -> None:

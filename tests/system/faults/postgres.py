@@ -13,6 +13,7 @@ from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import psutil
+from ports import free_port
 
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
@@ -127,12 +128,3 @@ async def postgres(world: World) -> AsyncIterator[Server]:
         world.database_url, world._cookie = "", cookie
         server.kill()
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def free_port() -> int:
-    """Find a port nobody listens on."""
-    import socket
-
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
