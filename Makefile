@@ -3,10 +3,10 @@
 PYTHON ?= python3
 VENV := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-indi test check bench faults docs lock pages clean
+.PHONY: help setup demo demo-indi test test-quick proofs check bench faults soak docs lock pages clean
 
 help:  ## list the words
-	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 10
+	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
 
 setup:  ## everything a developer needs, in .venv and web/node_modules
 	@$(PYTHON) tools/setup.py dev
@@ -22,6 +22,12 @@ demo-indi:  ## the product with an observatory on INDI's own simulators
 test: setup  ## all tests: Python with real ROS 2 and Chromium, and the pages'
 	$(VENV)/python tools/run_tests.py $(ARGS)
 
+test-quick: setup  ## the tests that start nothing; under two minutes
+	$(VENV)/python tools/run_tests.py --quick $(ARGS)
+
+proofs: setup  ## hours: what takes too long for each change (ONLY=name, AGAIN=1)
+	$(VENV)/python tools/proofs.py $(ONLY) $(if $(AGAIN),--again)
+
 check: setup  ## style, types, import direction, generated files
 	$(VENV)/ruff check .
 	$(VENV)/ruff format --check .
@@ -36,9 +42,12 @@ check: setup  ## style, types, import direction, generated files
 bench: setup  ## measure speed and memory; prints each figure beside its limit
 	$(VENV)/python bench/run.py $(ARGS)
 
-faults: setup  ## every fault for 20 minutes (MINUTES=5 for less); writes docs/faults-table.md
-	TALAIA_FAULT_MINUTES=$(or $(MINUTES),20) TALAIA_FAULT_TABLE=docs/faults-table.md \
-	$(VENV)/python -m pytest tests/system/faults/test_rows.py -s $(ARGS)
+faults: setup  ## `make proofs ONLY=faults`, again; MINUTES=5 for a short look, not written down
+	$(VENV)/python tools/proofs.py faults --again $(if $(MINUTES),--minutes $(MINUTES))
+
+soak: setup  ## hub and gateway for 2 hours (HOURS=24 before a release), and what grows
+	PYTHONPATH=src:tests $(VENV)/python -m system.soak $(or $(HOURS),2) \
+	--table docs/soak-table.md --samples build/soak.jsonl $(ARGS)
 
 docs: setup  ## write docs/reference from the code
 	$(VENV)/python tools/generate_reference.py

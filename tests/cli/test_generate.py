@@ -78,6 +78,18 @@ def test_systemd_itself_accepts_the_units(tmp_path: Path) -> None:
     assert said.stderr.strip() == ""
 
 
+def test_the_units_are_restarted_when_they_give_no_sign_of_life() -> None:
+    files = files_of(DatabaseKind.SQLITE)
+    units = [each.text for name, each in files.items() if name.startswith("systemd/")]
+    assert len(units) == 2
+    for unit in units:
+        assert {"Type=notify", "NotifyAccess=main", "Restart=always"} <= set(unit.splitlines())
+        assert "\nWatchdogSec=" in unit
+    # What closes the roof must outlive a gateway that is killed.
+    assert "KillMode=process" in next(each for each in units if "gateway" in each)
+    assert "KillMode" not in next(each for each in units if "gateway" not in each)
+
+
 @pytest.mark.parametrize("hostile", HOSTILE)
 def test_a_hostile_name_is_one_argument_and_nothing_else(hostile: str) -> None:
     files = files_of(DatabaseKind.MARIADB, hostile, program="/opt/t")

@@ -10,6 +10,8 @@ import pytest
 
 from talaia.cli.main import main
 
+pytestmark = pytest.mark.pure
+
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
 OLD = """\
 talaia: 1

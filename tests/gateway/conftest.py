@@ -15,18 +15,38 @@ from typing import TYPE_CHECKING
 import pytest
 from patience import PATIENCE_S
 
+from talaia.sim.domain import reserve
+
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # test modules are imported by path; their shared parts by name
 
 from gateway_bench import Peer  # noqa: E402
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Iterator
+
+
+@pytest.fixture(scope="session")
+def own_domain() -> Iterator[int]:
+    """A domain that nobody else on this machine reserves while the tests run."""
+    if given := os.environ.get("TALAIA_TEST_DOMAIN"):
+        # That of a rosbridge which runs already.
+        yield int(given)
+        return
+    with reserve() as reservation:
+        yield reservation.domain
+
+
+@pytest.fixture(scope="session")
+def other_domain() -> Iterator[int]:
+    """Another domain; see `own_domain`."""
+    with reserve() as reservation:
+        yield reservation.domain
 
 
 @pytest.fixture
-def ros_domain(monkeypatch: pytest.MonkeyPatch) -> int:
-    """A domain for one test alone; skips, and says so, where there is no ROS 2."""
+def ros_domain(own_domain: int, monkeypatch: pytest.MonkeyPatch) -> int:
+    """The tests' domain; skips, and says so, where there is no ROS 2."""
     if importlib.util.find_spec("rclpy") is None:
         if os.environ.get("TALAIA_REQUIRE_ALL") == "1":
             pytest.fail("ROS 2 (rclpy) is missing, and TALAIA_REQUIRE_ALL=1")
@@ -36,22 +56,16 @@ def ros_domain(monkeypatch: pytest.MonkeyPatch) -> int:
         warnings.simplefilter("ignore", DeprecationWarning)
         for name in ("rclpy.node", "lark"):
             importlib.import_module(name)
-    # Beyond 101 the ports of a domain may lie in the range that Linux gives to clients.
-    domain = int(os.environ.get("TALAIA_TEST_DOMAIN") or 1 + os.getpid() % 100)
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(own_domain))
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    return domain
+    return own_domain
 
 
 @pytest.fixture
-async def other_peer(ros_domain: int) -> AsyncIterator[Peer]:
+async def other_peer(ros_domain: int, other_domain: int) -> AsyncIterator[Peer]:
     """Another robot, in another domain."""
-    async with peer_in(other_domain(ros_domain)) as one:
+    async with peer_in(other_domain) as one:
         yield one
-
-
-def other_domain(domain: int) -> int:
-    return domain % 100 + 1
 
 
 @pytest.fixture

@@ -30,6 +30,7 @@ from talaia.wire.frames import (
     BeatReply,
     Boxes,
     Described,
+    DeviceState,
     FileHave,
     FileOffer,
     FilePiece,
@@ -61,6 +62,7 @@ class FakeHub:
         self.url = ""
         self.hellos: list[Hello] = []
         self.messages: list[FromGateway] = []
+        self.away: dict[str, str] = {}
         self.pictures: list[Picture] = []
         self.boxes: list[Boxes] = []
         self.takes: list[str] = []
@@ -210,6 +212,8 @@ class FakeHub:
         self._lists[hello.catalogue] = self.catalogue(hello)
         welcome = Welcome(acked=self.below(hello.boot), takes=self.takes)
         await socket.send(LINK_FROM_HUB.encode(welcome))
+        # A new link tells of the devices that are not reached, and of no others.
+        self.away.clear()
         self.hellos.append(hello)
         self.links.append(socket)
         self._changed.set()
@@ -229,6 +233,11 @@ class FakeHub:
                 await socket.send(LINK_FROM_HUB.encode(ack))
         elif isinstance(message, Described):
             self._lists[message.catalogue] = message.addresses
+            self.messages.append(message)
+        elif isinstance(message, DeviceState):
+            self.away.pop(message.device, None)
+            if not message.reached:
+                self.away[message.device] = message.why
             self.messages.append(message)
         elif isinstance(message, Tick):
             self.tick = message.tick

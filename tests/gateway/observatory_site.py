@@ -39,7 +39,11 @@ def as_ros1(site: Site) -> Site:
         }
         if name == "telescope":
             commands["goto_altaz"] = POINT_TO
-        devices[name] = replace(device, commands=commands, pointing=None)
+        outlets = {
+            key: replace(each, cut_by=tuple(one for one in each.cut_by if one.command in commands))
+            for key, each in device.outlets.items()
+        }
+        devices[name] = replace(device, commands=commands, outlets=outlets, pointing=None)
     gone = {
         f"{name}/{key}"
         for name, device in site.devices.items()

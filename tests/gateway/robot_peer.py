@@ -98,6 +98,7 @@ class Peer:
                 self.count(int(order["from"]), int(order["to"]), float(order["hz"]))
             case "odom":
                 message = Odometry()
+                message.header.stamp.sec = int(order.get("stamp", 0))
                 message.twist.twist.linear.x = float(order["speed"])
                 message.pose.pose.position.x = 1.5
                 message.pose.pose.orientation.w = 1.0

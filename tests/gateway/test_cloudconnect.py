@@ -8,6 +8,8 @@ from hypothesis import given, strategies as st
 from talaia.gateway.adapters.cloudconnect import parse_metric
 from talaia.gateway.errors import FieldError
 
+pytestmark = pytest.mark.pure
+
 names = st.text(min_size=1, max_size=30).filter(lambda text: text.strip() == text)
 numbers = st.floats(allow_nan=False) | st.integers(-(2**53), 2**53)
 

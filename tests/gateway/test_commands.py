@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import given, strategies as st
+from msgspec.structs import replace
 from patience import PATIENCE_S
 
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.commanding import Commanding, Journal
 from talaia.gateway.commands import FINAL, CommandBook
+from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.gateway.enclosure import Hold
 from talaia.gateway.ports import Outcome
 from talaia.gateway.sequences import Sequences
 from talaia.model.arguments import fields_of
+from talaia.model.enclosure import Enclosure
 from talaia.model.interlock import Step
 from talaia.model.load import load_site
 from talaia.model.site import Argument, ArgumentType, Command
@@ -24,6 +27,8 @@ from talaia.wire.frames import CommandAsk, CommandCancel, CommandPhase, CommandS
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
+
+pytestmark = pytest.mark.pure
 
 P = CommandPhase
 SITE = load_site(
@@ -38,6 +43,10 @@ devices:
     commands:
       open: {name: Open, target: /open, type: std_srvs/srv/Trigger, timeout: 0.05}
 """
+)
+UNDER_A_ROOF = replace(
+    SITE,
+    enclosures={"dome": Enclosure(name="D", unsafe=(), closed=(), close=Step(command="dome/open"))},
 )
 SLEW = Command(
     name="Slew",
@@ -136,7 +145,7 @@ class Dome:
 class Bench:
     """Commanding with its robot, clock and what it said."""
 
-    def __init__(self, folder: Path) -> None:  # noqa: D107
+    def __init__(self, folder: Path, mouth: Any = None) -> None:  # noqa: D107
         self.clock = HandClock()
         self.dome = Dome()
         self.said: list[CommandState] = []
@@ -152,6 +161,7 @@ class Bench:
             self.say,
             lambda _device, _command, _args: self.barred,
             hold=lambda _device, _command: self.held,
+            trouble=DiskTrouble(mouth),
         )
         self.changed = asyncio.Event()
 
@@ -269,6 +279,54 @@ async def test_disk_that_is_full_means_refused(tmp_path: Path) -> None:
     await bench.commanding.close()
 
 
+async def test_the_gateways_own_closing_and_a_persons_do_not_wait_for_a_disk_that_hangs(
+    tmp_path: Path,
+) -> None:
+    bench = Bench(tmp_path)
+    works = asyncio.Event()
+
+    async def hangs(work: Callable[[], None]) -> None:
+        await works.wait()
+        work()
+
+    bench.commanding._on_disk = hangs
+    bench.commanding.redescribe(UNDER_A_ROOF)
+    own = CommandAsk(id="own", device="dome", command="open", ttl_ms=5000, who="interlock")
+    await bench.commanding.ask(own, guarded=False)
+    assert bench.dome.asked == ["dome/open"]
+    async with asyncio.timeout(PATIENCE_S):
+        await bench.ask("hers")
+    assert bench.dome.asked == ["dome/open"] * 2
+    await bench.ask("hers")
+    assert bench.dome.asked == ["dome/open"] * 2
+    works.set()
+    await bench.commanding.close()
+
+
+async def test_trouble_with_the_journal_is_said_once_and_its_end_once(tmp_path: Path) -> None:
+    said: list[str] = []
+
+    class Mouth:
+        def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+            said.append(kind)
+
+    bench = Bench(tmp_path, Mouth())
+
+    def fails() -> None:
+        raise OSError(30, "Read-only file system")
+
+    bench.disk = fails
+    for number in range(3):
+        await bench.ask(f"a{number}")
+        await bench.ended()
+        await bench.commanding.write_waiting()
+    bench.disk = lambda: None
+    for _ in range(3):
+        await bench.commanding.write_waiting()
+    assert said == ["disk_failed", "disk_recovered"]
+    await bench.commanding.close()
+
+
 def test_journal_ignores_a_line_cut_short(tmp_path: Path) -> None:
     path = tmp_path / "c.jsonl"
     journal = Journal(path)
@@ -333,6 +391,34 @@ async def test_a_step_that_is_not_required_holds_the_next_up_for_its_bound_only(
     notes = await run_sequence(bench, (park, late))
     assert bench.dome.asked == ["dome/open", "dome/open"]
     assert "dome/open running; going on" in notes[0]
+
+
+@pytest.mark.parametrize("kind", ["sequence_done", "sequence_failed"])
+async def test_a_command_whose_end_is_reached_all_the_same_has_not_failed(
+    tmp_path: Path, kind: str
+) -> None:
+    bench = Bench(tmp_path)
+    bench.dome.answer = Outcome(P.FAILED, "the telescope parks")
+    notes: list[str] = []
+
+    class Mouth:
+        def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+            notes.append(kind)
+
+    looks = 0
+
+    def reached(_command: str) -> bool:
+        # The sensor says so a moment after the answer.
+        nonlocal looks
+        looks += 1
+        return kind == "sequence_done" and looks > 3
+
+    sequences = Sequences(bench.commanding, Mouth(), "boot", reached)
+    sequences.begin("enclosure dome park 1", (Step(command="dome/open"),))
+    async with asyncio.timeout(PATIENCE_S):
+        await asyncio.gather(*sequences._running.values())
+    assert notes == [kind]
+    await bench.commanding.close()
 
 
 async def test_a_command_that_an_interlock_refuses_is_not_acted_on(tmp_path: Path) -> None:

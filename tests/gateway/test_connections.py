@@ -53,9 +53,9 @@ devices:
 
 @pytest.mark.robot
 async def test_two_robots_of_one_site_are_heard_and_told_each_for_itself(
-    peer: Peer, other_peer: Peer, ros_domain: int, tmp_path: Path
+    peer: Peer, other_peer: Peer, ros_domain: int, other_domain: int, tmp_path: Path
 ) -> None:
-    text = TWO % (ros_domain, ros_domain % 100 + 1)
+    text = TWO % (ros_domain, other_domain)
     async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path, text):
         await hub.until(lambda: hub.hellos, "a hello")
         await peer.until_heard_by(1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import count
 from typing import TYPE_CHECKING
 
@@ -27,6 +28,8 @@ from talaia.wire.frames import (
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+pytestmark = pytest.mark.pure
 
 SITE = load_site(
     """
@@ -81,9 +84,12 @@ class Robot:
 class Bench:
     """A control, its robot and its clock."""
 
+    site = SITE
+    robot_kind = Robot
+
     def __init__(self, folder: Path) -> None:  # noqa: D107
         self.clock = HandClock(monotonic_ns=100 * SECOND)
-        self.robot = Robot(self.clock)
+        self.robot = self.robot_kind(self.clock)
         self.folder = folder
         self.seq = count()
         self.control = self.build()
@@ -94,7 +100,7 @@ class Bench:
             work()
 
         return Control(
-            SITE,
+            self.site,
             self.clock,
             self.robot,
             self.robot,
@@ -137,6 +143,81 @@ class Bench:
 @pytest.fixture
 def bench(tmp_path: Path) -> Bench:
     return Bench(tmp_path)
+
+
+KEYS_SITE = load_site(
+    """
+talaia: 1
+site: s
+name: S
+ros2: {}
+devices:
+  base:
+    name: Base
+    signals:
+      v: {name: V, source: {topic: /speed, type: std_msgs/msg/Float64, field: data}}
+    drive: {topic: /control, message: std_msgs/msg/String, max_speed: 0.5, max_turn: 1}
+"""
+)
+
+
+class KeyRobot(Robot):
+    """A robot that listens to characters."""
+
+    heard = ""
+
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+        self.driven.append((self.clock.monotonic_ns(), linear, angular))
+        self.heard += key
+
+
+class KeyBench(Bench):
+    """A control of such a robot."""
+
+    site = KEYS_SITE
+    robot_kind = KeyRobot
+
+
+def test_a_key_held_for_a_second_is_one_character_and_its_end_is_s(tmp_path: Path) -> None:
+    """The founding robot adds 0.1 for each: 20 characters a second were 2.5 rad/s in a moment."""
+    bench = KeyBench(tmp_path)
+    bench.pass_time(20 * SECOND)
+    bench.robot.heard = ""
+    bench.lease()
+    for _ in range(24):
+        bench.drive(0.5)
+        bench.pass_time(50 * MS)
+    assert bench.robot.heard == "w"
+    told = bench.robot.last(DriveState)
+    assert told.sent == "w"
+    assert math.isnan(told.linear)
+    bench.pass_time(2 * SECOND)
+    assert set(bench.robot.heard[1:]) == {"s"}
+    bench.lease(op=LeaseOp.FREE)
+    assert bench.robot.last(DriveState).linear == 0.0
+
+
+def test_a_robot_that_keeps_its_velocity_is_halted_at_the_start_and_when_it_is_there_again(
+    tmp_path: Path,
+) -> None:
+    bench = KeyBench(tmp_path)
+    bench.pass_time(20 * SECOND)
+    assert set(bench.robot.heard) == {"s"}
+    bench.robot.heard = ""
+    bench.pass_time(SECOND)
+    assert bench.robot.heard == ""
+    bench.control.robot_lost(["base"])
+    bench.control.robot_back(["base"])
+    bench.pass_time(2 * SECOND)
+    assert set(bench.robot.heard) == {"s"}
+
+
+def test_stop_says_s_to_a_robot_that_is_driven_by_characters(tmp_path: Path) -> None:
+    bench = KeyBench(tmp_path)
+    bench.lease()
+    bench.drive(0.5)
+    bench.control.stop(StopAsk(device="base", id="1", who="ann"))
+    assert bench.robot.heard[-1] == "s"
 
 
 def test_accepted_frame_is_published_inside_the_call(bench: Bench) -> None:

@@ -11,6 +11,8 @@ from talaia.gateway.drive import STILL, STOP_BY_NS, Driving, cap_of_loop, cap_of
 from talaia.model.site import Drive as Rule
 from talaia.wire.frames import Drive as Frame
 
+pytestmark = pytest.mark.pure
+
 RULE = Rule(
     topic="/cmd_vel", max_speed=0.2, max_turn=2.0, max_acceleration=1.0, max_turn_acceleration=10.0
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -14,7 +15,12 @@ from talaia.clock import SECOND
 from talaia.gateway.enclosure import Act, EnclosureGuard, Follower, Said, Seen, hold_of
 from talaia.model.enclosure import ClosingOrder, Enclosure, Follow, PastDeadline, Sighting
 from talaia.model.interlock import Step
+from talaia.model.load import load_site
+from talaia.model.opening import opening_of
 
+pytestmark = pytest.mark.pure
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 YES = ("yes",)
 RULE = Enclosure(
     name="Dome",
@@ -41,6 +47,8 @@ class World:
     now: int = 0
     position: float = 1.0
     closing: bool = False
+    opening: bool = False
+    deaf_to_stop: bool = False
     parked: bool = False
     parking: bool = False
     stuck: bool = False
@@ -57,7 +65,7 @@ class World:
             self.now += TICK
             self._move()
             closed = None if self.blind else self.position <= 0
-            seen = Seen(closed, self.closing, self.parked)
+            seen = Seen(closed, self.closing, self.parked, self.opening)
             self.do(self.guard.look(self.why, seen, self.now))
 
     def _move(self) -> None:
@@ -66,6 +74,9 @@ class World:
             self.closing = self.position > 0
         elif self.stuck:
             self.closing = False
+        if self.opening:
+            self.position = min(1.0, self.position + 0.01)
+            self.opening = self.position < 1
         if self.parking and not self.mount_stuck:
             self.parked_ns += TICK
             self.parked = self.parked_ns >= 5 * SECOND
@@ -80,7 +91,9 @@ class World:
             if self.deaf:
                 continue
             if act.step.command == "dome/close":
-                self.closing = True
+                self.closing, self.opening = True, False
+            if act.step.command == "dome/stop" and not self.deaf_to_stop:
+                self.closing = self.opening = False
             if act.step.command == "telescope/park":
                 self.parking = True
 
@@ -188,6 +201,60 @@ def test_a_roof_that_somebody_opens_is_asked_to_close_at_once() -> None:
     assert one.times("dome/close")[count] - at <= 0.2
     assert one.position == 0
     assert "enclosure_reopened" in one.kinds()
+
+
+@pytest.mark.parametrize("name", ["observatory", "indi"])
+def test_a_description_that_has_a_state_opening_need_not_say_so(name: str) -> None:
+    site = load_site((EXAMPLES / name / "site.yaml").read_text())
+    dome = site.enclosures["dome"]
+    by_default = Sighting(signal="dome/shutter", is_one_of=("opening",))
+    assert opening_of(site, dome) == (by_default,)
+    said = Sighting(signal="dome/shutter", is_one_of=("open",))
+    assert opening_of(site, msgspec.structs.replace(dome, opening=(said,))) == (said,)
+
+
+@pytest.mark.parametrize("order", list(ClosingOrder))
+@pytest.mark.parametrize("stop", ["dome/stop", ""])
+def test_a_roof_that_opens_when_it_becomes_unsafe_opens_no_further(
+    order: ClosingOrder, stop: str
+) -> None:
+    one = world(order=order, stop=stop)
+    one.position, one.opening = 0.2, True
+    one.run(1)
+    began = one.position
+    one.why = "Rain"
+    one.run(0.3)
+    assert one.position <= began + 0.011
+    assert not one.opening
+    waits = order is ClosingOrder.MOUNT_FIRST and stop
+    assert [what for _, what in one.asked if what.startswith("dome")] == [
+        "dome/stop" if waits else "dome/close"
+    ]
+    assert "enclosure_turned" in one.kinds()
+    one.run(30)
+    assert one.position == 0
+    if waits:
+        # Stopped it stands beside the telescope, and closes in its order.
+        assert one.times("dome/close")[0] >= one.times("telescope/park")[0] + 5
+
+
+def test_a_roof_that_goes_on_opening_in_spite_of_stop_is_turned() -> None:
+    one = world()
+    one.position, one.opening, one.deaf_to_stop = 0.2, True, True
+    one.why = "Rain"
+    one.mount_stuck = True
+    one.run(10)
+    assert one.position == 0
+    assert [what for _, what in one.asked if what.startswith("dome")] == ["dome/stop", "dome/close"]
+
+
+def test_a_roof_that_obeys_nothing_is_not_asked_at_every_look() -> None:
+    one = world()
+    one.position, one.opening, one.deaf, one.why = 0.0001, True, True, "Rain"
+    one.run(9)
+    asked = [at for at, what in one.asked if what in ("dome/stop", "dome/close")]
+    assert all(later - at >= 2 for at, later in pairwise(asked))
+    assert len(asked) >= 3
 
 
 def test_a_closed_roof_is_left_alone_and_darks_go_on() -> None:

@@ -11,6 +11,8 @@ from talaia.gateway.errors import FieldError
 from talaia.gateway.fields import getter, number_of, parse_path, reader_of, text_of, yaw_of
 from talaia.model.site import PositionFrame, Signal, SignalType, Source
 
+pytestmark = pytest.mark.pure
+
 
 def signal(field: str = "data", **more: object) -> Signal:
     return Signal(name="S", source=Source(topic="/t", type="p/msg/T", field=field), **more)

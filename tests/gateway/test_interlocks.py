@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
+import msgspec
 import pytest
 from hypothesis import given, strategies as st
 from msgspec import structs
@@ -16,8 +17,9 @@ from talaia.gateway.interlocks import Interlocks, judged, together
 from talaia.gateway.keep import Epochs, KeptStops
 from talaia.gateway.latch import Change, Latch, Verdict
 from talaia.gateway.ports import Reading
-from talaia.model.interlock import Condition, Interlock
+from talaia.model.interlock import Condition, Interlock, Overriding
 from talaia.model.load import load_site
+from talaia.model.overriding import longest_override, never_overridden
 from talaia.model.site import Signal, SignalType, Source
 from talaia.wire.frames import DriveState, InterlockState, LeaseOp, OverrideAsk
 
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.model.interlock import Step
+
+pytestmark = pytest.mark.pure
 
 SITE = load_site(
     """
@@ -283,10 +287,12 @@ def test_a_held_drive_is_slowed_without_its_next_frame(slowed: Bench) -> None:
     assert slowed.robot.driven[-1][1] == pytest.approx(0.05)
 
 
-def test_what_is_unknown_slows_down_too_and_an_override_does_not(slowed: Bench) -> None:
+def test_what_is_unknown_slows_down_too_and_what_is_overridden_does_not(slowed: Bench) -> None:
     slowed.world.values["weather/wind"] = float("nan")
     hold(slowed, 200 * MS)
     assert slowed.robot.driven[-1][1] == pytest.approx(0.05)
+    slowed.world.values["weather/wind"] = 2.0
+    hold(slowed, 200 * MS)
     ask = OverrideAsk(interlock="people", who="Ada", reason="the camera is dirty", seconds=60)
     slowed.control.override(ask)
     hold(slowed, 500 * MS)
@@ -303,7 +309,7 @@ def test_no_hub_is_needed_for_any_of_it(safe: Bench) -> None:
 
 
 def test_an_override_lasts_as_long_as_was_said_and_then_it_acts(safe: Bench) -> None:
-    safe.world.values["weather/rain"] = 1.0
+    safe.world.values["weather/wind"] = 13.0
     safe.pass_time(200 * MS)
     safe.override(60)
     assert safe.refusal() == ""
@@ -320,12 +326,12 @@ def test_an_override_lasts_as_long_as_was_said_and_then_it_acts(safe: Bench) -> 
 
 
 @pytest.mark.parametrize(
-    ("seconds", "reason"), [(60, " "), (3601, "too long"), (-1, "never"), (float("nan"), "x")]
+    ("seconds", "reason"), [(60, " "), (1801, "too long"), (-1, "never"), (float("nan"), "x")]
 )
 def test_an_override_without_reason_or_bound_is_refused(
     safe: Bench, seconds: float, reason: str
 ) -> None:
-    safe.world.values["weather/rain"] = 1.0
+    safe.world.values["weather/wind"] = 13.0
     safe.pass_time(200 * MS)
     safe.override(seconds, reason)
     assert safe.refusal()
@@ -333,11 +339,119 @@ def test_an_override_without_reason_or_bound_is_refused(
 
 
 def test_an_override_can_be_ended_early(safe: Bench) -> None:
-    safe.world.values["weather/rain"] = 1.0
+    safe.world.values["weather/wind"] = 13.0
     safe.pass_time(200 * MS)
     safe.override(600)
     safe.override(0)
     assert safe.refusal()
+
+
+def test_rain_and_what_is_unknown_are_never_overridden(safe: Bench) -> None:
+    safe.world.values["weather/rain"] = 1.0
+    safe.pass_time(200 * MS)
+    safe.override(60)
+    assert safe.robot.notes[-1] == "override_refused"
+    assert safe.robot.last(InterlockState).no_override == "Rain: rain is never overridden"
+    safe.world.values["weather/rain"] = 0.0
+    safe.pass_time(31 * SECOND)
+    safe.world.values["weather/wind"] = float("nan")
+    safe.pass_time(200 * MS)
+    safe.override(60)
+    assert safe.refusal()
+    assert "unknown" in safe.robot.last(InterlockState).no_override
+
+
+def test_nothing_is_overridden_while_nothing_is_locked(safe: Bench) -> None:
+    safe.override(60)
+    assert safe.robot.notes[-1] == "override_refused"
+    safe.world.values["weather/wind"] = 13.0
+    safe.pass_time(200 * MS)
+    assert safe.refusal()
+
+
+def test_an_override_is_of_one_condition_and_another_still_locks(safe: Bench) -> None:
+    safe.world.values["weather/wind"] = 13.0
+    safe.pass_time(200 * MS)
+    assert safe.robot.last(InterlockState).condition == "weather/wind"
+    safe.override(600)
+    assert safe.refusal() == ""
+    ran = len(safe.world.ran)
+    safe.world.values["weather/rain"] = 1.0
+    safe.pass_time(200 * MS)
+    assert "Bad weather" in safe.refusal()
+    assert safe.robot.notes.count("override_ended") == 1
+    # And it acts: the roof that was open by leave of somebody closes in the rain.
+    assert len(safe.world.ran) == ran + 1
+    safe.override(600)
+    assert safe.robot.notes[-1] == "override_refused"
+
+
+def test_a_condition_that_becomes_unknown_while_it_is_overridden_locks(safe: Bench) -> None:
+    safe.world.values["weather/wind"] = 13.0
+    safe.pass_time(200 * MS)
+    safe.override(600)
+    safe.world.values["weather/wind"] = float("inf")
+    safe.pass_time(200 * MS)
+    assert "not a number" in safe.refusal()
+    assert "override_ended" in safe.robot.notes
+
+
+def test_an_override_is_over_when_there_is_nothing_left_to_override(safe: Bench) -> None:
+    safe.world.values["weather/wind"] = 13.0
+    safe.pass_time(200 * MS)
+    safe.override(600)
+    safe.world.values["weather/wind"] = 3.0
+    safe.pass_time(31 * SECOND)
+    assert "override_ended" in safe.robot.notes
+    safe.world.values["weather/wind"] = 13.0
+    safe.pass_time(200 * MS)
+    assert safe.refusal()
+
+
+def test_the_condition_that_is_named_must_be_the_one_that_locks(safe: Bench) -> None:
+    safe.world.values["weather/wind"] = 13.0
+    safe.pass_time(200 * MS)
+    ask = OverrideAsk(interlock="weather", who="Ada", reason="x", seconds=60)
+    safe.control.override(structs.replace(ask, condition="weather/rain"))
+    assert safe.refusal()
+    safe.control.override(structs.replace(ask, condition="weather/wind"))
+    assert safe.refusal() == ""
+
+
+@pytest.mark.parametrize(
+    ("signal", "condition", "never"),
+    [
+        ({"unit": "mm/h"}, {"above": 0}, "rain"),
+        ({"name": "Precipitation"}, {"above": 0}, "rain"),
+        ({"name": "Rain rate"}, {"above": 0}, "rain"),
+        ({"type": "state", "states": ("dry", "wet")}, {"is_one_of": ("wet",)}, "rain"),
+        ({"type": "state", "states": ("dry", "raining")}, {"is_not": ("dry",)}, "rain"),
+        ({"type": "state", "states": ("local", "remote")}, {"is_one_of": ("local",)}, "on site"),
+        ({"type": "state", "states": ("local", "remote")}, {"is_one_of": ("remote",)}, ""),
+        ({"name": "Terrain"}, {"above": 0}, ""),
+        ({"name": "Wind", "unit": "m/s"}, {"above": 0}, ""),
+        ({"name": "Wind", "unit": "m/s"}, {"above": 0, "override": Overriding.NEVER}, "described"),
+    ],
+)
+def test_rain_and_the_switch_on_site_are_recognised(
+    signal: dict, condition: dict, never: str
+) -> None:
+    described = msgspec.convert({"name": "W", "source": {"topic": "/w"}, **signal}, Signal)
+    device = structs.replace(SITE.devices["weather"], signals={"w": described})
+    site = structs.replace(SITE, devices={"weather": device})
+    one = structs.replace(Condition(signal="weather/w"), **condition)
+    found = never_overridden(site, one)
+    assert never in found
+    assert bool(found) == bool(never)
+    # A group with it is not overridden either.
+    group = Condition(all_of=(one, Condition(signal="weather/w", above=1)))
+    assert bool(never_overridden(site, group)) == bool(never)
+
+
+def test_longer_than_half_an_hour_is_half_an_hour_whatever_is_described() -> None:
+    assert longest_override(Interlock(name="I", when=(), longest_override=3600)) == 1800
+    assert longest_override(Interlock(name="I", when=())) == 1800
+    assert longest_override(Interlock(name="I", when=(), longest_override=60)) == 60
 
 
 def test_a_new_link_is_told_how_all_stand(safe: Bench) -> None:
@@ -465,6 +579,8 @@ def test_it_refuses_while_unsafe_and_for_the_whole_dwell_time_after(
             changes = one.look(verdict, now)
             if verdict.why:
                 unsafe_ns = now
+            if Change.OVERRIDE_ENDED in changes:
+                over_until = -1
             overridden = now < over_until
             safe_for = now - unsafe_ns
             if overridden:

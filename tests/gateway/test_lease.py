@@ -2,10 +2,13 @@
 
 from itertools import count, pairwise
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
 from talaia.gateway.lease import Lease
+
+pytestmark = pytest.mark.pure
 
 
 def lease() -> Lease:

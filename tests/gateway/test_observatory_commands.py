@@ -24,7 +24,7 @@ from fake_hub import fake_hub
 from gateway_bench import addresses_of, running
 from msgspec.structs import replace
 from observatory_site import as_ros1
-from patience import PATIENCE_S
+from patience import PATIENCE_S, Stopwatch
 from ports import free_port
 
 import talaia
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
     from talaia.wire.frames import Scalar
 
-pytestmark = [pytest.mark.robot, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.robot
 EXAMPLE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
 CLASSIC = Path(__file__).parents[1] / "wire" / "recorded" / "observatory_commands.json"
 SOURCE = str(Path(talaia.__file__).parents[1])
@@ -115,7 +115,8 @@ def ledger(ros: str, tmp_path: Path) -> Iterator[Path]:
 
 def asked(ledger: Path) -> list[tuple[str, str, str]]:
     rows = [json.loads(line) for line in ledger.read_text().splitlines()]
-    return [(row["device"], row["asked"], row["phase"]) for row in rows]
+    # Where the roof really was stands there, too; that is the enclosure table's.
+    return [(row["device"], row["asked"], row["phase"]) for row in rows if row["phase"] != "truth"]
 
 
 async def do(hub: FakeHub, device: str, what: str, **args: Scalar) -> CommandState:
@@ -187,6 +188,42 @@ async def test_bad_input_is_refused_with_a_reason_and_nothing_is_asked_of_a_serv
             assert refused.phase == "refused", (device, command, args)
             assert said in refused.message
     assert asked(ledger) == []
+
+
+@pytest.mark.parametrize("ros", ["ros2"], indirect=True)
+async def test_power_of_an_open_dome_is_not_cut_and_a_dome_without_power_is_silent(
+    ros: str, ledger: Path, tmp_path: Path
+) -> None:
+    site = read_site(EXAMPLE)
+    rain = replace(site.interlocks["rain"], dwell=0.0)
+    rain = replace(rain, when=tuple(replace(each, dwell=0.0) for each in rain.when))
+    dome = replace(site.enclosures["dome"], unsafe=("rain",), follow=None)
+    site = replace(site, interlocks={"rain": rain}, enclosures={"dome": dome}, alarms={})
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", dump_site(site)):
+        await seen(hub, lambda: hub.values("weather/raining"), "the weather")
+        await seen(hub, lambda: hub.values("dome/closed"), "the dome")
+        assert (await do(hub, "dome", "open")).phase == "succeeded"
+        for command, args in (("outlet1", {"active": False}), ("reboot", {"outlet": 1})):
+            refused = await do(hub, "power", command, **args)
+            assert (refused.phase, refused.message) == (
+                "refused", "Dome needs its power: Dome is not closed",
+            )  # fmt: skip
+        assert (await do(hub, "dome", "close")).phase == "succeeded"
+        await seen(hub, lambda: hub.values("dome/closed")[-1] == 1.0, "closed")
+        await seen(hub, lambda: hub.values("dome/position")[-1] < 1, "closed by its position, too")
+        cut = await do(hub, "power", "outlet1", active=False)
+        assert cut.phase == "succeeded", cut.message
+        # Its controller is dead: nothing comes any more, and what is asked of it fails.
+        failed = await do(hub, "dome", "open")
+        assert (failed.phase, "has no power" in failed.message) == ("failed", True)
+        count = len(hub.values("dome/closed"))
+        # Ten of the weather's, which come as often as the dome's.
+        weather = len(hub.values("weather/wind")) + 10
+        await seen(hub, lambda: len(hub.values("weather/wind")) >= weather, "more weather")
+        assert len(hub.values("dome/closed")) <= count + 1
+    assert [each for each in asked(ledger) if each[0] == "pdu"] == [
+        ("pdu", "outlet1 False", "answered")
+    ]
 
 
 @pytest.mark.parametrize("ros", ["ros2"], indirect=True)
@@ -340,12 +377,12 @@ async def test_a_server_killed_in_mid_slew_is_unknown_within_two_seconds_and_bac
                     args={"alt": 80.0, "az": 0.0}, ttl_ms=5000, who="Ada",
                 )
             )  # fmt: skip
-            await seen(hub, lambda: hub.values("telescope/state")[-1] == 2.0, "slewing")
-            killed = time.monotonic()
-            server.kill()
-            server.wait(10)
-            await seen(hub, lambda: away(hub) == ["telescope"], "it is not reached")
-            assert time.monotonic() - killed < 2.0
+            await seen(hub, lambda: 2.0 in hub.values("telescope/state"), "slewing")
+            with Stopwatch() as watch:
+                server.kill()
+                server.wait()
+                await seen(hub, lambda: away(hub) == ["telescope"], "it is not reached")
+            assert watch.seconds < 2.0
             assert "telescope_server does not answer" in hub.of(DeviceState)[-1].why
             # The others of the same robot go on.
             others = len(hub.values("dome/shutter"))
@@ -364,9 +401,8 @@ async def test_a_server_killed_in_mid_slew_is_unknown_within_two_seconds_and_bac
 
 
 def away(hub: FakeHub) -> list[str]:
-    """Which devices are not reached, by the newest that was told of each."""
-    newest = {each.device: each.reached for each in hub.of(DeviceState)}
-    return [device for device, reached in newest.items() if not reached]
+    """Which devices are not reached, by the newest that was told of each over this link."""
+    return list(hub.away)
 
 
 async def seen(hub: FakeHub, holds: Callable[[], object], what: str) -> None:

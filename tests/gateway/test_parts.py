@@ -12,8 +12,9 @@ from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
 from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
-from talaia.gateway.adapters.ros2_requests import fill, key_of, outcome_of
+from talaia.gateway.adapters.ros2_requests import fill, outcome_of
 from talaia.gateway.batching import Batcher, records_of
+from talaia.gateway.drive_keys import strongest_key
 from talaia.gateway.errors import FieldError, SpoolError
 from talaia.gateway.keep import Epochs, KeptStops
 from talaia.gateway.ports import Outcome
@@ -150,7 +151,7 @@ KEYS = Drive(topic="/control", message=DriveMessage.KEYS, max_speed=0.2, max_tur
 def test_velocity_becomes_the_key_of_its_stronger_direction(
     linear: float, angular: float, key: str
 ) -> None:
-    assert key_of(KEYS, linear, angular) == key
+    assert strongest_key(KEYS, linear, angular) == key
 
 
 def test_epochs_rise_over_restarts(tmp_path: Path) -> None:

@@ -10,6 +10,8 @@ from talaia.gateway.pointing import misdirected
 from talaia.model import sky
 from talaia.model.enclosure import Place, Pointing, PointingArguments
 
+pytestmark = pytest.mark.pure
+
 PLACE = Place(latitude=42.05, longitude=0.73)
 RULE = Pointing(commands={}, horizon=15, sun=30)
 SKY = PointingArguments(ra="ra", dec="dec")

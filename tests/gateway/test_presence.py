@@ -8,6 +8,8 @@ from hypothesis import given, strategies as st
 from talaia.clock import MS
 from talaia.gateway.adapters.presence import LOOK_S, Offer, Presence
 
+pytestmark = pytest.mark.pure
+
 LOOK_NS = round(LOOK_S * 1000) * MS
 NODE = frozenset({"/dome_server"})
 THERE, NOTHING = Offer(there=True, nodes=NODE, askable=NODE), Offer(there=False)

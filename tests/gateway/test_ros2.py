@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import asynccontextmanager
+from itertools import count
 from typing import TYPE_CHECKING
 
 import pytest
 import simplejpeg
 from fake_hub import FakeHub, fake_hub
-from gateway_bench import Peer, addresses_of, command, drive, filled, running, take_lease
+from gateway_bench import SITE, Peer, addresses_of, command, drive, filled, running, take_lease
 from patience import PATIENCE_S
 
 from talaia.wire.frames import (
@@ -19,6 +20,7 @@ from talaia.wire.frames import (
     CommandState,
     DriveState,
     Event,
+    InterlockState,
     Reconnect,
     ResetAsk,
     ResetToken,
@@ -32,6 +34,19 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 pytestmark = pytest.mark.robot
+STAMPED = (
+    SITE.replace(
+        "field: twist.twist.linear.x}", "field: twist.twist.linear.x, stamp: header.stamp}"
+    )
+    + """
+interlocks:
+  fast:
+    name: Fast
+    when: [{signal: base/speed, above: 5}]
+    refuse: [base/wander]
+    dwell: 0
+"""
+)
 
 
 @asynccontextmanager
@@ -355,3 +370,29 @@ async def test_site_without_a_robot_says_so_when_asked_to_reconnect(tmp_path: Pa
         await hub.send(Reconnect(device="d", who="Ada"))
         told = await hub.next(Event)
         assert (told.good, told.message) == (False, "this site has no robot connection")
+
+
+async def test_a_stamp_that_stands_still_while_messages_arrive_is_unknown(
+    peer: Peer, tmp_path: Path
+) -> None:
+    stamps = count(1)
+    newest = 0
+
+    async def send(*, stands: bool) -> None:
+        nonlocal newest
+        while True:
+            newest = newest if stands else next(stamps)
+            await peer.do("odom", speed=0.1 + newest % 2, stamp=newest)
+            await asyncio.sleep(0.1)
+
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path, STAMPED):
+        for stands in (False, True, False):
+            sending = asyncio.ensure_future(send(stands=stands))
+            told = await hub.next(
+                InterlockState,
+                lambda each, stands=stands: (
+                    "stood still" in each.why if stands else not each.locked
+                ),
+            )
+            assert told.locked is stands
+            sending.cancel()

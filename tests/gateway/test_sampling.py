@@ -3,10 +3,13 @@
 from itertools import pairwise
 from math import nan
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.gateway.sampling import Sampler, SamplingRule, rule_of
 from talaia.model.site import Signal, Source
+
+pytestmark = pytest.mark.pure
 
 SECOND = 1_000_000
 

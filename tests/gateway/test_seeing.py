@@ -55,7 +55,7 @@ devices:
       front:
         name: Front
         source: {topic: /images, type: sensor_msgs/msg/Image}
-        detect: {classes: [person], model: red, max_rate: 20}
+        detect: {classes: [person], model: red, max_rate: 20, hold: 0.2}
     drive:
       topic: /cmd_vel
       max_speed: 0.2

@@ -2,8 +2,12 @@
 
 import math
 
+import pytest
+
 from talaia.clock import SECOND
 from talaia.gateway.stop import Latched, Proof, StopLatch
+
+pytestmark = pytest.mark.pure
 
 ASK = Latched("one", "Ada", 1)
 FRESH = SECOND

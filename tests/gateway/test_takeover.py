@@ -16,6 +16,8 @@ from talaia.wire.frames import DriveState, LeaseForce, LeaseOp, LeaseState, Stop
 if TYPE_CHECKING:
     from pathlib import Path
 
+pytestmark = pytest.mark.pure
+
 
 @pytest.fixture
 def bench(tmp_path: Path) -> Bench:

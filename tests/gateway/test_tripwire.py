@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
 from talaia.gateway.interlocks import judged
 from talaia.gateway.latch import Latch, Verdict
 from talaia.gateway.ports import Reading
-from talaia.gateway.tripwire import Tripwire
+from talaia.gateway.tripwire import BadTime, Tripwire
 from talaia.model.interlock import Condition, Interlock
 from talaia.model.site import Signal, Source
+
+pytestmark = pytest.mark.pure
 
 WIND = Signal(name="Wind", max_age=5.0, source=Source(topic="/w"))
 
@@ -44,6 +47,40 @@ def test_a_limit_passed_for_a_moment_is_no_matter_but_silence_is_at_once() -> No
     silent = look(Tripwire(Condition(signal="w/w", above=45, lasting=10, dwell=9)), 1, 0, age=6)
     assert silent.unknown
     assert silent.dwell is None
+
+
+@pytest.mark.parametrize(("bad_s", "good_s"), [(1, 1), (5, 1), (2, 2), (9, 9)])
+def test_weather_that_comes_and_goes_locks(bad_s: int, good_s: int) -> None:
+    wire = Tripwire(Condition(signal="w/w", above=45, lasting=10))
+    tenths = [(at / 10, 50 if at / 10 % (bad_s + good_s) < bad_s else 40) for at in range(400)]
+    tripped = [at for at, value in tenths if look(wire, value, at).why]
+    assert tripped
+    assert 10 <= tripped[0] <= 20.2
+
+
+def test_what_is_mostly_good_does_not_lock() -> None:
+    wire = Tripwire(Condition(signal="w/w", above=45, lasting=10))
+    tenths = [(at / 10, 50 if at / 10 % 3 < 1 else 40) for at in range(2000)]
+    assert not any(look(wire, value, at).why for at, value in tenths)
+
+
+@given(
+    st.lists(st.tuples(st.integers(1, 4000), st.booleans()), max_size=80),
+    st.integers(1, 100).map(lambda each: each * 1000),
+)
+def test_the_time_that_was_bad_is_counted_to_a_hundredth_of_the_window(
+    looks: list[tuple[int, bool]], window: int
+) -> None:
+    counted, now, history = BadTime(window), 0, list[tuple[int, int]]()
+    was = False
+    for passed, bad in looks:
+        if was:
+            history.append((now, now + passed))
+        now += passed
+        found = counted.add(now, bad=bad)
+        exactly = sum(max(0, to - max(since, now - window)) for since, to in history)
+        assert exactly <= found <= exactly + window // BadTime.PARTS
+        was = bad
 
 
 @given(st.lists(st.tuples(st.floats(0, 100), st.floats(0.1, 5)), max_size=60))

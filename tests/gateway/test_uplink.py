@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import datetime
 import hashlib
+import random
 import ssl
 from typing import TYPE_CHECKING
 
@@ -102,8 +103,50 @@ def test_waits_grow_to_a_bound_and_a_mere_handshake_does_not_reset_them(
     waits = [backoff.after(each) for each in lasted]
     assert waits == sorted(waits)
     assert 0.25 <= waits[0] <= 0.5
-    assert waits[-1] <= Backoff.LONGEST_S
+    assert waits[-1] <= Backoff.QUICK_S
     assert backoff.after(Backoff.STABLE_S) <= 0.5
+
+
+@given(st.lists(st.floats(0, 9.9), max_size=40), st.floats(0, 0.999))
+def test_site_whose_link_flapped_for_long_dials_again_within_two_seconds(
+    lasted: list[float], luck: float
+) -> None:
+    """What it had been sent away for before is over, too."""
+    backoff = Backoff(lambda: luck)
+    for each in lasted:
+        backoff.after(each, sent_away_s=0.0)
+    assert backoff.after(0.0) <= 2.0
+
+
+@given(st.floats(0.1, 20), st.floats(0, 0.999), st.integers(0, 10))
+def test_who_is_sent_away_comes_back_about_when_the_hub_said(
+    after_s: float, luck: float, before: int
+) -> None:
+    backoff = Backoff(lambda: luck)
+    for _ in range(before):
+        backoff.after(0.0)
+    assert 0.5 * after_s <= backoff.after(0.0, sent_away_s=after_s) <= 1.5 * after_s
+
+
+def test_who_is_sent_away_without_a_time_waits_longer_each_time() -> None:
+    backoff = Backoff(lambda: 1.0)
+    waits = [backoff.after(0.0, sent_away_s=0.0) for _ in range(9)]
+    assert waits == [0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 30.0, 30.0, 30.0]
+
+
+def test_five_hundred_that_lose_the_hub_at_once_do_not_come_back_at_once() -> None:
+    """Each tries until the hub is there again; of them a fifth at most comes in any 0.2 s."""
+    chance = random.Random(1)  # noqa: S311 - not a secret
+    came = []
+    for _ in range(500):
+        backoff, at = Backoff(chance.random), 0.0
+        while at < 10.0:
+            at += backoff.after(0.0)
+        came.append(at)
+    assert max(came) < 12.0
+    for tenth in range(10):
+        begin = 10.0 + tenth * 0.2
+        assert sum(begin <= each < begin + 0.2 for each in came) < 100
 
 
 def test_refused_key_waits_long() -> None:

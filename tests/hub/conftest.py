@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import re
 import shutil
 import socket
+import ssl
 from contextlib import AsyncExitStack
 from pathlib import Path
 
+import fastapi.dependencies.models
 import httpx
 import numpy as np
 import pytest
+import pytest_asyncio
 import websockets
 from patience import PATIENCE_S
 
@@ -49,6 +53,10 @@ from .databases import (  # noqa: F401 - fixtures of every test of the hub
 EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
 # Less what watches it: each test says for itself what is watched.
 DESCRIPTION = re.sub(r"\n +anomalies:(\n +- .*)+", "", EXAMPLE.partition("\nalarms:\n")[0])
+
+
+# To read the certificates of all authorities takes longer than what most clients ask.
+_TLS = ssl.create_default_context()
 
 
 class MemoryHistory:
@@ -263,6 +271,7 @@ class RunningHub:
         self._server.should_exit = True
         await self._serving
         self._listener.close()
+        _forget_routes()
 
     async def populate(self) -> None:
         hashed = await Passwords(4).hash(PASSWORD)
@@ -273,7 +282,10 @@ class RunningHub:
     async def client(self, name: str = "") -> httpx.AsyncClient:
         """Open an HTTP client, signed in as ``name`` unless it is empty."""
         client = httpx.AsyncClient(
-            base_url=self.origin, headers={"Origin": self.origin}, timeout=PATIENCE_S
+            base_url=self.origin,
+            headers={"Origin": self.origin},
+            timeout=PATIENCE_S,
+            verify=_TLS,
         )
         await self._stack.enter_async_context(client)
         if name:
@@ -333,11 +345,35 @@ class RunningHub:
         return peer
 
 
+def _forget_routes() -> None:
+    """Empty what FastAPI remembers of routes: it would hold thousands of them, and their hubs."""
+    for each in vars(fastapi.dependencies.models).values():
+        if hasattr(each, "cache_clear"):
+            each.cache_clear()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _garbage_is_looked_for_seldom():
+    """Spare half of what it takes to start a hub: to go through all modules again and again."""
+    often = gc.get_threshold()
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 10, 10)
+    yield
+    gc.set_threshold(*often)
+    gc.unfreeze()
+
+
 @pytest.fixture
 def settings(tmp_path) -> Settings:
-    shutil.copy(origin_of("sqlite"), tmp_path)
+    return settings_in(tmp_path)
+
+
+def settings_in(folder: Path) -> Settings:
+    """Give the settings of a hub that keeps its data in a folder, with a database that is ready."""
+    shutil.copy(origin_of("sqlite"), folder)
     return Settings(
-        data=tmp_path,
+        data=folder,
         plain=True,
         port=0,
         password_cost=4,
@@ -365,6 +401,19 @@ async def hub(empty_hub):
     """A hub with a guest, an operator and an admin, and a gateway's key."""
     await empty_hub.populate()
     return empty_hub
+
+
+@pytest.fixture(scope="module")
+def shared_settings(tmp_path_factory) -> Settings:
+    return settings_in(tmp_path_factory.mktemp("hub"))
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared_hub(shared_settings):
+    """The same for all tests of a file that leave it as it is; they run in the file's loop."""
+    async with RunningHub(shared_settings, MemoryHistory()) as running:
+        await running.populate()
+        yield running
 
 
 @pytest.fixture

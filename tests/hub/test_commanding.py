@@ -4,6 +4,7 @@ import asyncio
 
 import msgspec
 import pytest
+from msgspec.structs import replace
 
 from talaia.hub.store.audit import Audit, Filter
 from talaia.wire import browser as page_wire, frames
@@ -199,6 +200,58 @@ async def test_command_goes_down_once_and_its_phases_come_back(hub, gateway) -> 
             page_wire.CommandNews, lambda news: news.phase is CommandPhase.SUCCEEDED
         )
         assert news.who == "operator"
+
+
+async def test_who_acts_is_told_and_the_wish_to_interrupt_goes_down_with_the_command(
+    hub, gateway
+) -> None:
+    page = await hub.page("operator")
+    await page.say(WANDER)
+    ask = await gateway.hear(frames.CommandAsk)
+    assert ask.over == ""
+    why, blocked_by = "Ada is acting on Base: Wander (since 4 s)", "theirs"
+    await gateway.say(
+        frames.CommandState(
+            id=ask.id, device="base", command="wander", phase=CommandPhase.REFUSED, message=why,
+            blocked_by=blocked_by,
+        )
+    )  # fmt: skip
+    news = await page.hear(page_wire.CommandNews)
+    assert (news.message, news.blocked_by) == (why, blocked_by)
+    await page.say(replace(WANDER, id="c-2", over=blocked_by))
+    assert (await gateway.hear(frames.CommandAsk)).over == blocked_by
+
+
+async def test_a_page_that_comes_while_somebody_acts_is_told_who_and_for_how_long(
+    hub, gateway
+) -> None:
+    before = await hub.page("operator")
+    acting = frames.CommandState(
+        id="hers", device="base", command="wander", phase=CommandPhase.RUNNING, who="Ada",
+        acting="Ada is acting on Base: Wander", acting_s=4.0,
+    )  # fmt: skip
+    await gateway.say(acting)
+    assert (await before.hear(page_wire.CommandNews)).acting == acting.acting
+    late = await (await hub.page("operator")).hear(page_wire.CommandNews)
+    assert (late.id, late.who, late.acting) == ("hers", "Ada", acting.acting)
+    assert 4.0 <= late.acting_s < 60.0
+    # Names of people are for those who may view the device.
+    guest = await hub.page("guest")
+    await gateway.say(replace(acting, id="his", over="Base: Wander of Ada (hers)", who="Bob"))
+    await before.hear(page_wire.CommandNews, lambda news: news.id == "his")
+    await hub.hub._audit.written()
+    admin = await hub.client("admin")
+    found = (await admin.get("/api/audit", params={"kind": "command interrupts"})).json()["rows"]
+    assert [(row["who"], row["message"]) for row in found] == [
+        ("Bob", "wander his interrupts Base: Wander of Ada (hers)")
+    ]
+    for each in ("hers", "his"):
+        await gateway.say(replace(acting, id=each, phase=CommandPhase.SUCCEEDED, acting=""))
+    await before.hear(page_wire.CommandNews, lambda news: (news.id, news.acting) == ("his", ""))
+    await gateway.say(replace(acting, id="third"))
+    last = await hub.page("operator")
+    assert (await last.hear(page_wire.CommandNews)).id == "third"
+    assert not [one for one in guest.heard if isinstance(one, page_wire.CommandNews)]
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from talaia.wire.browser import (
     SiteNews,
     Subscribe,
     Subscribed,
+    Unsubscribe,
     Values,
 )  # fmt: skip
 from talaia.wire.columns import unpack
@@ -270,3 +271,28 @@ async def test_address_that_is_asked_twice_is_sent_once(hub, gateway) -> None:
     assert answer.refused == []
     await gateway.samples(("base/speed", NOW, 0.5))
     assert columns(await page.hear(Values)).channel.tolist() == [0]
+
+
+async def test_subscription_asked_for_while_the_database_was_away_is_granted_by_itself(
+    hub, gateway, monkeypatch
+) -> None:
+    page = await hub.page("operator")
+    await page.hear(SiteNews)
+    seats = type(hub.hub._seats)
+    monkeypatch.setattr(seats, "sure", property(lambda _: False))
+    await page.say(Subscribe(sub=1, site="agv", channels=["base/speed"], every_ms=0))
+    await page.say(Subscribe(sub=2, site="agv", channels=["base/speed"], every_ms=0))
+    for _ in range(2):
+        assert (await page.hear(Problem)).code == "store"
+    # One it does not want any more.
+    await page.say(Unsubscribe(sub=2))
+    await page.say(Ping(n=1, at_ms=0.0))
+    await page.hear(Pong)
+    await gateway.samples(("base/speed", NOW, 0.5))
+    await gateway.hear(Ack)
+    monkeypatch.setattr(seats, "sure", property(lambda _: True))
+    assert (await page.hear(Subscribed)).sub == 1
+    assert columns(await page.hear(Values)).value.tolist() == [0.5]
+    await gateway.samples(("base/speed", NOW + 1, 0.75))
+    assert (await page.hear(Values)).sub == 1
+    assert not [each for each in page.heard if isinstance(each, Subscribed)]

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings, strategies as st
 
 from talaia.hub.live.conflate import conflate, join, newest, weight
-from talaia.hub.live.outbox import Outbox
+from talaia.hub.live.outbox import Outbox, values_of
 from talaia.wire.browser import TO_BROWSER, Values
 from talaia.wire.columns import Columns, unpack
 
@@ -196,3 +196,37 @@ def test_spike_survives_when_thinning_by_extremes_is_enough() -> None:
     values = [value for _, value in drained(outbox)[1]]
     assert max(values) == 99.0
     assert values[-1] == 2.0
+
+
+@settings(max_examples=40)
+@given(puts)
+def test_outbox_that_must_drop_owes_the_newest_value_of_each_channel(batches) -> None:
+    """So small a budget that even one sample of each channel is too much."""
+    latest: dict[tuple[int, int], float] = {}
+
+    def known(sub: int, places: list[int]) -> list[Values]:
+        here = [(place, latest[sub, place]) for place in places]
+        return values_of(sub, columns(*here))
+
+    outbox = Outbox(TO_BROWSER.encode, 40, known)
+    for sub, batch in batches:
+        outbox.values(sub, columns(*batch))
+        latest.update({(sub, channel): value for channel, value in batch})
+    delivered = {
+        (sub, channel): value for sub, got in drained(outbox).items() for channel, value in got
+    }
+    assert delivered.keys() == latest.keys()
+    assert all(same(delivered[key], value) for key, value in latest.items())
+
+
+def test_newest_value_is_told_behind_what_waits_and_at_the_beginning_before_it() -> None:
+    outbox = Outbox(TO_BROWSER.encode, known=lambda sub, _: values_of(sub, columns((0, 11.0))))
+    outbox.values(1, columns((0, 3.0)))
+    outbox.owe(1, [0])
+    assert drained(outbox) == {1: [(0, 3.0), (0, 11.0)]}
+    outbox.values(1, columns((0, 12.0)))
+    outbox.owe(1, [0], first=True)
+    assert drained(outbox) == {1: [(0, 11.0), (0, 12.0)]}
+    outbox.owe(1, [0])
+    outbox.forget(1)
+    assert not outbox

@@ -50,13 +50,17 @@ async def test_a_guest_sees_no_limit_of_what_is_not_public(hub, observatory) -> 
     }
     assert "weather/wind" in signals
     assert "weather/gust" not in signals
-    assert rules["weather"]["hidden"] == 1
+    assert rules["weather"]["hidden"] == 2
     assert rules["rain"]["targets"] == ["dome/open"]
 
 
 async def test_a_roof_says_by_which_sensors_it_is_closed(hub, observatory) -> None:
     (roof,) = (await described(hub, "operator"))["enclosures"]
-    assert [each["signal"] for each in roof["closed"]] == ["dome/closed", "dome/shutter"]
+    assert [each["signal"] for each in roof["closed"]] == [
+        "dome/closed",
+        "dome/shutter",
+        "dome/position",
+    ]
     assert (roof["close"], roof["stop"], roof["unsafe"]) == (
         "dome/close",
         "dome/stop",

@@ -8,6 +8,8 @@ import pytest
 from talaia.hub.live.thinning import Thinning
 from talaia.wire.columns import Columns
 
+pytestmark = pytest.mark.pure
+
 NOW = 1_795_000_000_000_000
 SECOND = 1_000_000
 FAST, SLOW, ALL = 0, 1, 2

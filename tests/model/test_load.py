@@ -13,6 +13,7 @@ from talaia.model.check import check, raise_first
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.load import dump_site, load_site, read_site
 from talaia.model.site import Device, Ros2Settings, Signal, SignalType, Site, Source
+from talaia.model.zones import known_zones
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
 AGV = (Path(__file__).parents[2] / "examples/agv/site.yaml").read_text()
@@ -129,10 +130,16 @@ def test_any_text_is_a_description_or_a_description_error(text: str) -> None:
         load_site(text)
 
 
+# What `check` refuses would be thrown away: of every letter, six examples of seven.
+seen = st.text(
+    st.characters(exclude_categories=["Cc", "Cf", "Cs", "Zl", "Zp"]), min_size=1, max_size=40
+).filter(str.strip)
+
+
 @given(
     st.dictionaries(
         st.from_regex(r"[a-z][a-z0-9_]{0,20}", fullmatch=True),
-        st.tuples(st.text(min_size=1, max_size=40), st.floats(allow_nan=False)),
+        st.tuples(seen, st.floats(allow_nan=False, allow_infinity=False)),
         max_size=6,
     )
 )
@@ -401,3 +408,10 @@ def test_the_only_connection_need_not_be_named() -> None:
     site = load_site(AGV)
     assert site.connection_of("base") == "ros2"
     assert {*site.links()} == {"ros2"}
+
+
+def test_the_zones_are_listed_once_for_all_descriptions() -> None:
+    known_zones.cache_clear()
+    for zone in ("Europe/Madrid", "Asia/Tokyo", "Mars/Olympus"):
+        check(msgspec.structs.replace(load_site(AGV), zone=zone))
+    assert known_zones.cache_info().misses == 1

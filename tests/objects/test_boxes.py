@@ -8,6 +8,8 @@ from talaia.objects.boxes import centred, corners, distances, fitted, suppressed
 from talaia.objects.detector import Detector, Kind, Setting
 from talaia.objects.errors import DetectorError
 
+pytestmark = pytest.mark.pure
+
 sizes = st.integers(1, 120)
 
 

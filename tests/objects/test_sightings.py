@@ -1,9 +1,12 @@
 """What was seen from when to when."""
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.objects.sightings import GONE_US, Sighting, Sightings
 from talaia.objects.things import Thing
+
+pytestmark = pytest.mark.pure
 
 STEP = 100_000
 

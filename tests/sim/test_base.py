@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import MS
 from talaia.sim.vehicle.base import MAX_SPEED, MAX_TURN, Base, Change, Ramp, Source
+
+pytestmark = pytest.mark.pure
 
 
 def test_a_command_is_wanted_until_it_is_too_old() -> None:

@@ -8,6 +8,8 @@ import pytest
 
 from talaia.sim.vehicle.run import arguments, main
 
+pytestmark = pytest.mark.pure
+
 
 def test_it_does_not_wander_unless_asked() -> None:
     assert arguments().parse_args([]).wander is False

@@ -8,6 +8,8 @@ import pytest
 
 from talaia.sim.vehicle.sensors import ORIGIN, Battery, on_earth, temperature
 
+pytestmark = pytest.mark.pure
+
 
 def test_driving_drains_the_battery_faster_than_standing() -> None:
     standing, driving = Battery(0.9), Battery(0.9)

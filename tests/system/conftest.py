@@ -15,9 +15,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from playwright.sync_api import Browser, sync_playwright
+from patience import PATIENCE_MS, PATIENCE_S
+from playwright.sync_api import Browser, expect, sync_playwright
 
 from .stack import Stack
+
+# What must come may take its time on a busy machine; see `patience`.
+expect.set_options(timeout=PATIENCE_MS)
 
 REQUIRE_ALL = bool(os.environ.get("TALAIA_REQUIRE_ALL"))
 CHROMIUM_FLAGS = [
@@ -59,12 +63,16 @@ def need_ros2() -> None:
         missing("ROS 2 (rclpy)")
 
 
-def need_ros1() -> None:
-    """Skip, or fail, where Debian's ROS 1 is not whole."""
+def absent_ros1() -> list[str]:
+    """Give what of Debian's ROS 1 is not there."""
     packages = ("rospy", "rosgraph", "std_srvs", "geometry_msgs", "sensor_msgs")
     here = [Path("/usr/lib/python3/dist-packages") / each for each in packages]
-    absent = [each.name for each in (*here, Path("/usr/bin/rosmaster")) if not each.exists()]
-    if absent:
+    return [each.name for each in (*here, Path("/usr/bin/rosmaster")) if not each.exists()]
+
+
+def need_ros1() -> None:
+    """Skip, or fail, where Debian's ROS 1 is not whole."""
+    if absent := absent_ros1():
         missing(f"ROS 1 ({', '.join(absent)}; apt install python3-rospy python3-rosmaster)")
 
 
@@ -94,7 +102,7 @@ def begin_demo(word: str, folder: Path, *more: str) -> Demo:
         start_new_session=True,
     )
     # A demo that says nothing is ended, so that the read below cannot wait for ever.
-    alarm = threading.Timer(150, process.kill)
+    alarm = threading.Timer(PATIENCE_S, process.kill)
     alarm.start()
     said = ""
     assert process.stdout is not None
@@ -107,6 +115,7 @@ def begin_demo(word: str, folder: Path, *more: str) -> Demo:
     if not ready:
         process.kill()
         process.wait()
+        process.stdout.close()
         logs = "".join(f"\n{p.name}:\n{p.read_text()[-2000:]}" for p in folder.rglob("*.log"))
         pytest.fail(f"the demo did not start:\n{said}{logs}")
     passwords = dict(re.findall(r"^    (admin|operator|guest)\s+(\S+)$", said, re.MULTILINE))
@@ -118,7 +127,7 @@ def begin_demo(word: str, folder: Path, *more: str) -> Demo:
 def stop_demo(demo: Demo) -> int:
     """Press Ctrl-C and give the exit code."""
     demo.process.send_signal(signal.SIGINT)
-    code = demo.process.wait(20)
+    code = demo.process.wait(PATIENCE_S)
     assert demo.process.stdout is not None
     demo.process.stdout.close()
     return code
@@ -171,12 +180,12 @@ def chrome(browser: Browser) -> Iterator[Browser]:
 
 
 @contextlib.contextmanager
-def running_stack(folders: pytest.TempPathFactory) -> Iterator[Stack]:
+def running_stack(folders: pytest.TempPathFactory, description: str = "") -> Iterator[Stack]:
     """Run a hub, a gateway and a robot; see `Stack`."""
     for module in ("rclpy", "mujoco"):
         if not __import__("importlib.util").util.find_spec(module):
             missing(module)
-    running = Stack(folders.mktemp("stack"))
+    running = Stack(folders.mktemp("stack"), description)
     try:
         yield running
     finally:

@@ -13,6 +13,7 @@ from typing import Any
 from patience import PATIENCE_S
 from ports import free_port
 
+from talaia.gateway.watchdog.feeding import dismiss
 from talaia.model.load import dump_site, load_site
 from talaia.sim import domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
@@ -27,12 +28,14 @@ class Observatory:
     """Processes of one observatory in a folder; the hub's port is one where nobody answers."""
 
     def __init__(
-        self, folder: Path, description: str = "", *, ros1: bool = False, hours: int = 0
-    ) -> None:
+        self, folder: Path, description: str = "", *, ros1: bool = False, hours: int = 0,
+        roof: str = "dome",
+    ) -> None:  # fmt: skip
         """Start the simulator, as ROS 2 or ROS 1 nodes; see `start_gateway`.
 
-        It stands where it is so many hours after midnight.
+        It stands where it is so many hours after midnight, under a roof of that kind.
         """
+        self._roof = roof
         self.folder = folder
         self._ros1 = ["--ros1"] if ros1 else []
         self._world = domain.reserve()
@@ -54,7 +57,7 @@ class Observatory:
         words = ["-m", "talaia", "sim", "observatory", "--speed", str(SPEED)]
         words += self._ros1 or ["--domain", str(self._world.domain)]
         words += ["--longitude", str(longitude_of_night(self._now))]
-        words += ["--log", str(self.ledger_file), *more]
+        words += ["--enclosure", self._roof, "--log", str(self.ledger_file), *more]
         return Process(words, self.folder / "sim.log", self.environment)
 
     def start_gateway(self, *more: str) -> Process:
@@ -106,4 +109,6 @@ class Observatory:
     def close(self) -> None:
         for part in reversed(self.parts):
             part.end()
+        # That of a gateway that was killed.
+        dismiss(self.folder / "gateway" / "watchdog.lock")
         self._world.release()

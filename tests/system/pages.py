@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Protocol
 
+from patience import PATIENCE_S
 from playwright.sync_api import Browser, Page
 
 from .stack import PASSWORD
@@ -43,6 +45,17 @@ def visit(
         page.add_init_script(each)
     sign_in(page, hub, name)
     return page
+
+
+def seen_after(page: Page, begun: float, condition: Callable[[], object]) -> float:
+    """Wait until a condition of the page holds; give how long after ``begun`` (monotonic, s).
+
+    Playwright's own `expect` looks only once a second after a while, which is no measure.
+    """
+    while not condition():
+        assert time.monotonic() - begun < PATIENCE_S, "it did not come to that"
+        page.wait_for_timeout(5)
+    return time.monotonic() - begun
 
 
 def picture(page: Page, name: str) -> None:

@@ -11,6 +11,7 @@ from typing import TypeVar
 
 import httpx
 import websockets
+from patience import PATIENCE_S
 from websockets.asyncio.client import ClientConnection, connect
 
 from talaia.wire import browser
@@ -25,7 +26,7 @@ PERIOD_S = 0.05
 
 async def sign_in(stack: Stack, name: str) -> str:
     """Sign in and give the session's cookie."""
-    async with httpx.AsyncClient(base_url=stack.address) as client:
+    async with httpx.AsyncClient(base_url=stack.address, timeout=30) as client:
         answer = await client.post(
             "/api/login",
             json={"name": name, "password": PASSWORD},
@@ -75,7 +76,7 @@ class Page:
 
     async def sees(
         self, kind: type[M], condition: Callable[[M], object] = lambda _: True, *,
-        since: int = 0, within: float = 10,
+        since: int = 0, within: float = PATIENCE_S,
     ) -> M:  # fmt: skip
         """Wait for a message, from position ``since`` of `got` on, and give it."""
 
@@ -91,7 +92,7 @@ class Page:
     async def online(self) -> None:
         await until(
             lambda: self.all(browser.SiteNews) and self.all(browser.SiteNews)[-1].online,
-            30,
+            PATIENCE_S,
             "the site online",
         )
 

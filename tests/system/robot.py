@@ -5,7 +5,7 @@
 HEARD gets one JSON object a line for each message: ``t`` (monotonic, ns), ``topic``, ``v``.
 LEDGER gets one line for each value published on ``/count``: value, moment (monotonic, ns), and
 how many subscriptions had ever been known just before. Words on stdin: ``count RATE``, ``quiet``,
-``metric TEXT``, ``hang`` and ``answer`` (for what its service does).
+``metric TEXT``, ``door VALUE`` (said once), ``hang`` and ``answer`` (for what its service does).
 """
 
 from __future__ import annotations
@@ -138,6 +138,7 @@ def run(node: rclpy.node.Node, heard: TextIO, ledger: TextIO) -> None:
     counter = Counter(node, ledger)
     worker = Worker(node, heard)
     metric = node.create_publisher(String, "/metric", QoSProfile(depth=100))
+    door = node.create_publisher(Float64, "/door", QoSProfile(depth=10))
     executor = MultiThreadedExecutor(2)
     executor.add_node(node)
 
@@ -162,6 +163,10 @@ def run(node: rclpy.node.Node, heard: TextIO, ledger: TextIO) -> None:
             worker.free.clear()
         elif word == "answer":
             worker.free.set()
+        elif word == "door":
+            door.publish(Float64(data=float(rest)))
+            sys.stdout.write(f"door is {rest}\n")
+            sys.stdout.flush()
         elif word == "metric":
             metric.publish(String(data=rest))
 

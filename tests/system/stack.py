@@ -73,7 +73,9 @@ class Heard(NamedTuple):
     v: object
 
 
-async def until(condition: Callable[[], object], within: float, what: str = "") -> None:
+async def until(
+    condition: Callable[[], object], within: float = PATIENCE_S, what: str = ""
+) -> None:
     """Wait until a condition holds; fail with ``what`` when it does not in time (s)."""
     deadline = time.monotonic() + within
     while not condition():

@@ -16,8 +16,8 @@ from playwright.sync_api import Browser, BrowserContext, Page, expect
 from . import pages
 from .conftest import Demo
 
-pytestmark = [pytest.mark.browser, pytest.mark.robot, pytest.mark.timeout(180)]
-TTL_NS, ROBOT_STOPS_NS = 250_000_000, 500_000_000
+pytestmark = [pytest.mark.browser, pytest.mark.robot]
+ROBOT_STOPS_NS = 500_000_000
 
 
 @pytest.fixture
@@ -57,7 +57,7 @@ def actuations(demo: Demo) -> list[dict[str, float]]:
     return [json.loads(line) for line in demo.actuations.read_text().splitlines()]
 
 
-def until(true: Callable[[], bool], page: Page, seconds: float = 10.0) -> None:
+def until(true: Callable[[], bool], page: Page, seconds: float = PATIENCE_S) -> None:
     """Wait for something outside the page while the page lives on."""
     end = time.monotonic() + seconds
     while not true():
@@ -118,7 +118,7 @@ def test_charts_are_painted_with_samples_that_are_young(
     page.set_viewport_size({"width": 1440, "height": 3000})
     wanted = ("base/speed", "base/turn_rate", "sensors/ultrasonic1")
     count = "(each) => (window.__painted[each] ?? []).length"
-    until(lambda: all(page.evaluate(count, each) > 10 for each in wanted), page, 20)
+    until(lambda: all(page.evaluate(count, each) > 10 for each in wanted), page)
     newest = page.evaluate("window.__painted['base/speed'].at(-1)")
     assert abs(time.time() * 1e6 - newest) < 5e6
     assert faults == []
@@ -131,7 +131,7 @@ def test_holding_a_key_drives_the_vehicle_and_letting_go_stops_it(
     take_control(page, demo)
     known = hold_until_it_drives(page, demo)
     page.wait_for_timeout(600)  # so long that without renewal the frames would be refused
-    assert actuations(demo)[-1]["v"] > 0.05
+    until(lambda: actuations(demo)[-1]["v"] > 0.05, page)
     page.keyboard.up("w")
     released = time.monotonic_ns()
     assert stopped_after(demo, known, page) - released < ROBOT_STOPS_NS
@@ -155,11 +155,17 @@ def test_closing_the_tab_stops_the_vehicle(
 def test_a_page_that_loses_its_network_stops_the_vehicle(
     context: BrowserContext, demo: Demo
 ) -> None:
+    # When the page sent its last word is the page's to say: to freeze it takes its time.
+    context.add_init_script(
+        "window.__sent = [];"
+        "const send = WebSocket.prototype.send;"
+        "WebSocket.prototype.send = function (data) {"
+        " window.__sent.push(performance.timeOrigin + performance.now()); send.call(this, data); }"
+    )
     page = sign_in(context, demo, "operator")
     take_control(page, demo)
     known = hold_until_it_drives(page, demo)
     session = context.new_cdp_session(page)
-    lost = time.monotonic_ns()
     # The page itself freezes: no frame, no goodbye; only the gateway's watchdog is left.
     session.send("Debugger.enable")
     session.send("Debugger.pause")
@@ -167,9 +173,12 @@ def test_a_page_that_loses_its_network_stops_the_vehicle(
     while actuations(demo)[-1]["v"] != 0:
         assert time.monotonic() < end
     assert len(actuations(demo)) > known
-    assert actuations(demo)[-1]["monotonic_ns"] - lost < ROBOT_STOPS_NS
+    stopped = actuations(demo)[-1]["wall_ns"]
     session.send("Debugger.resume")
     page.keyboard.up("w")
+    sent = page.evaluate("window.__sent")
+    lost = max(each for each in sent if each * 1e6 < stopped) * 1e6
+    assert stopped - lost < ROBOT_STOPS_NS
 
 
 def test_two_drivers_cannot_have_one_vehicle(

@@ -20,7 +20,7 @@ from .conftest import missing
 from .pages import picture, visit
 from .stack import SITE, Process, Stack, finish
 
-pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.robot, pytest.mark.browser]
 
 IMAGES = ("rgb8", "yuyv", "bayer_rggb8", "mono16", "unknown", "short")
 COMPRESSED = ("jpeg", "cut")

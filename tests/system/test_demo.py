@@ -9,18 +9,20 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 import urllib.request
+from collections.abc import Callable
 from pathlib import Path
 
 import psutil
 import pytest
+from patience import PATIENCE_S
 
-from .conftest import start_demo, stop_demo
+from .conftest import Demo, start_demo, stop_demo
 
 pytestmark = pytest.mark.robot
 
 
-@pytest.mark.timeout(180)
 def test_the_demo_starts_serves_and_ends_with_everything_it_started(tmp_path: Path) -> None:
     demo = start_demo(tmp_path, "--no-camera")
     try:
@@ -47,7 +49,41 @@ def _is_zombie(process: psutil.Process) -> bool:
         return True
 
 
-@pytest.mark.timeout(180)
+def wait_for(condition: Callable[[], object]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def kill_part(demo: Demo, word: str) -> None:
+    """Kill -9 the demo's own hub or gateway."""
+    children = psutil.Process(demo.process.pid).children()
+    (found,) = [each for each in children if word in each.cmdline()[:4]]
+    found.kill()
+
+
+def test_a_hub_and_a_gateway_of_the_demo_that_are_killed_are_started_again(tmp_path: Path) -> None:
+    demo = start_demo(tmp_path, "--no-camera", "--no-observatory")
+    try:
+        hub, gateway = demo.data / "hub.log", demo.data / "gateway.log"
+        kill_part(demo, "hub")
+        wait_for(lambda: hub.read_text().count("talaia hub is ready") == 2)
+        wait_for(lambda: gateway.read_text().count("linked to") == 2)
+        with urllib.request.urlopen(f"{demo.address}/api/health", timeout=10) as answer:  # noqa: S310 - http, on loopback
+            assert answer.status == 200
+        kill_part(demo, "gateway")
+        wait_for(lambda: gateway.read_text().count("linked to") == 3)
+        family = psutil.Process(demo.process.pid).children(recursive=True)
+    finally:
+        demo.process.send_signal(signal.SIGINT)
+        said, _ = demo.process.communicate(timeout=PATIENCE_S)
+    assert demo.process.returncode == 0
+    assert psutil.wait_procs(family, timeout=10)[1] == []
+    assert said.count("the hub stopped (exit code -9); it is started again") == 1
+    assert said.count("the gateway of the vehicle stopped (exit code -9)") == 1
+
+
 def test_when_the_demo_is_killed_its_vehicle_does_not_go_on_alone(tmp_path: Path) -> None:
     demo = start_demo(tmp_path, "--no-camera")
     family = psutil.Process(demo.process.pid).children(recursive=True)
@@ -63,7 +99,6 @@ def test_when_the_demo_is_killed_its_vehicle_does_not_go_on_alone(tmp_path: Path
     assert alive == []
 
 
-@pytest.mark.timeout(240)
 def test_what_somebody_changed_in_a_kept_demo_is_still_so_in_the_next(tmp_path: Path) -> None:
     files = [tmp_path / "agv.yaml", tmp_path / "observatory.yaml"]
     assert stop_demo(start_demo(tmp_path, "--no-camera")) == 0
@@ -88,7 +123,6 @@ def test_what_somebody_changed_in_a_kept_demo_is_still_so_in_the_next(tmp_path: 
     assert "was changed" not in demo.said
 
 
-@pytest.mark.timeout(180)
 def test_two_demos_side_by_side_have_ports_and_domains_of_their_own(tmp_path: Path) -> None:
     first = start_demo(tmp_path / "one", "--no-camera")
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import socket
 import subprocess
+import time
 from pathlib import Path
 
 import httpx
@@ -14,12 +15,14 @@ from patience import PATIENCE_S
 from websockets.asyncio.client import connect
 
 from talaia.cli.demo_indi import DRIVERS
+from talaia.model import sky
+from talaia.model.load import read_site
 from talaia.wire import browser
 
 from .conftest import Demo, begin_demo, need_indi, stop_demo
 from .people import Page
 
-pytestmark = [pytest.mark.robot, pytest.mark.timeout(150)]
+pytestmark = pytest.mark.robot
 
 
 async def turn(demo: Demo, degrees: float) -> browser.CommandNews:
@@ -49,11 +52,10 @@ async def turn(demo: Demo, degrees: float) -> browser.CommandNews:
         )
 
 
-def azimuth(demo: Demo) -> float:
-    """Where the simulator itself says that its dome stands."""
+def simulator(demo: Demo, asked: str) -> float:
+    """What a simulator itself says."""
     found = re.search(r"port: (\d+)", (demo.data / "site.yaml").read_text())
     assert found is not None
-    asked = "Dome Simulator.ABS_DOME_POSITION.DOME_ABSOLUTE_POSITION"
     words = ["indi_getprop", "-1", "-p", found[1], asked]
     return float(subprocess.run(words, capture_output=True, timeout=PATIENCE_S, check=True).stdout)
 
@@ -70,7 +72,15 @@ async def test_the_demo_starts_turns_a_dome_and_ends_with_everything_it_started(
         assert demo.data.parent == tmp_path
         done = await turn(demo, 30.0)
         assert (done.phase, done.message) == ("succeeded", done.message)
-        assert azimuth(demo) == 30.0
+        assert simulator(demo, "Dome Simulator.ABS_DOME_POSITION.DOME_ABSOLUTE_POSITION") == 30.0
+        # It stands where it is night, so that its roof may be opened; and its mount stands there.
+        place = read_site(demo.data / "site.yaml").place
+        assert place is not None
+        jd = sky.julian_day(time.time())
+        here = sky.Place(place.latitude, place.longitude, place.elevation)
+        assert sky.altaz(*sky.sun(jd), here, jd).alt < -8
+        longitude = simulator(demo, "Telescope Simulator.GEOGRAPHIC_COORD.LONG")
+        assert longitude == pytest.approx(place.longitude % 360.0, abs=0.01)
     finally:
         code = stop_demo(demo)
     assert code == 0

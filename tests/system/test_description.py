@@ -12,7 +12,7 @@ from .conftest import missing
 from .pages import picture, visit
 from .stack import SITE, Stack, finish
 
-pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.robot, pytest.mark.browser]
 
 DESCRIPTION = """\
 # A robot that counts.

@@ -27,7 +27,7 @@ pytest.importorskip("av")
 import av
 from tests.gateway.rtsp_camera import RtspCamera
 
-pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.robot, pytest.mark.browser]
 
 DESCRIPTION = """
 talaia: 1

@@ -19,7 +19,7 @@ from .people import Page, page
 from .stack import SITE, Stack, finish, until
 from .test_driving import drive, moving, standstill
 
-pytestmark = [pytest.mark.robot, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.robot
 
 DESCRIPTION = """\
 talaia: 1
@@ -81,7 +81,7 @@ async def released(stack: Stack, driver: Page) -> None:
         news = driver.all(browser.InterlockNews)
         return bool(news) and not news[-1].locked
 
-    await until(free, 15, "the interlock released")
+    await until(free, what="the interlock released")
 
 
 async def command(driver: Page, name: str, command_id: str) -> browser.CommandNews:
@@ -103,7 +103,9 @@ async def test_unsafe_stops_the_driver_acts_and_refuses_until_it_was_safe_for_th
         at = tilt(slope, 30)
         took_ms = await standstill(slope, at)
         assert took_ms <= 500
-        await until(lambda: [x for x in slope.heard("/control", at) if x.v == "h"], 5, "the brake")
+        await until(
+            lambda: [x for x in slope.heard("/control", at) if x.v == "h"], what="the brake"
+        )
         news = await driver.sees(browser.InterlockNews, lambda x: x.locked, since=since)
         assert (news.name, news.why) == ("Too steep", "Tilt is above 20 °")
         assert news.refuses == ["Base: driving", "Base: Beep"]
@@ -130,11 +132,11 @@ async def test_without_a_hub_the_gateway_acts_all_the_same(slope: Stack) -> None
         await released(slope, driver)
     at = slope.hub.kill()
     await slope.gateway.says("link_loss_acted")
-    await until(lambda: [x for x in slope.heard("/control", at) if x.v == "l"], 10, "home")
+    await until(lambda: [x for x in slope.heard("/control", at) if x.v == "l"], what="home")
     home = next(x for x in slope.heard("/control", at) if x.v == "l")
     assert 1_900_000_000 <= home.t - at <= 4_500_000_000
     at = tilt(slope, 30)
-    await until(lambda: [x for x in slope.heard("/control", at) if x.v == "h"], 5, "the brake")
+    await until(lambda: [x for x in slope.heard("/control", at) if x.v == "h"], what="the brake")
     await slope.fresh()
 
 
@@ -146,6 +148,7 @@ def test_every_page_shows_the_lock_and_an_admin_overrides_it_with_a_reason(
     slope.start_gateway()
     boss = visit(chrome, slope, "boss", width=1280)
     bar = boss.locator("t-interlock").filter(has_text="Too steep")
+    strip = boss.locator("t-interlocks .strip")
     # Nothing was heard of the slope yet: unknown is unsafe.
     expect(bar).to_contain_text("Tilt: no value yet", timeout=PATIENCE_MS)
     while not bar.filter(has_text="above").count():
@@ -156,12 +159,18 @@ def test_every_page_shows_the_lock_and_an_admin_overrides_it_with_a_reason(
     for where in ("home", f"sites/{SITE}/live", f"sites/{SITE}/history", f"sites/{SITE}/drive"):
         boss.goto(f"{slope.address}/{where}")
         expect(bar).to_contain_text("Refused: Base: driving, Base: Beep.")
+        # What a page says of it is one line of one height; all of it unfolds when asked for.
+        expect(strip).to_contain_text("Tilt is above 20 °")
     picture(boss, "interlock-locked")
+    boss.get_by_role("button", name="Show interlocks").click()
+    expect(bar).to_be_visible()
+    picture(boss, "interlock-unfolded")
     driver = visit(chrome, slope, "driver", width=390)
     seen = driver.locator("t-interlock").filter(has_text="Too steep")
     expect(seen).to_contain_text("Tilt is above 20 °")
     expect(driver.get_by_role("button", name="Override…")).to_have_count(0)
     picture(driver, "interlock-phone")
+    place = driver.locator("main").bounding_box()
     boss.get_by_role("button", name="Override…").click()
     boss.get_by_role("button", name="Override", exact=True).click()
     expect(boss.get_by_text("Say why")).to_be_visible()
@@ -174,3 +183,4 @@ def test_every_page_shows_the_lock_and_an_admin_overrides_it_with_a_reason(
     picture(boss, "interlock-overridden")
     boss.get_by_role("button", name="End override").click()
     expect(seen).to_contain_text("Locked since")
+    assert driver.locator("main").bounding_box() == place

@@ -29,7 +29,7 @@ from .conftest import launching, missing, need_ros2
 from .people import Page, page as opened_by
 from .stack import PASSWORD, SITE, Process, Stack, until
 
-pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(420)]
+pytestmark = [pytest.mark.robot, pytest.mark.browser]
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = (ROOT / "examples/agv/site.yaml").read_text()
@@ -230,7 +230,7 @@ async def drive_until(
             return bool(news) and not news[-1].yours
 
         driver.press(linear, angular)
-        await until(lambda lost=lost: done() or lost(), PATIENCE_S, "what is driven for")
+        await until(lambda lost=lost: done() or lost(), what="what is driven for")
         await driver.let_go()
 
 

@@ -31,7 +31,7 @@ from .conftest import need_indi, need_ros1, need_ros2
 from .pages import picture, visit
 from .stack import SITE, Process, Stack, finish
 
-pytestmark = [pytest.mark.robot, pytest.mark.browser, pytest.mark.timeout(150)]
+pytestmark = [pytest.mark.robot, pytest.mark.browser]
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 COMMANDS = Path(__file__).parents[1] / "wire" / "recorded" / "observatory_commands.json"

@@ -13,7 +13,7 @@ from .conftest import Demo
 from .pages import picture
 from .test_browser import hold_until_it_drives, sign_in, take_control, until
 
-pytestmark = [pytest.mark.browser, pytest.mark.robot, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.browser, pytest.mark.robot]
 ASKED = re.compile(r"admin asks for control")
 
 
@@ -80,7 +80,7 @@ def test_an_admin_forces_control_from_who_does_not_answer(
     operator, admin = pages
     hold_until_it_drives(operator, demo)
     admin.get_by_role("button", name="Ask for control").click()
-    expect(admin.get_by_text("operator has not answered")).to_be_visible(timeout=8000)
+    expect(admin.get_by_text("operator has not answered")).to_be_visible()
     picture(admin, "takeover-force")
     admin.get_by_role("button", name="Take by force").click()
     expect(admin.get_by_text("You have control").first).to_be_visible()

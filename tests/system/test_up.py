@@ -22,7 +22,7 @@ from .conftest import missing
 from .pages import sign_in
 from .walk import PASSWORD, talaia, until_stored, walked
 
-pytestmark = [pytest.mark.robot, pytest.mark.timeout(180)]
+pytestmark = pytest.mark.robot
 
 
 @pytest.fixture(scope="module")

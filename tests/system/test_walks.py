@@ -29,7 +29,7 @@ from talaia.sim import domain
 from .conftest import missing
 from .walk import stored, talaia, until_stored, up, walked
 
-pytestmark = [pytest.mark.robot, pytest.mark.timeout(180)]
+pytestmark = pytest.mark.robot
 HERE = Path(__file__).parent
 MINUTE = 60.0
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from talaia.model.check import check
 from talaia.model.errors import DescriptionError
 from talaia.model.load import read_site
+from talaia.model.unguarded import unguarded_notice
 from talaia.objects.here import sight_here
 
 if TYPE_CHECKING:
@@ -45,6 +46,8 @@ def main(argv: Sequence[str]) -> int:
         else:
             channels = len(site.channels())
             print(f"{path}: right; {len(site.devices)} devices, {channels} channels")
+            if notice := unguarded_notice(site):
+                print(f"{path}: note: {notice}")
             for sight in sight_here(site, path.parent):
                 print(f"{path}: {sight.said}")
     return 1 if wrong else 0

@@ -91,11 +91,12 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     logins = await make_logins(settings)
     hub = ["hub", "--data", str(data), "--host", "127.0.0.1", "--port", str(port), "--plain"]
     gateways = [await _gateway(robot, settings) for robot in robots]
-    parts.append(await start("hub", hub, data / "hub.log"))
+    parts.append(await start("hub", hub, data / "hub.log", restart=True))
     for robot, words in zip(robots, gateways, strict=True):
         suffix = "" if robot.site == VEHICLE else f"-{robot.site}"
         log = data / f"gateway{suffix}.log"
-        parts.append(await start(f"gateway of the {robot.name}", words, log, robot.environment))
+        name = f"gateway of the {robot.name}"
+        parts.append(await start(name, words, log, robot.environment, restart=True))
     ready = len(robots) + 1
     await asyncio.gather(
         *(part.says("ready", READY_S) for part in parts[:ready]),

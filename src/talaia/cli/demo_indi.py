@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import os
 import shutil
 import socket
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
 
 from talaia.cli.demonstration import example, folder, greet, make_logins
 from talaia.cli.errors import CliError
@@ -18,6 +19,7 @@ from talaia.cli.places import free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.model.load import dump_site, read_site
+from talaia.sim.observatory.night import at_night
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,14 +33,12 @@ DRIVERS = tuple(
     f"indi_simulator_{each}"
     for each in ("telescope", "dome", "ccd", "weather", "focus", "wheel", "rotator")
 )
-# The weather station measures so often (s); its own default is a minute.
-PERIOD_S = 5
 
 
 def main(argv: Sequence[str]) -> int:
     """Run until Ctrl-C; everything it started is ended and removed again."""
     options = _options(argv)
-    missing = [each for each in ("indiserver", "indi_setprop", *DRIVERS) if not shutil.which(each)]
+    missing = [each for each in ("indiserver", *DRIVERS) if not shutil.which(each)]
     if missing:
         raise CliError(f"{', '.join(missing)} missing; run: apt install indi-bin")
     began = time.monotonic()
@@ -73,7 +73,8 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     )
     logins = await make_logins(settings)
     site = data / "site.yaml"
-    site.write_text(dump_site(_at_port(read_site(example(EXAMPLE)), indi)))
+    here = _at_night(read_site(example(EXAMPLE)), time.time())
+    site.write_text(dump_site(_at_port(here, indi)))
     key = data / "gateway.key"
     key.write_text(await accounts.create_gateway(settings, EXAMPLE))
     key.chmod(0o600)
@@ -82,18 +83,26 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
         "gateway", str(site), "--hub", f"ws://127.0.0.1:{port}", "--key-file", str(key),
         "--allow-plain", "--data", str(data / "gateway"),
     ]  # fmt: skip
-    parts.append(await start("hub", hub, data / "hub.log"))
-    parts.append(await start("gateway", gateway, data / "gateway.log"))
-    await _hasten(indi)
+    parts.append(await start("hub", hub, data / "hub.log", restart=True))
+    parts.append(await start("gateway", gateway, data / "gateway.log", restart=True))
     await asyncio.gather(parts[1].says("ready", 60), parts[2].says("linked to", 60))
     greet(f"http://localhost:{port}", logins, data, time.monotonic() - began)
     if not options.no_browser and has_screen():
         await asyncio.to_thread(open_page, f"http://localhost:{port}")
 
 
-def _at_port(site: Site, port: int) -> Site:
-    from msgspec.structs import replace
+def _at_night(site: Site, unix_s: float) -> Site:
+    """Stand where it is night now, so that the roof may open; the mount is told, too."""
+    site = at_night(site, unix_s)
+    place, mount = site.place, site.devices["telescope"]
+    if place is None:
+        return site
+    where = {"LAT": place.latitude, "LONG": place.longitude % 360.0, "ELEV": place.elevation}
+    mount = replace(mount, setup={**mount.setup, "GEOGRAPHIC_COORD": {**where}})
+    return replace(site, devices={**site.devices, "telescope": mount})
 
+
+def _at_port(site: Site, port: int) -> Site:
     connections = {name: replace(each, port=port) for name, each in site.connections.items()}
     return replace(site, connections=connections)
 
@@ -102,16 +111,3 @@ def _any_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
-
-
-async def _hasten(port: int) -> None:
-    """Let the weather station measure often; a minute is long to wait for in a demo."""
-    for words in ("CONNECTION.CONNECT=On", f"WEATHER_UPDATE.PERIOD={PERIOD_S}"):
-        process = await asyncio.create_subprocess_exec(
-            "indi_setprop", "-p", str(port), f"Weather Simulator.{words}",
-            stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.DEVNULL,
-            env={**os.environ},
-        )  # fmt: skip
-        await process.wait()
-        # Its other properties come when it is connected.
-        await asyncio.sleep(0.5)

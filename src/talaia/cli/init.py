@@ -15,6 +15,7 @@ from talaia.model.check import check
 from talaia.model.found import Found, found_from
 from talaia.model.meaning import word_of
 from talaia.model.propose import propose
+from talaia.model.unguarded import unguarded_notice
 from talaia.model.write import written
 
 if TYPE_CHECKING:
@@ -116,5 +117,7 @@ def _tell(output: Path, made: Proposal, *, shown: bool) -> None:
     print(f"{'found' if shown else f'{output}:'} {counts}", file=sys.stderr)
     if made.left_out:
         print(f"{len(made.left_out)} things are not in it; the file says which", file=sys.stderr)
+    if notice := unguarded_notice(made.site):
+        print(f"note: {notice}", file=sys.stderr)
     if not shown:
         print(f"next: talaia up {output}", file=sys.stderr)

@@ -6,31 +6,48 @@ import asyncio
 import contextlib
 import ctypes
 import os
+import random
 import signal
 import sys
+import time
 from collections import deque
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import PartStopped
+from talaia.gateway.uplink.backoff import Backoff
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping, Sequence
     from pathlib import Path
 
+    _Launch = Callable[[], Coroutine[None, None, asyncio.subprocess.Process]]
+
 __all__ = ["Part", "end_all", "run_together", "start", "start_program"]
 
 _PR_SET_PDEATHSIG = 1
 _LAST_LINES = 15
+_NOT_STAYING = 3
 
 
 class Part:
     """One process of the product, with its last words and its log."""
 
-    def __init__(self, name: str, process: asyncio.subprocess.Process, log: Path) -> None:
-        """Take a process that was just started with its output piped."""
+    def __init__(
+        self,
+        name: str,
+        process: asyncio.subprocess.Process,
+        log: Path,
+        relaunch: _Launch | None = None,
+    ) -> None:
+        """Take a process that was just started with its output piped.
+
+        With ``relaunch`` it is started again when it ends by itself; see `keep`.
+        """
         self.name = name
         self.process = process
         self.log = log
+        self._relaunch = relaunch
+        self._began = time.monotonic()
         self.last: deque[str] = deque(maxlen=_LAST_LINES)
         self._waiting: list[tuple[str, asyncio.Future[str]]] = []
         self._reader = asyncio.create_task(self._read())
@@ -60,9 +77,47 @@ class Part:
             PartStopped: always.
 
         """
+        raise PartStopped(self.name, await self._exit_code(), "\n".join(self.last))
+
+    async def keep(self) -> None:
+        """Start it again whenever it ends, as a service manager does, if it is of that kind.
+
+        The waits double while it does not stay. It is said once that it stopped, and once more
+        that it does not stay.
+
+        Raises:
+            PartStopped: it ended, and is not of that kind.
+
+        """
+        backoff = Backoff(random.SystemRandom().random)
+        stops = 0
+        while self._relaunch is not None:
+            code = await self._exit_code()
+            lasted = time.monotonic() - self._began
+            stops = 1 if lasted >= Backoff.STABLE_S else stops + 1
+            if stops == 1:
+                print(f"\n  the {self.name} stopped (exit code {code}); it is started again")
+            elif stops == _NOT_STAYING:
+                last = "\n    ".join(self.last)
+                print(f"\n  the {self.name} stops again and again; see {self.log}\n    {last}")
+            sys.stdout.flush()
+            await asyncio.sleep(backoff.after(lasted))
+            await self._start_again(self._relaunch)
+        await self.ended()
+
+    async def _exit_code(self) -> int:
         await asyncio.shield(self._reader)
-        code = await self.process.wait()
-        raise PartStopped(self.name, code, "\n".join(self.last))
+        return await self.process.wait()
+
+    async def _start_again(self, relaunch: _Launch) -> None:
+        starting = asyncio.ensure_future(relaunch())
+        try:
+            await asyncio.shield(starting)
+        finally:
+            # Cut short just now: what is starting already is ended with the others.
+            self.process = await starting
+            self._began = time.monotonic()
+            self._reader = asyncio.create_task(self._read())
 
     async def end(self, within: float = 5.0) -> None:
         """Ask the process to end, and end it when it does not."""
@@ -97,31 +152,46 @@ class Part:
 
 
 async def start(
-    name: str, words: Sequence[str], log: Path, environment: Mapping[str, str] | None = None
+    name: str,
+    words: Sequence[str],
+    log: Path,
+    environment: Mapping[str, str] | None = None,
+    *,
+    restart: bool = False,
 ) -> Part:
     """Start ``talaia <words>`` in a session of its own, so that Ctrl-C reaches only us.
 
     Its output goes to ``log`` and to `Part.last`. It gets SIGTERM when this process dies, however
-    that happens: a simulated robot must not go on alone.
+    that happens: a simulated robot must not go on alone. With ``restart`` it is started again when
+    it ends by itself, once all parts were ready.
     """
-    return await start_program(name, [sys.executable, "-m", "talaia", *words], log, environment)
+    program = [sys.executable, "-m", "talaia", *words]
+    return await start_program(name, program, log, environment, restart=restart)
 
 
 async def start_program(
-    name: str, words: Sequence[str], log: Path, environment: Mapping[str, str] | None = None
+    name: str,
+    words: Sequence[str],
+    log: Path,
+    environment: Mapping[str, str] | None = None,
+    *,
+    restart: bool = False,
 ) -> Part:
     """Start another program in the same way."""
-    process = await asyncio.create_subprocess_exec(
-        *words,
-        stdin=asyncio.subprocess.DEVNULL,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.STDOUT,
-        env={**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})},
-        start_new_session=True,
-        preexec_fn=_follow_parent if sys.platform == "linux" else None,
-        limit=1024 * 1024,
-    )
-    return Part(name, process, log)
+
+    async def launch() -> asyncio.subprocess.Process:
+        return await asyncio.create_subprocess_exec(
+            *words,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+            env={**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})},
+            start_new_session=True,
+            preexec_fn=_follow_parent if sys.platform == "linux" else None,
+            limit=1024 * 1024,
+        )
+
+    return Part(name, await launch(), log, launch if restart else None)
 
 
 async def run_together(begin: Callable[[list[Part]], Coroutine[None, None, None]]) -> None:
@@ -131,7 +201,7 @@ async def run_together(begin: Callable[[list[Part]], Coroutine[None, None, None]
     it fails or is cut short.
 
     Raises:
-        PartStopped: a part ended by itself.
+        PartStopped: a part ended by itself that is not started again.
 
     """
     stop = asyncio.Event()
@@ -147,12 +217,12 @@ async def run_together(begin: Callable[[list[Part]], Coroutine[None, None, None]
             ready.cancel()
             return
         await ready
-        ended: list[asyncio.Future[object]] = [
-            asyncio.ensure_future(part.ended()) for part in parts
-        ]
-        done, _ = await asyncio.wait([stopped, *ended], return_when=asyncio.FIRST_COMPLETED)
-        for task in ended:
+        kept: list[asyncio.Future[object]] = [asyncio.ensure_future(part.keep()) for part in parts]
+        done, _ = await asyncio.wait([stopped, *kept], return_when=asyncio.FIRST_COMPLETED)
+        for task in kept:
             task.cancel()
+        # What is starting again just now must have started before it can be ended.
+        await asyncio.gather(*kept, return_exceptions=True)
         for task in done - {stopped}:
             await task
     finally:

@@ -7,9 +7,9 @@ import socket
 import sys
 import webbrowser
 from pathlib import Path
-from zoneinfo import available_timezones
 
 from talaia.cli.errors import CliError
+from talaia.model.zones import known_zones
 
 __all__ = ["DEFAULT_PORT", "data_folder", "free_port", "has_screen", "open_page", "zone_here"]
 
@@ -66,4 +66,4 @@ def zone_here() -> str:
         parts = target.parts
         if "zoneinfo" in parts:
             named = "/".join(parts[parts.index("zoneinfo") + 1 :])
-    return named.removeprefix("Etc/") if named in available_timezones() else "UTC"
+    return named.removeprefix("Etc/") if named in known_zones() else "UTC"

@@ -19,6 +19,7 @@ from talaia.gateway.permitting import Accepts
 from talaia.hub.settings import Settings, is_loopback
 from talaia.model.check import raise_first
 from talaia.model.load import read_site
+from talaia.model.unguarded import unguarded_notice
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -144,4 +145,6 @@ def _greet(up: _Up, site: Site, data: Path, took: float) -> None:
     print(f"\n  {site.name} is up ({took:.1f} s):  {up.address}\n")
     if up.setup:
         print(f"  Nobody has an account yet. Make the first admin's here:\n    {up.setup}\n")
+    if notice := unguarded_notice(site):
+        print(f"  note: {notice}\n")
     print(f"  data and logs: {data}\n  Ctrl-C stops everything; what was stored stays.", flush=True)

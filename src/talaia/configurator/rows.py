@@ -196,6 +196,8 @@ _BY_LINK: dict[str, frozenset[ConnectionKind]] = {
     "source.field": ROS_KINDS,
     "source.name": ROS_KINDS,
     "source.parameter": ROS_KINDS,
+    "source.stamp": ROS_KINDS | {ConnectionKind.INDI},
+    "source.synchronized": ROS_KINDS | {ConnectionKind.INDI},
     "source.property": frozenset({ConnectionKind.INDI}),
     "source.element": frozenset({ConnectionKind.INDI}),
     "source.device": frozenset({ConnectionKind.INDI}),
@@ -206,7 +208,7 @@ _BY_LINK: dict[str, frozenset[ConnectionKind]] = {
 }
 _BY_TYPE: dict[str, frozenset[SignalType]] = {
     **dict.fromkeys(
-        ("unit", "minimum", "maximum", "decimals", "scale", "deadband"),
+        ("unit", "minimum", "maximum", "decimals", "scale", "deadband", "frozen_after"),
         frozenset({SignalType.NUMBER}),
     ),
     "states": frozenset({SignalType.STATE}),

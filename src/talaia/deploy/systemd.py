@@ -10,6 +10,10 @@ if TYPE_CHECKING:
 
 __all__ = ["argument", "gateway_unit", "hub_unit"]
 
+# Without a sign of life for so long the service is ended and started again (s). The gateway's is
+# longer than an enclosure's `watchdog_after`: first the roof closes, then the gateway restarts.
+GATEWAY_WATCHDOG_S = 20
+HUB_WATCHDOG_S = 60
 # What systemd's own manual calls safe without quotes (systemd.service, COMMAND LINES).
 _PLAIN = re.compile(r"[A-Za-z0-9_./:=@,+-]+\Z")
 # No right but to run: the gateway needs the network, its own folder and nothing else.
@@ -71,6 +75,10 @@ def gateway_unit(site: str, program: str, setup: str = "") -> str:
         f"talaia-gateway-{site}",
         # Fast DDS talks through shared memory and /tmp to robots' nodes outside the unit.
         private_tmp="no",
+        watchdog_s=GATEWAY_WATCHDOG_S,
+        # The process that closes the roof outlives a gateway that was killed; the gateway's other
+        # processes end by themselves when it does.
+        kill="KillMode=process\n",
     )
 
 
@@ -95,10 +103,20 @@ def hub_unit(program: str, port: int, hosts: Iterable[str], database_url_file: s
         "talaia-hub",
         private_tmp="yes",
         more=more if database_url_file else "",
+        watchdog_s=HUB_WATCHDOG_S,
     )
 
 
-def _unit(what: str, words: Iterable[str], state: str, private_tmp: str, more: str = "") -> str:
+def _unit(
+    what: str,
+    words: Iterable[str],
+    state: str,
+    private_tmp: str,
+    more: str = "",
+    *,
+    watchdog_s: int,
+    kill: str = "",
+) -> str:
     line = " ".join(argument(each) for each in words)
     return f"""\
 [Unit]
@@ -108,8 +126,10 @@ After=network-online.target time-sync.target
 StartLimitIntervalSec=0
 
 [Service]
-Type=exec
-User=talaia
+Type=notify
+NotifyAccess=main
+WatchdogSec={watchdog_s}
+{kill}User=talaia
 Group=talaia
 StateDirectory={argument(state)}
 StateDirectoryMode=0700

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.commanding import Commanding, Journal
 from talaia.gateway.control import Control
+from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.keep import Epochs, KeptStops
 from talaia.gateway.pacing import Pacer
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
 
 __all__ = ["Acting"]
+
+WRITE_AGAIN_S = 1.0
 
 
 class Acting:
@@ -98,13 +101,29 @@ class Acting:
             interlocks.commanded,
             lambda device, command: interlocks.hold(device, command, clock.monotonic_ns()),
             lambda device: interlocks.ended(device, clock.monotonic_ns()),
+            DiskTrouble(mouth),
+            lambda device, command, args: interlocks.refuse_power_cut(
+                device, command, clock.monotonic_ns(), args
+            ),
         )
-        self.sequences: Sequences = Sequences(self.commanding, mouth, boot)
+        self.sequences: Sequences = Sequences(
+            self.commanding,
+            mouth,
+            boot,
+            lambda command: interlocks.reached(command, clock.monotonic_ns()),
+        )
 
     @property
     def busy(self) -> bool:
         """Whether anything moves, or is about to."""
         return self.control.busy or self.commanding.busy or self.sequences.busy
+
+    async def keep_written(self) -> None:
+        """Write what the disk did not take as soon as it takes it again, until cancelled."""
+        while True:
+            await asyncio.sleep(WRITE_AGAIN_S)
+            await self.commanding.write_waiting()
+            await self.control.write_waiting()
 
     def redescribe(self, site: Site, devices: Collection[str], now_ns: int) -> None:
         """Decide by another description, which changes ``devices``."""

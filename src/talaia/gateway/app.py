@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hashlib
+import logging
 import os
 import secrets
 import time
@@ -16,6 +17,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
+from talaia.gateway.absence import NOT_HEARD, NOT_RUNNING, absence, watch_first_heard
 from talaia.gateway.acting import Acting
 from talaia.gateway.adapters.catalog import adapter_of
 from talaia.gateway.adapters.many import Many, Post
@@ -30,6 +32,7 @@ from talaia.gateway.frames.taking import FrameTaker
 from talaia.gateway.frames.whole import WholeFiles
 from talaia.gateway.keep import locked
 from talaia.gateway.links import Way, keep_files, keep_link, keep_media
+from talaia.gateway.notices.telling import OwnNotices
 from talaia.gateway.pictures.looks import Looks
 from talaia.gateway.ports import Outlets
 from talaia.gateway.reach import Reach
@@ -40,14 +43,21 @@ from talaia.gateway.sight.seeing import Outlet, Seeing, WithSeen
 from talaia.gateway.sight.telling import Telling
 from talaia.gateway.spool.journal import Head, Spool
 from talaia.gateway.spool.keeper import Keeper
+from talaia.gateway.spool.mark import machine_run
 from talaia.gateway.stalls import watch_stalls
+from talaia.gateway.supervision import Heartbeats, Supervision
 from talaia.gateway.taping import Ear, taping_of
 from talaia.gateway.uplink.files import Lane
 from talaia.gateway.uplink.lanes import Lanes
 from talaia.gateway.uplink.pictures import Pictures
 from talaia.gateway.uplink.tls import Trust
+from talaia.gateway.watchdog.feeding import Watchdog
+from talaia.model.load import dump_site
 from talaia.model.seen import with_counts
+from talaia.model.unguarded import unguarded_notice
 from talaia.objects.worker import Worker
+from talaia.service_manager import ServiceManager
+from talaia.wire.frames import Event
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -58,11 +68,14 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import Adapter
     from talaia.gateway.settings import Settings
     from talaia.gateway.share import Share
-    from talaia.gateway.spool.segment import Record
+    from talaia.gateway.spool.segment import Record as SpoolRecord
+    from talaia.gateway.watchdog.closing import Record
     from talaia.model.site import Site
     from talaia.wire.frames import RecordState
 
 __all__ = ["Gateway"]
+
+log = logging.getLogger(__name__)
 
 
 class Gateway:
@@ -76,7 +89,12 @@ class Gateway:
     """
 
     def __init__(
-        self, site: Site, settings: Settings, clock: Clock, copy: OwnCopy | None = None
+        self,
+        site: Site,
+        settings: Settings,
+        clock: Clock,
+        copy: OwnCopy | None = None,
+        manager: ServiceManager | None = None,
     ) -> None:
         """Build every part and take up what an earlier run left in the data folder.
 
@@ -85,6 +103,7 @@ class Gateway:
             settings: see `Settings`.
             clock: every part's.
             copy: the description's file; none leaves it as it is until the end.
+            manager: told that the gateway runs and supervises; none where there is none.
 
         Raises:
             SpoolError: the data folder cannot be used.
@@ -111,6 +130,10 @@ class Gateway:
         self._batcher = Batcher(
             loop, self._boot, begun.catalogue, settings.flush, self._on_batch, self._keeper.lose
         )
+        self._tell_absence()
+        if notice := unguarded_notice(site):
+            log.warning("%s", notice)
+            self._voice.tell("nothing_closes", notice)
         of = {device: site.connection_of(device) for device in site.devices}
         self._reach = Reach(of, clock, self._lanes.send)
         self._outbox = Outbox(settings.data / "outbox", settings.outbox_bytes, self._on_file)
@@ -140,6 +163,18 @@ class Gateway:
             WithSeen(self._adapter, self._seeing), settings.data, self._on_disk,
         )  # fmt: skip
         self.door = self._make_door(site)
+        self._manager = manager or ServiceManager()
+        self._watchdog = Watchdog(
+            settings.data, settings.folder, settings.domain,
+            lambda why: self._voice.note("watchdog_missing", "", why, "", good=False),
+        )  # fmt: skip
+        self._watchdog.describe(begun.site, begun.said)
+        interlocks = self._acting.interlocks
+        self._heartbeats = Heartbeats(site, interlocks, self._adapter, self._voice)
+        self._supervision = Supervision(
+            clock, lambda: interlocks.judged_ns,
+            (self._manager.feed_watchdog, self._watchdog.beat), self._heartbeats,
+        )  # fmt: skip
         self._exchange = self._make_exchange(begun, adapters, make)
         self._changing = Changing(
             copy, settings.accepts, hashlib.sha256(settings.key.encode()).hexdigest(),
@@ -172,8 +207,24 @@ class Gateway:
             age_s=settings.spool_age_s,
             spare=settings.spare_bytes,
             now=lambda: clock.monotonic_ns() / SECOND,
+            wall_us=self._wall_us,
+            machine=machine_run(),
         )
         return Keeper(spool)
+
+    def _wall_us(self) -> int:
+        return self._clock.wall_ns() // 1000
+
+    def _tell_absence(self) -> None:
+        """Record the time since the run before heard anything as a gap, if there was one."""
+        former = self._keeper.former
+        if former is not None:
+            mono_s = self._clock.monotonic_ns() / SECOND
+            span = absence(former, self._wall_us(), mono_s, machine_run())
+            self._batcher.missed(*span, NOT_RUNNING)
+            if 0 < former.deaf_us <= former.heard_us:
+                # It ended before it could tell since when it heard all.
+                self._batcher.missed(former.deaf_us, former.heard_us, NOT_HEARD)
 
     def _make_outlets(self, site: Site) -> Outlets:
         settings, clock = self._settings, self._clock
@@ -230,7 +281,9 @@ class Gateway:
         make: Callable[[Share], tuple[Adapter, Post]],
     ) -> Exchange:
         followers: list[Callable[[Site], None]] = [
-            lambda after: self._seeing.redescribe(after, self._roster.numbers(after))
+            lambda after: self._seeing.redescribe(after, self._roster.numbers(after)),
+            self._heartbeats.redescribe,
+            lambda after: self._watchdog.describe(after, dump_site(after)),
         ]
         if self.door is not None:
             followers.append(self.door.redescribe)
@@ -243,7 +296,7 @@ class Gateway:
 
     # ── what parts tell one another ──
 
-    def _on_batch(self, record: Record) -> None:
+    def _on_batch(self, record: SpoolRecord) -> None:
         self._lanes.live(record.body, record.first, record.end)
         self._keeper.append(record)
 
@@ -266,7 +319,9 @@ class Gateway:
 
     async def run(self, ended: asyncio.Event) -> None:
         """Run until ``ended`` is set, or there is a new description; then stop and close all."""
-        acting, lanes = self._acting, self._lanes
+        acting, lanes, settings = self._acting, self._lanes, self._settings
+        # Before anything here moves: two must never move a roof.
+        self._report_watchdog(await self._watchdog.take_over())
         acting.pacer.touch()
         if self.taping.tapes is not None:
             self.taping.tapes.start()
@@ -282,15 +337,29 @@ class Gateway:
             ),
             partial(keep_media, self._way, self._pictures),
             partial(keep_files, self._way, files, self._to_send, lanes, self._voice),
-            partial(self._keeper.keep_syncing, self._settings.sync),
+            partial(self._keeper.keep_syncing, self._settings.sync, self._wall_us),
             self._seeing.run,
             self._telling.run,
             partial(watch_stalls, self._clock, self._batcher.missed),
+            self._supervision.run,
+            self._keep_watchdog,
             self._changing.watch,
+            acting.keep_written,
         ]  # fmt: skip
+        if self._keeper.former is not None:
+            heard, told = self._batcher.first_heard, (self._batcher.missed, self._keeper.all_heard)
+            parts.append(partial(watch_first_heard, heard, self._clock, *told))
         if self.door is not None:
             parts.append(self.door.run)
+        if settings.notices is not None:
+            notices = OwnNotices(
+                settings.notices, self._exchange.now.site.name, self._clock,
+                self._desk.linked.is_set, self._voice,
+            )  # fmt: skip
+            self._voice.on_enclosure = notices.hear_enclosure
+            parts.append(notices.run)
         tasks = [asyncio.ensure_future(_until_cancelled(part)) for part in parts]
+        self._manager.report_ready()
         waiting = asyncio.ensure_future(ended.wait())
         again = asyncio.ensure_future(self._renewal.due(lambda: acting.busy))
         try:
@@ -306,10 +375,26 @@ class Gateway:
             for task in reversed(tasks):
                 task.cancel()
             results = await asyncio.gather(*tasks, return_exceptions=True)
+            if not any(isinstance(result, Exception) for result in results):
+                # One that ends by a fault of its own says no goodbye: its roof is closed.
+                await self._watchdog.goodbye()
             await self.close()
         for result in results:
             if isinstance(result, Exception):
                 raise result
+
+    async def _keep_watchdog(self) -> None:
+        """Have a watchdog, and report what it did while this gateway stood still."""
+        while True:
+            await self._watchdog.keep(self._clock.monotonic_ns() / SECOND)
+            self._report_watchdog(self._watchdog.records())
+            await asyncio.sleep(1.0)
+
+    def _report_watchdog(self, records: list[Record]) -> None:
+        for each in records:
+            log.warning("%s %s", each.kind, each.message)
+            said, time_us = each.message[:2000], each.time_us
+            self._lanes.send(Event(kind=each.kind, message=said, time_us=time_us, good=each.good))
 
     async def close(self) -> None:
         """Release everything; what waits is on disk then."""

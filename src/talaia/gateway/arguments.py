@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.keyfile import read_key_file
+from talaia.gateway.notice_settings import read_notice_settings
 from talaia.gateway.permitting import Accepts
 from talaia.gateway.settings import DoorSettings, HubAddress, Settings
 
@@ -56,6 +57,11 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
         help="which changes of the description people with the right may send through the hub: "
         "none, of what is read and shown, or also of commands, driving and interlocks "
         "(default: no)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--notices", type=Path, metavar="FILE",
+        help="ways to people while the hub is away (TOML); try them with talaia gateway"
+        " test-notice FILE",
     )  # fmt: skip
     classic = parser.add_argument_group(
         "door for clients of the founding observatory (WebSocket messages over TLS)"
@@ -115,6 +121,7 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
         spool_age_s=arguments.spool_days * 86400.0,
         door=_door(arguments),
         accepts=arguments.accept_changes,
+        notices=read_notice_settings(arguments.notices) if arguments.notices else None,
     )
 
 

@@ -15,6 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from talaia.gateway.absence import FirstHeard
+from talaia.gateway.newest import RunNewest
+from talaia.gateway.ordering import RisingTimes
 from talaia.gateway.spool.segment import Record
 from talaia.wire.columns import MAX_SAMPLES, Columns, pack, part, renumbered
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
@@ -24,6 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
+
+    from talaia.wire.newest import NewestSamples
 
 __all__ = ["Batcher", "joined", "records_of"]
 
@@ -122,15 +127,23 @@ class Batcher:
         self._timer: asyncio.TimerHandle | None = None
         self._ripe = 0.0
         self._dropped = 0
-        self._dropped_us = 0
+        self._dropped_us = (0, 0)
+        self._times = RisingTimes()
+        self._newest = RunNewest()
+        self.first_heard = FirstHeard(time.monotonic_ns())
         self._order: NDArray[np.int64] | None = None
         self.next = 0
 
     def put(self, columns: Columns) -> None:
         """Take samples; any thread."""
         if self._waiting > MAX_WAITING:
+            from_us, to_us = int(columns.time_us.min()), int(columns.time_us.max())
+            if self._dropped:
+                from_us, to_us = (
+                    min(from_us, self._dropped_us[0]), max(to_us, self._dropped_us[1])
+                )  # fmt: skip
+            self._dropped_us = from_us, to_us
             self._dropped += len(columns)
-            self._dropped_us = int(columns.time_us[-1])
             return
         self._chunks.append(columns)
         self._waiting += len(columns)
@@ -175,18 +188,29 @@ class Batcher:
             chunks.append(self._chunks.popleft())
         self._waiting = 0
         if chunks:
-            columns = joined(chunks)
+            columns = self._times.mend(joined(chunks))
+            numbers = columns.channel
             if self._order is not None:
+                numbers = numbers[self._order[numbers] >= 0]
                 columns = renumbered(columns, self._order)
+            now_ns = time.monotonic_ns()
+            self._newest.update(numbers, columns, self.next, now_ns)
+            self.first_heard.take(numbers, now_ns)
             made = records_of(columns, self._boot, self._catalogue, self.next)
             self.next = made[-1].end if made else self.next
             for record in made:
                 self._keep(record)
         if self._dropped:
             dropped, self._dropped = self._dropped, 0
-            at_us = self._dropped_us
-            self._lose(Record(self.next, dropped, at_us, at_us, b""), OVERRUN)
+            self._lose(Record(self.next, dropped, *self._dropped_us, b""), OVERRUN)
             self.next += dropped
+
+    def newest(self) -> NewestSamples:
+        """Give the newest sample of each channel of this run; event loop only.
+
+        What waits to be numbered is newer, and follows as live samples do.
+        """
+        return self._newest.known(self._order, time.monotonic_ns())
 
     def missed(self, from_us: int, to_us: int, reason: str) -> None:
         """Record that samples of this time may never have been heard; event loop only.

@@ -1,28 +1,32 @@
 """Act on commands: written to disk before the robot is asked, each id at most once.
 
+What makes safe does not wait for a disk that takes nothing: the gateway's own closing is done
+first and written afterwards, a person's is tried to be written first and done in any case.
+
 Long, because each step of a command's life leans on what the one before it wrote down.
 """
 
 from __future__ import annotations
 
 import asyncio
-import errno
 import logging
-import os
+from functools import partial
 from typing import TYPE_CHECKING
 
-import msgspec
+from msgspec.structs import replace
 
 from talaia.clock import SECOND
+from talaia.gateway.command_journal import Journal
 from talaia.gateway.commands import FINAL, CommandBook
-from talaia.gateway.errors import SpoolError
-from talaia.gateway.keep import write_whole
+from talaia.gateway.device_holders import DeviceHolders, Holder
+from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.model.arguments import args_of, fields_of, unit_problem
+from talaia.model.safe_commands import never_asks, safe_commands
+from talaia.model.site import DeviceKind
 from talaia.wire.frames import CommandPhase, CommandState
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection
-    from pathlib import Path
 
     from talaia.clock import Clock
     from talaia.gateway.enclosure import Hold
@@ -35,56 +39,11 @@ __all__ = ["Commanding", "Journal"]
 log = logging.getLogger(__name__)
 PROGRESS_NS = SECOND // 5
 WAIT_LOOK_S = 0.1
-_line = msgspec.json.Decoder(CommandState)
-_encode = msgspec.json.Encoder().encode
-
-
-class Journal:
-    """Command states on disk, one JSON line each; a line cut short by a crash is ignored."""
-
-    def __init__(self, path: Path) -> None:
-        """Read what is there.
-
-        Raises:
-            SpoolError: the file cannot be read.
-
-        """
-        self._path = path
-        self.remembered: list[CommandState] = []
-        try:
-            lines = path.read_bytes().splitlines()
-        except FileNotFoundError:
-            lines = []
-        except OSError as error:
-            raise SpoolError(f"{path} cannot be read: {error}") from error
-        for line in filter(None, lines):
-            try:
-                self.remembered.append(_line.decode(line))
-            except msgspec.DecodeError:
-                log.warning("%s: a line was cut short; ignored", path)
-
-    def compact(self, states: list[CommandState]) -> None:
-        """Keep the newest state of each id only.
-
-        Raises:
-            OSError: not written; the journal is as it was.
-
-        """
-        write_whole(self._path, b"".join(_encode(state) + b"\n" for state in states))
-
-    def write(self, state: CommandState, *, sure: bool) -> None:
-        """Add a state; with ``sure`` it is on disk when this returns.
-
-        Raises:
-            OSError: not written.
-
-        """
-        with self._path.open("ab") as file:
-            # The leading line end closes a line that a failed write may have left open.
-            file.write(b"\n" + _encode(state) + b"\n" if file.tell() else _encode(state) + b"\n")
-            file.flush()
-            if sure:
-                os.fsync(file.fileno())
+# What only makes safe waits no longer for the disk.
+SAFE_WRITE_S = 0.5
+_JOURNAL = "journal"
+# What does one thing at a time, at whose hands people can meet. Vehicles have leases.
+HELD_KINDS = frozenset({DeviceKind.DOME, DeviceKind.TELESCOPE, DeviceKind.CAMERA, DeviceKind.OTHER})
 
 
 class Commanding:
@@ -102,6 +61,8 @@ class Commanding:
         begun: Callable[[str, str, str], None] = lambda _device, _command, _who: None,
         hold: Callable[[str, str], Hold | None] = lambda _device, _command: None,
         ended: Callable[[str], None] = lambda _device: None,
+        trouble: DiskTrouble | None = None,
+        power_cut: Callable[[str, str, dict[str, Scalar]], str] = lambda _dev, _cmd, _args: "",
     ) -> None:
         """Take up what the journal remembers.
 
@@ -117,12 +78,13 @@ class Commanding:
             begun: told of each command of a person that begins: device, command, who.
             hold: says what a command has to wait for before the robot is asked, if so.
             ended: told of which device a command has ended.
-
-        Raises:
-            SpoolError: the journal cannot be written.
+            power_cut: says why a command takes power that a safe state needs, if so.
+            trouble: told when the journal cannot be written, and when it can be again.
 
         """
         self._site = site
+        self._safe = safe_commands(site)
+        self._trouble = DiskTrouble() if trouble is None else trouble
         self._clock = clock
         self._target = target
         self._journal = journal
@@ -131,20 +93,22 @@ class Commanding:
         self._refusal = refusal
         self._begun = begun
         self._hold = hold
+        self._power_cut = power_cut
         self._on_ended = ended
         self._held: dict[str, asyncio.Task[None]] = {}
         self._ends: dict[str, asyncio.Future[CommandState]] = {}
+        self._holders = DeviceHolders()
+        self._interrupted: set[str] = set()
         self._book = CommandBook(journal.remembered)
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._cancels: dict[str, Callable[[], None]] = {}
         self._progress_ns: dict[str, int] = {}
-        self._writes: set[asyncio.Task[None]] = set()
+        self._writes: set[asyncio.Task[OSError | None]] = set()
         try:
             journal.compact(self._book.states())
         except OSError as error:
-            if error.errno != errno.ENOSPC:
-                raise SpoolError(f"the journal of commands cannot be written: {error}") from error
-            log.warning("the journal of commands stays as long as it is: %s", error)
+            # It guards all the same; what is not safe is refused until it can be written.
+            self._trouble.failed(_JOURNAL, error)
 
     def state(self, command_id: str) -> CommandState | None:
         """Give where a command stands."""
@@ -163,15 +127,24 @@ class Commanding:
                 return f"{state.device}/{state.command}"
         return ""
 
+    def runs(self, command: str) -> bool:
+        """Tell whether a ``<device>/<command>`` is under way."""
+        states = [self._book.get(command_id) for command_id in self._timers]
+        return any(f"{each.device}/{each.command}" == command for each in states if each)
+
     def redescribe(self, site: Site) -> None:
         """Take commands by another description from here on."""
         self._site = site
+        self._safe = safe_commands(site)
 
     def report(self) -> None:
-        """Tell a new link of the commands that a restart interrupted; once."""
+        """Tell a new link who acts now; and, once, of what a restart interrupted."""
         for state in self._book.interrupted:
             self._send(state)
         self._book.interrupted.clear()
+        for holder in self._holders.all():
+            if (under_way := self._book.get(holder.id)) is not None:
+                self._tell(under_way)
 
     async def perform(self, ask: CommandAsk, within: float | None) -> CommandState:
         """Act on a command of the gateway's own, which no interlock refuses.
@@ -201,7 +174,7 @@ class Commanding:
         began_ns = self._clock.monotonic_ns()
         known = self._book.get(ask.id)
         if known is not None:
-            self._send(known)
+            self._tell(known)
             return
         state = CommandState(
             id=ask.id,
@@ -223,13 +196,9 @@ class Commanding:
             self._move(ask.id, CommandPhase.REFUSED, problem)
             return
         named = args_of(command, ask.args)
-        if barred := guarded and self._refusal(ask.device, ask.command, named):
-            self._move(ask.id, CommandPhase.REFUSED, barred)
+        if self._refused_now(ask, named, guarded=guarded):
             return
-        try:
-            await self._on_disk(lambda: self._journal.write(state, sure=True))
-        except OSError as error:
-            problem = f"the gateway cannot write its journal: {error}"
+        if problem := await self._write_accepted(state, guarded=guarded):
             self._move(ask.id, CommandPhase.REFUSED, problem)
             return
         ttl_ns = min(ask.ttl_ms * 1e6, command.ttl * 1e9) if guarded else ask.ttl_ms * 1e6
@@ -238,10 +207,10 @@ class Commanding:
             self._move(ask.id, CommandPhase.REFUSED, "it came too late to be accepted")
             return
         # Once more: it may have begun to rain while the disk was busy.
-        if barred := guarded and self._refusal(ask.device, ask.command, named):
-            self._move(ask.id, CommandPhase.REFUSED, barred)
+        if self._refused_now(ask, named, guarded=guarded):
             return
-        self._send(state)
+        over = self._take_hold(ask, command, guarded=guarded)
+        self._tell(state, over)
         if guarded:
             self._begun(ask.device, ask.command, ask.who)
         if guarded and self._hold(ask.device, ask.command) is not None:
@@ -250,6 +219,69 @@ class Commanding:
             self._cancels[ask.id] = lambda: self._stop_waiting(ask.id)
             return
         self._begin(ask, command, fields)
+
+    def _refused_now(self, ask: CommandAsk, named: dict[str, Scalar], *, guarded: bool) -> bool:
+        """Refuse a command that may not be done now; tell whether it was refused."""
+        if barred := self._barred(ask, named, guarded=guarded):
+            self._move(ask.id, CommandPhase.REFUSED, barred)
+            return True
+        holder = self._holders.against(ask.device, ask.who) if guarded else None
+        if holder is None or never_asks(self._site, ask.device, ask.command):
+            return False
+        if holder.id == ask.over and not holder.safety:
+            log.info("%s interrupts %s of %s", ask.who, holder.doing, holder.who)
+            # From here on it is in the new one's hands; how the old one ends the robot says.
+            self._interrupted.add(holder.id)
+            return False
+        why = f"{holder.words} (since {self._acting_s(holder):.0f} s)"
+        blocked_by = "" if holder.safety else holder.id
+        self._move(ask.id, CommandPhase.REFUSED, why, blocked_by=blocked_by)
+        return True
+
+    def _take_hold(self, ask: CommandAsk, command: Command, *, guarded: bool) -> str:
+        """Let nobody else act on the device unasked while this is under way.
+
+        Gives in words what it interrupts, if anything.
+        """
+        device = self._site.devices[ask.device]
+        doing = f"{device.name}: {command.name}"
+        over = self._interrupt(ask, doing)
+        if device.kind not in HELD_KINDS or (not guarded and ask.who.startswith("follow ")):
+            return over
+        now_ns = self._clock.monotonic_ns()
+        self._holders.hold(Holder(ask.id, ask.device, doing, ask.who, now_ns, safety=not guarded))
+        return over
+
+    def _interrupt(self, ask: CommandAsk, doing: str) -> str:
+        """Take the device out of the hands that may be interrupted; give whose, in words."""
+        if ask.over not in self._interrupted:
+            return ""
+        self._interrupted.discard(ask.over)
+        holder = self._holders.get(ask.over)
+        self._holders.release(ask.over)
+        if holder is None:
+            return ""
+        # Who asked for it sees what became of it, and all others that they act no longer.
+        self._move(holder.id, CommandPhase.RUNNING, f"interrupted by {ask.who} ({doing})")
+        return f"{holder.doing} of {holder.who} ({holder.id})"
+
+    def _acting_s(self, holder: Holder) -> float:
+        return (self._clock.monotonic_ns() - holder.since_ns) / SECOND
+
+    def _tell(self, state: CommandState, over: str = "") -> None:
+        """Tell the hub where a command stands, and who acts by it."""
+        holder = None if state.phase in FINAL else self._holders.get(state.id)
+        if holder is not None:
+            seconds = self._acting_s(holder)
+            state = replace(state, acting=holder.words[:2000], acting_s=seconds)
+        self._send(replace(state, over=over[:2000]) if over else state)
+
+    def _barred(self, ask: CommandAsk, named: dict[str, Scalar], *, guarded: bool) -> str:
+        """Say why a command may not be done now, if so; ``guarded`` is what a person asks."""
+        # What a safe state needs nobody switches off, not even a sequence of the gateway's own.
+        if needed := self._power_cut(ask.device, ask.command, named):
+            return needed
+        return self._refusal(ask.device, ask.command, named) if guarded else ""
 
     def _stop_waiting(self, command_id: str) -> None:
         waiting = self._held.get(command_id)
@@ -284,6 +316,9 @@ class Commanding:
                     return
         except asyncio.CancelledError:
             self._move(ask.id, CommandPhase.CANCELLED, "it was still waiting; nothing was done")
+            return
+        # Meanwhile somebody may have been let act on the device over this one.
+        if self._refused_now(ask, named, guarded=True):
             return
         self._cancels.pop(ask.id, None)
         self._held.pop(ask.id, None)
@@ -333,7 +368,7 @@ class Commanding:
             return
         cancel = self._cancels.get(ask.id)
         if state.phase in FINAL:
-            self._send(state)
+            self._tell(state)
         elif cancel is None:
             self._move(ask.id, CommandPhase.RUNNING, "this command cannot be cancelled")
         else:
@@ -341,14 +376,21 @@ class Commanding:
             cancel()
 
     def _move(
-        self, command_id: str, phase: CommandPhase, message: str = "", progress: float = 0.0
+        self,
+        command_id: str,
+        phase: CommandPhase,
+        message: str = "",
+        progress: float = 0.0,
+        blocked_by: str = "",
     ) -> None:
-        state = self._book.move(command_id, phase, message, progress)
+        state = self._book.move(command_id, phase, message, progress, blocked_by)
         if state is None:
             log.info("command %s: %s came after its end", command_id, phase)
             return
-        self._send(state)
+        self._tell(state)
         if phase in FINAL:
+            self._holders.release(command_id)
+            self._interrupted.discard(command_id)
             timer = self._timers.pop(command_id, None)
             if timer is not None:
                 timer.cancel()
@@ -360,15 +402,44 @@ class Commanding:
             if ended is not None and not ended.done():
                 ended.set_result(state)
             # Not forced to disk: should this line be lost, the command reads as unknown.
-            task = asyncio.ensure_future(self._keep(state))
-            self._writes.add(task)
-            task.add_done_callback(self._writes.discard)
+            self._begin_write(state, sure=False)
 
-    async def _keep(self, state: CommandState) -> None:
+    # ── the journal ──
+
+    async def _write_accepted(self, state: CommandState, *, guarded: bool) -> str:
+        """Have it on disk that a command is about to be done; say why it may not be, if so."""
+        writing = self._begin_write(state, sure=True)
+        if not guarded:
+            # The gateway's own ids never come again: nothing is gained by waiting.
+            return ""
+        if f"{state.device}/{state.command}" in self._safe:
+            await asyncio.wait([writing], timeout=SAFE_WRITE_S)
+            return ""
+        error = await writing
+        return "" if error is None else f"the gateway cannot write its journal: {error}"
+
+    def _begin_write(self, state: CommandState, *, sure: bool) -> asyncio.Task[OSError | None]:
+        work = partial(self._journal.write, state, sure=sure)
+        task = asyncio.ensure_future(self._write(work, sure=sure))
+        self._writes.add(task)
+        task.add_done_callback(self._writes.discard)
+        return task
+
+    async def _write(self, work: Callable[[], None], *, sure: bool) -> OSError | None:
         try:
-            await self._on_disk(lambda: self._journal.write(state, sure=False))
+            await self._on_disk(work)
         except OSError as error:
-            log.warning("the journal of commands cannot be written: %s", error)
+            self._trouble.failed(_JOURNAL, error)
+            return error
+        if sure:
+            # What is not forced to disk proves nothing of it.
+            self._trouble.worked(_JOURNAL)
+        return None
+
+    async def write_waiting(self) -> None:
+        """Try again to write what the disk did not take."""
+        if self._journal.behind or self._trouble.failing(_JOURNAL):
+            await self._write(self._journal.write_waiting, sure=True)
 
     async def close(self) -> None:
         """Stop the timers and finish the writes. What still runs will read as unknown."""

@@ -57,13 +57,18 @@ class CommandBook:
         return True
 
     def move(
-        self, command_id: str, phase: CommandPhase, message: str = "", progress: float = 0.0
+        self,
+        command_id: str,
+        phase: CommandPhase,
+        message: str = "",
+        progress: float = 0.0,
+        blocked_by: str = "",
     ) -> CommandState | None:
         """Take a step, or give none when that step is not possible from where it stands."""
         state = self._states.get(command_id)
         if state is None or phase not in _STEPS[state.phase]:
             return None
-        moved = _with(state, phase, message, progress)
+        moved = _with(state, phase, message, progress, blocked_by)
         self._states[command_id] = moved
         return moved
 
@@ -77,7 +82,11 @@ class CommandBook:
 
 
 def _with(
-    state: CommandState, phase: CommandPhase, message: str, progress: float = 0.0
+    state: CommandState,
+    phase: CommandPhase,
+    message: str,
+    progress: float = 0.0,
+    blocked_by: str = "",
 ) -> CommandState:
     return CommandState(
         id=state.id,
@@ -87,4 +96,5 @@ def _with(
         message=message[:2000],
         progress=1.0 if phase is _P.SUCCEEDED else max(progress, state.progress),
         who=state.who,
+        blocked_by=blocked_by,
     )

@@ -9,6 +9,8 @@ Long, because all that may end a hold (people, link, robot, another description)
 
 from __future__ import annotations
 
+import logging
+import math
 import secrets
 from typing import TYPE_CHECKING
 
@@ -32,6 +34,9 @@ __all__ = ["Control", "Ticks"]
 
 TICK_NS = 50 * MS
 CHANGING = "its description is being changed"
+
+
+log = logging.getLogger(__name__)
 
 
 class Ticks:
@@ -106,6 +111,8 @@ class Control:
             for name, device in site.devices.items()
             if device.drive is not None
         }
+        for seat in self.seats.values():
+            seat.robot_back(clock.monotonic_ns())
 
     @property
     def busy(self) -> bool:
@@ -144,6 +151,7 @@ class Control:
             now = self._clock.monotonic_ns()
             seat.bar(self._barred(frame.device, now), now)
             seat.slow(self._share(frame.device, now))
+            seat.measured = self._measured(seat, now)
             seat.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
     def stop(self, ask: StopAsk) -> Latched | None:
@@ -161,8 +169,21 @@ class Control:
         try:
             await self._on_disk(lambda: self._stops.write(device, latched))
         except OSError as error:
+            # Latched it is; `write_waiting` tries again.
             problem = f"STOP is on, but cannot be kept over a restart: {error}"
             self._mouth.note("disk_failed", device, problem, latched.who, good=False)
+
+    async def write_waiting(self) -> None:
+        """Try again to write each STOP that the disk did not take."""
+        if not self._stops.behind:
+            return
+        try:
+            await self._on_disk(self._stops.write_waiting)
+        except OSError as error:
+            log.debug("STOP is not on disk yet: %s", error)
+            return
+        said = "STOP is on disk now, and will be kept over a restart"
+        self._mouth.note("disk_recovered", "", said, "", good=True)
 
     async def reset(self, ask: ResetAsk) -> None:
         """Give a token, or take it and release STOP."""
@@ -280,6 +301,9 @@ class Control:
     def robot_back(self, devices: Collection[str]) -> None:
         """Let them be driven again, by whoever lets go first; STOP is being repeated anyway."""
         self._away.difference_update(devices)
+        for device in devices:
+            if (seat := self.seats.get(device)) is not None:
+                seat.robot_back(self._clock.monotonic_ns())
 
     def override(self, ask: OverrideAsk) -> None:
         """Override an interlock for a time, or end that."""
@@ -326,6 +350,20 @@ class Control:
 
     def _share(self, device: str, now_ns: int) -> float:
         return 1.0 if self._interlocks is None else self._interlocks.share(device, now_ns)
+
+    def _measured(self, seat: Seat, now_ns: int) -> tuple[float, float]:
+        """Give what a robot that is driven by characters says of its motion; NaN for nothing."""
+        keys = seat.rule.keys
+        speed, turn = (self._fresh(address, now_ns) for address in (keys.speed, keys.turn))
+        return speed, turn
+
+    def _fresh(self, address: str, now_ns: int) -> float:
+        reading = self._readings.latest(address) if address else None
+        if reading is None:
+            return math.nan
+        device, _, signal = address.partition("/")
+        max_age = self._site.devices[device].signals[signal].max_age
+        return reading.value if now_ns - reading.mono_ns <= round(max_age * SECOND) else math.nan
 
     def _anyone_holds(self) -> bool:
         now = self._clock.monotonic_ns()

@@ -15,6 +15,7 @@ from talaia.wire.frames import (
     CommandCancel,
     CommandPhase,
     Drive,
+    EnclosureState,
     Event,
     KeyAsk,
     LeaseAsk,
@@ -29,7 +30,7 @@ from talaia.wire.frames import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
+    from collections.abc import Callable, Coroutine
 
     from talaia.clock import Clock
     from talaia.gateway.acting import Acting
@@ -60,11 +61,14 @@ class Voice:
         self._lanes = lanes
         self.adapter: Adapter | None = None
         self.tapes: Tapes | None = None
+        # Whether the hub of this link takes `EnclosureState`; others hear of enclosures here.
+        self.takes_enclosures = False
+        self.on_enclosure: Callable[[EnclosureState], None] = lambda _state: None
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """Publish a velocity."""
         if self.adapter is not None:
-            self.adapter.drive(device, linear, angular)
+            self.adapter.drive(device, linear, angular, key)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """Publish on the STOP topic."""
@@ -73,6 +77,10 @@ class Voice:
 
     def send(self, message: FromGateway) -> None:
         """Send to the hub."""
+        if isinstance(message, EnclosureState):
+            self.on_enclosure(message)
+            if not self.takes_enclosures:
+                return
         self._lanes.send(message)
 
     def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
@@ -152,6 +160,7 @@ class FrontDesk:
         if self._tapes is not None:
             self._lanes.send(self._tapes.state())
         self._keeper.ack(self._boot, welcome.acked)
+        self._voice.takes_enclosures = EnclosureState.__struct_config__.tag in welcome.takes
         self._control.link_up()
         self._commanding.report()
         self._reach.report()

@@ -194,11 +194,11 @@ class Driving:
         """Let nothing move before this time, whoever drives: another takes over."""
         self._pause_until_ns = until_ns
 
-    def halt(self, now_ns: int) -> None:
-        """End the hold now: zeros for the stated time, then silence. Nothing is ramped."""
+    def halt(self, now_ns: int, seconds: float = 0.0) -> None:
+        """End the hold now: zeros for the stated time, or longer, then silence. No ramp."""
         self._wish = STILL
         self._phase = Phase.ZEROS
-        self._until_ns = now_ns + round(self._rule.zeros_for * SECOND)
+        self._until_ns = now_ns + round(max(seconds, self._rule.zeros_for) * SECOND)
         self._said_ns = None
 
     def prompt(self, now_ns: int) -> bool:

@@ -3,6 +3,8 @@
 Level-triggered: what counts at each look is how things stand, not what was asked before. A roof
 that somebody opens again is asked to close again; a park that is refused ends nothing; success is
 what the end switches say, never the answer to a command.
+
+Long, because stopping, parking and closing one roof lean on the same few times and tries.
 """
 
 from __future__ import annotations
@@ -36,12 +38,18 @@ class Seen(NamedTuple):
         closed: none when they say nothing.
         moving: the roof moves.
         parked: the telescope is certainly parked.
+        opening: the roof certainly moves towards open.
+        disagree: what the sensors say where they disagree; ``closed`` is none then.
+        open_parts: segments and flap that are not certainly closed, by name.
 
     """
 
     closed: bool | None
     moving: bool
     parked: bool
+    opening: bool = False
+    disagree: str = ""
+    open_parts: tuple[str, ...] = ()
 
 
 class Act(NamedTuple):
@@ -67,6 +75,7 @@ class EnclosureGuard:
         self._name = name
         self._rule = rule
         self._asked = 0
+        self._problem = ""
         self._forget()
 
     def _forget(self) -> None:
@@ -78,6 +87,13 @@ class EnclosureGuard:
         self._alarm_ns: int | None = None
         self._stopped_by = ""
         self._aborted = False
+        self._turns = 0
+        self._turn_ns: int | None = None
+
+    @property
+    def problem(self) -> str:
+        """Say why it should be closed and cannot be shown to be; empty: it is, or need not be."""
+        return f"{self._rule.name}: {self._problem}" if self.alarmed else ""
 
     @property
     def alarmed(self) -> bool:
@@ -125,10 +141,43 @@ class EnclosureGuard:
             self._closed, self._tries, self._close_ns = False, 0, None
             self._began_ns = now_ns
             acts.append(self._said("enclosure_reopened", f"open while {why}", good=False))
+        if not self._closed and not self._stopped_by:
+            acts += self._turn(seen, now_ns)
         acts += self._park(seen, now_ns)
         if not self._closed:
             acts += self._close(why, seen, now_ns)
         return acts
+
+    def _turn(self, seen: Seen, now_ns: int) -> list[Act | Said]:
+        """Stop or turn a roof that opens, at once, whatever the order of closing is.
+
+        With a telescope that may stand in the way it is stopped first, and closes in its order.
+        One that does not stop is turned: what the shutter has just passed it may pass again.
+        """
+        rule = self._rule
+        if not seen.opening:
+            self._turns, self._turn_ns = 0, None
+            return []
+        again = min(LONGEST_AGAIN_NS, FIRST_AGAIN_NS << max(0, min(self._turns - 1, 10)))
+        if self._turn_ns is not None and now_ns - self._turn_ns < again:
+            return []
+        stops = bool(rule.stop) and (self._turns + self._must_wait(seen)) % 2 == 1
+        acts: list[Act | Said] = []
+        if self._turns == 0:
+            did = "stopped" if stops else "turned"
+            acts.append(self._said("enclosure_turned", f"it was opening: {did}", good=False))
+        self._turns += 1
+        self._turn_ns = now_ns
+        if stops:
+            return [*acts, self._act("stop", Step(command=rule.stop))]
+        self._tries += 1
+        self._close_ns = now_ns
+        return [*acts, self._act("close", rule.close)]
+
+    def _must_wait(self, seen: Seen) -> bool:
+        """Tell whether the telescope has to be parked before the roof closes."""
+        waits = self._rule.order is ClosingOrder.MOUNT_FIRST and self._rule.park is not None
+        return waits and not seen.parked
 
     def _on_closed(self, now_ns: int) -> list[Act | Said]:
         if self._closed:
@@ -167,19 +216,21 @@ class EnclosureGuard:
         if self._stopped_by:
             said = f"closing was stopped by {self._stopped_by}; close it by hand to resume ({why})"
             return self._alarm(said, now_ns)
-        waits = rule.order is ClosingOrder.MOUNT_FIRST and rule.park is not None
-        if waits and not seen.parked and self._close_ns is None:
+        if self._must_wait(seen) and self._close_ns is None:
             if self._in_time(now_ns):
                 return []
             if rule.past_deadline is PastDeadline.ALARM:
                 return self._alarm(f"the telescope is not parked, so it stays open ({why})", now_ns)
         acts: list[Act | Said] = []
-        if self._due(seen, now_ns):
+        # A roof that opens is seen to by `_turn`, more often.
+        if not seen.opening and self._due(seen, now_ns):
             self._tries += 1
             self._close_ns = now_ns
             if self._tries > 1:
                 times = f"asked for the {self._tries}. time"
                 acts.append(self._said("enclosure_retry", f"{times}: {_words(seen)}", good=False))
+            parts = [each for name, each in rule.parts().items() if name in seen.open_parts]
+            acts += [self._act("close", each.close) for each in parts if each.close is not None]
             acts.append(self._act("close", rule.close))
         if self._tries > rule.retries:
             acts += self._alarm(
@@ -198,6 +249,7 @@ class EnclosureGuard:
         return waited >= again
 
     def _alarm(self, message: str, now_ns: int) -> list[Act | Said]:
+        self._problem = message
         every = round(self._rule.alarm_every * SECOND)
         if self._alarm_ns is not None and now_ns - self._alarm_ns < every:
             return []
@@ -216,8 +268,12 @@ class EnclosureGuard:
 
 
 def _words(seen: Seen) -> str:
+    if seen.disagree:
+        return f"its sensors disagree ({seen.disagree})"
     if seen.closed is None:
         return "its sensors say nothing"
+    if seen.opening:
+        return "it still opens"
     return "it still moves" if seen.moving else "its sensors say that it is open"
 
 

@@ -27,6 +27,7 @@ __all__ = [
     "KeyRefused",
     "LinkLost",
     "RosterFull",
+    "SentAway",
     "SettingsError",
     "SpoolError",
     "TypeMissing",
@@ -102,6 +103,15 @@ class LinkLost(GatewayError):
 
 class HubUnreachable(LinkLost):
     """The hub could not be asked: it is not there, or is not the one that was meant."""
+
+
+class SentAway(LinkLost):
+    """The hub is there, and has no place for us now; ``after_s`` is when to come back, if said."""
+
+    def __init__(self, problem: str, after_s: float = 0.0) -> None:
+        """Keep what the hub said."""
+        super().__init__(problem)
+        self.after_s = after_s
 
 
 class KeyRefused(LinkLost):

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import fcntl
+import logging
 import os
 from typing import TYPE_CHECKING, TypeVar
 
@@ -22,13 +23,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["Epochs", "KeptStops", "locked", "write_whole"]
+__all__ = ["NO_ROOM", "Epochs", "KeptStops", "locked", "write_whole"]
 
+log = logging.getLogger(__name__)
 T = TypeVar("T")
 _BLOCK = 1000
 # A file system's block: what lies in one is written by one blow when this process dies.
 _ROOM = 4096
-_NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT})
+NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT})
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -63,7 +65,7 @@ def _write_roomy(path: Path, data: bytes) -> None:
         write_whole(path, padded)
     except OSError as error:
         path.with_name(path.name + ".new").unlink(missing_ok=True)
-        if error.errno not in _NO_ROOM or not path.exists() or path.stat().st_size < len(padded):
+        if error.errno not in NO_ROOM or not path.exists() or path.stat().st_size < len(padded):
             raise
         file = os.open(path, os.O_WRONLY | os.O_CLOEXEC)
         try:
@@ -74,11 +76,18 @@ def _write_roomy(path: Path, data: bytes) -> None:
 
 
 def _read(path: Path, kind: type[T], otherwise: Callable[[], T]) -> T:
+    """Read a file that was written whole.
+
+    Raises:
+        SpoolError: it is damaged.
+        OSError: the disk does not give it back.
+
+    """
     try:
         return msgspec.json.decode(path.read_bytes(), type=kind)
     except FileNotFoundError:
         return otherwise()
-    except (OSError, msgspec.DecodeError) as error:
+    except msgspec.DecodeError as error:
         raise SpoolError(
             f"{path} cannot be read: {error}; it guards who may drive, so it is not guessed: "
             "restore it, or remove it when no page of this robot is open"
@@ -95,19 +104,25 @@ class Epochs:
     def __init__(self, path: Path) -> None:
         """Read what was reserved and reserve the next block.
 
+        Where the disk does not take it nobody gets a lease until it does: a gateway that cannot
+        let anybody drive still guards.
+
         Raises:
-            SpoolError: the file is damaged or cannot be written.
+            SpoolError: the file is damaged.
 
         """
         self._path = path
-        self._last = _read(path, int, lambda: 0)
-        self._reserved = self._last
+        self._read = False
+        self._last = self._reserved = 0
         try:
             self._reserve()
         except OSError as error:
-            raise SpoolError(f"{path} cannot be written: {error}") from error
+            log.warning("nobody can take a lease: %s: %s", path, error)
 
     def _reserve(self) -> None:
+        if not self._read:
+            self._last = self._reserved = _read(self._path, int, lambda: 0)
+            self._read = True
         _write_roomy(self._path, msgspec.json.encode(self._reserved + _BLOCK))
         self._reserved += _BLOCK
 
@@ -135,34 +150,63 @@ class KeptStops:
 
         """
         self._path = path
-        self._stops: dict[str, Latched] = _read(path, dict[str, Latched], dict)
-        if not path.exists():
-            # So that there is room for the first STOP even when the disk is full by then.
-            with contextlib.suppress(OSError):
+        self._stops: dict[str, Latched] = {}
+        # What the disk did not take; it is tried again.
+        self._waiting: dict[str, Latched] = {}
+        self._unread = ""
+        try:
+            self._stops = _read(path, dict[str, Latched], dict)
+        except OSError as error:
+            log.warning("all that is driven begins with STOP: %s cannot be read: %s", path, error)
+            self._unread = f"the gateway, which cannot read its disk ({error.strerror})"
+        with contextlib.suppress(OSError):
+            if not path.exists():
+                # So that there is room for the first STOP even when the disk is full by then.
                 _write_roomy(path, msgspec.json.encode(self._stops))
 
     def get(self, device: str) -> Latched | None:
-        """Give who stopped a device, or none."""
-        return self._stops.get(device)
+        """Give who stopped a device, or none. Where that cannot be read, the gateway has."""
+        kept = self._waiting.get(device) or self._stops.get(device)
+        return Latched("", self._unread, 0) if kept is None and self._unread else kept
+
+    @property
+    def behind(self) -> bool:
+        """Whether a STOP waits for the disk. May be asked from any thread."""
+        return bool(self._waiting)
+
+    def write_waiting(self) -> None:
+        """Write what the disk did not take before; may block on it.
+
+        Raises:
+            OSError: it still does not.
+
+        """
+        for device, latched in list(self._waiting.items()):
+            self.write(device, latched)
 
     def write(self, device: str, latched: Latched | None) -> None:
         """Remember or forget one; may block on the disk.
 
         Raises:
-            OSError: not written; what was remembered before stands.
+            OSError: not written; what was remembered before stands on disk. A STOP waits in
+                memory.
 
         """
         stops = dict(self._stops)
         if latched is None:
             stops.pop(device, None)
         else:
-            stops[device] = latched
+            stops[device] = self._waiting[device] = latched
+        if self._unread:
+            # Nothing is written over what may be there yet.
+            raise OSError(errno.EIO, f"{self._path} cannot be read; mend the disk, then restart")
         _write_roomy(self._path, msgspec.json.encode(stops))
         self._stops = stops
+        self._waiting.pop(device, None)
 
 
 def locked(data: Path) -> int:
-    """Make the data folder this process's own.
+    """Make the data folder this process's own, also on a disk that takes nothing now.
 
     Raises:
         SpoolError: another gateway uses it, or it cannot be made.
@@ -170,7 +214,7 @@ def locked(data: Path) -> int:
     """
     try:
         data.mkdir(parents=True, exist_ok=True, mode=0o700)
-        lock = os.open(data / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        lock = _open_lock(data)
     except OSError as error:
         raise SpoolError(f"the data folder {data} cannot be used: {error}") from error
     try:
@@ -181,3 +225,15 @@ def locked(data: Path) -> int:
             f"the data folder {data} is used by another gateway; give another --data"
         ) from error
     return lock
+
+
+def _open_lock(data: Path) -> int:
+    """Open the lock file; on a disk that makes none, the folder itself."""
+    try:
+        return os.open(data / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    except OSError as error:
+        log.warning("%s: the lock is not written: %s", data, error)
+    try:
+        return os.open(data / "lock", os.O_RDONLY | os.O_CLOEXEC)
+    except OSError:
+        return os.open(data, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)

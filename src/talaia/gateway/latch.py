@@ -6,6 +6,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import MS, SECOND
+from talaia.model.overriding import longest_override
 from talaia.wire.frames import InterlockState
 
 if TYPE_CHECKING:
@@ -32,11 +33,12 @@ class Verdict(NamedTuple):
 
 
 class Override(NamedTuple):
-    """Who lets people act in spite of an interlock, why, and until when (ns, monotonic)."""
+    """Who lets people act in spite of a condition, why, and until when (ns, monotonic)."""
 
     who: str
     reason: str
     until_ns: int
+    condition: str = ""
 
 
 class Change(Enum):
@@ -71,6 +73,11 @@ class Latch:
     def locked(self) -> bool:
         """Tell whether it refuses now."""
         return self._locked and self._override is None
+
+    @property
+    def is_locked(self) -> bool:
+        """Tell whether it would refuse now, were it not overridden."""
+        return self._locked
 
     @property
     def demands(self) -> bool:
@@ -125,7 +132,16 @@ class Latch:
             self._dwell_ns = self._own_dwell_ns
             self.why = ""
             changes.append(Change.RELEASED)
+            if self._override is not None:
+                # There is nothing left to override; the next time somebody has to say so anew.
+                self._override = None
+                changes.insert(0, Change.OVERRIDE_ENDED)
         return changes
+
+    def end_override(self, now_ns: int) -> None:
+        """End an override at the next look, whoever gave it."""
+        if self._override is not None:
+            self._override = self._override._replace(until_ns=now_ns)
 
     def due_ns(self) -> int | None:
         """Give when time alone changes it: the dwell time or an override ends; none if it can't."""
@@ -136,20 +152,25 @@ class Latch:
             times.append(self._override.until_ns)
         return min(times, default=None)
 
-    def overrule(self, who: str, reason: str, seconds: float, now_ns: int) -> str:
-        """Override it for a time, or end that with 0 s; give the reason why not."""
+    def overrule(
+        self, who: str, reason: str, seconds: float, now_ns: int, *, condition: str = ""
+    ) -> str:
+        """Override a condition for a time, or end that with 0 s; give the reason why not."""
         if seconds == 0:
             if self._override is None:
                 return f"{self._rule.name} is not overridden"
-            self._override = self._override._replace(until_ns=now_ns)
+            self.end_override(now_ns)
             return ""
-        longest = self._rule.longest_override
+        longest = longest_override(self._rule)
         if not 0 < seconds <= longest:
             most = f"at most {longest:g} s" if longest else "never"
             return f"{self._rule.name} may be overridden {most}"
         if not reason.strip():
             return "say why it is overridden"
-        self._override = Override(who, reason.strip(), now_ns + round(seconds * SECOND))
+        if not self._locked:
+            return f"{self._rule.name} locks nothing now, so there is nothing to override"
+        until_ns = now_ns + round(seconds * SECOND)
+        self._override = Override(who, reason.strip(), until_ns, condition)
         return ""
 
     def state(self, now_ns: int) -> InterlockState:

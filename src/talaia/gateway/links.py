@@ -13,7 +13,8 @@ from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.connection import LinkRun, run_media
 from talaia.gateway.uplink.dialling import Outage, beside_link, keep_dialling
 from talaia.gateway.uplink.files import Sending, send_files
-from talaia.wire.frames import ArchiveOffer
+from talaia.gateway.uplink.newest import NewestTeller
+from talaia.wire.frames import ArchiveOffer, Newest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,6 +70,7 @@ async def keep_link(
     settings, clock = way.settings, way.clock
     link = LinkRun(settings, way.trust, clock, lanes, wake, way.desk)
     outage = Outage()
+    teller = NewestTeller(batcher.newest, keeper, lanes, clock, boot)
     # Which description the hub was greeted with.
     told = 0
 
@@ -81,10 +83,35 @@ async def keep_link(
         outage.back()
         exchange.said_since(told)
         log.debug("the hub has %d samples of this run", welcome.acked)
+        live_from = batcher.next
+        takes = Newest.__struct_config__.tag in welcome.takes
+
+        def tell_newest() -> None:
+            if takes:
+                teller.tell_run(exchange.now.catalogue)
+
         catchup = CatchUp(
-            keeper, lanes, boot, lambda: exchange.now.catalogue, settings.backfill_bytes
-        )
-        return asyncio.ensure_future(catchup.run(batcher.next))
+            keeper, lanes, boot, lambda: exchange.now.catalogue, settings.backfill_bytes,
+            tell_newest,
+        )  # fmt: skip
+
+        async def both() -> None:
+            telling = asyncio.ensure_future(
+                teller.tell_former(lambda: exchange.now.addresses) if takes else asyncio.sleep(0)
+            )
+            catching = asyncio.ensure_future(catchup.run(live_from))
+            try:
+                # What goes wrong with the one is not to be hidden by the other.
+                await telling
+                await catching
+            finally:
+                for each in (telling, catching):
+                    each.cancel()
+                await asyncio.gather(telling, catching, return_exceptions=True)
+
+        # Before anything old, and before anything newer.
+        tell_newest()
+        return asyncio.ensure_future(both())
 
     await keep_dialling("the hub", lambda: link.once(hello(), beside), outage, clock)
 

@@ -131,6 +131,7 @@ def _meant(site: Site, address: str) -> tuple[object, ...] | None:
     signal = None if described is None else described.signals.get(name)
     if signal is None:
         return None
-    plain = {"name": "", "minimum": None, "maximum": None, "decimals": -1, "keep": 0.0}
+    # Its range stays: what is outside of it is unknown, and unknown is unsafe.
+    plain = {"name": "", "decimals": -1, "keep": 0.0}
     looks = msgspec.structs.replace(signal, **plain, primary=True, was="")
     return looks, eye_of(site, device, signal.source.stream)

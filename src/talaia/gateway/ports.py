@@ -44,10 +44,19 @@ Field = float | int | bool | str
 
 
 class Reading(NamedTuple):
-    """The newest value of a channel and when it came, by the gateway's monotonic clock."""
+    """The newest value of a channel and when it was true, by the gateway's monotonic clock.
+
+    Attributes:
+        mono_ns: when it came; where its own stamp is read, when that advanced last.
+        stamp_ns: its own stamp (ns since the epoch, by the robot's clock); 0 where none is read.
+        arrived_ns: when it came, where its own stamp is read.
+
+    """
 
     value: float
     mono_ns: int
+    stamp_ns: int = 0
+    arrived_ns: int = 0
 
 
 class Outcome(NamedTuple):
@@ -346,8 +355,12 @@ class CommandTarget(Protocol):
     (only the newest counts) and do not raise while the adapter is away (there is nobody to tell).
     """
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
-        """Publish a velocity (m/s, rad/s) at once."""
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+        """Publish a velocity (m/s, rad/s) at once.
+
+        ``key`` is the character instead, to a device that is driven by characters: each one is
+        sent, in order.
+        """
         ...
 
     def stop(self, device: str, *, stopped: bool) -> None:
@@ -398,8 +411,8 @@ class Adapter(CommandTarget, Readings, Protocol):
 class Mouth(Protocol):
     """What those who decide say: to the robot, to the hub, and to the record."""
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
-        """Publish a velocity."""
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+        """Publish a velocity, or the character that stands for it."""
         ...
 
     def stop(self, device: str, *, stopped: bool) -> None:

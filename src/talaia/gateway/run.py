@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import faulthandler
 import logging
 import signal
 import sys
@@ -16,9 +17,12 @@ from talaia.gateway import enrol
 from talaia.gateway.app import Gateway
 from talaia.gateway.arguments import parsed, settings_of
 from talaia.gateway.found import with_kept
+from talaia.gateway.notices import telling
 from talaia.gateway.own_copy import OwnCopy
 from talaia.model.check import raise_first
 from talaia.model.load import site_in
+from talaia.resource_usage import report_usage_on_signal
+from talaia.service_manager import own_service_manager
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,7 +37,13 @@ def main(argv: Sequence[str]) -> int:
     """Run a gateway until SIGINT or SIGTERM; 0 after a clean end, 2 if it cannot start."""
     if argv and argv[0] == "enrol":
         return enrol.main(argv[1:])
+    if argv and argv[0] == "test-notice":
+        return telling.main(argv[1:])
     arguments = parsed(argv)
+    # Says where each thread stood when a service manager ends a process that stands still.
+    # The process's own, which has a descriptor; whoever calls this may have put another in place.
+    if sys.__stderr__ is not None:
+        faulthandler.enable(sys.__stderr__)
     logging.basicConfig(
         level=logging.DEBUG if arguments.verbose else logging.INFO,
         format="%(asctime)s %(levelname)s %(name)s: %(message)s",
@@ -59,6 +69,7 @@ async def _serve(site: Site, settings: Settings, copy: OwnCopy) -> None:
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
+    report_usage_on_signal(loop)
     await serve(site, settings, ended, copy)
 
 
@@ -71,8 +82,11 @@ async def serve(
     """
     if copy is not None:
         copy.counts(site, copy.text)
+    manager = own_service_manager()
     following: Site | None = with_kept(settings.data, site)
     while following is not None and not ended.is_set():
-        gateway = Gateway(following, settings, SystemClock(), copy)
+        gateway = Gateway(following, settings, SystemClock(), copy, manager)
         await gateway.run(ended)
         following = gateway.redescribed
+    manager.report_stopping()
+    manager.close()

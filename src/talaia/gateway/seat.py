@@ -1,17 +1,20 @@
 """One driven device: its lease, its velocity and its STOP together, under one clock. Pure.
 
-This is where the arbitration of the safety rules is decided: STOP before the lease holder, and
-nobody else. A seat holds no timer; it says when it wants to be called (`due_ns`).
+Long, because the arbitration of the safety rules is decided in one place: STOP before the lease
+holder, and nobody else. A seat holds no timer; it says when it wants to be called (`due_ns`).
 """
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from talaia.clock import MS, SECOND
 from talaia.gateway.drive import STILL, Demand, Driving
+from talaia.gateway.drive_keys import KeyCounter
 from talaia.gateway.stop import Latched, StopLatch
 from talaia.gateway.tenancy import Tenancy
+from talaia.model.site import DriveMessage
 from talaia.wire.frames import DriveState, StopState
 
 if TYPE_CHECKING:
@@ -27,6 +30,8 @@ __all__ = ["Seat"]
 
 REPORT_NS = 100 * MS
 STOP_OFTEN_NS = SECOND
+# Discovery takes a robot a few seconds; what is published before it listens is lost.
+HALT_UNKNOWN_S = 10.0
 STOP_SELDOM_NS = SECOND
 # As long as robots wait before they stop by themselves: the vehicle stands between two drivers.
 BETWEEN_DRIVERS_NS = SECOND // 2
@@ -50,13 +55,17 @@ class Seat:
         lease_ns = round(rule.lease * SECOND)
         self.tenancy = Tenancy(device, lease_ns, next_epoch, mouth, self._changed)
         self.driving = Driving(rule)
+        # Of a robot that is driven by characters: what was sent, and what comes next.
+        self._keys = KeyCounter(rule) if rule.message is DriveMessage.KEYS else None
+        # What such a robot says of its own motion, where the description names that.
+        self.measured: tuple[float, float] = (math.nan, math.nan)
         self.latch = StopLatch(rule.stop.below, stopped)
         self._period_ns = round(SECOND / rule.rate)
         self._zero_ns = 0
         self._told_robot_ns = 0
         self._stopped_ns = 0
         self._driver = ""
-        self._told: tuple[Demand, float, str] | None = None
+        self._told: tuple[Demand, float, str, str] | None = None
         self._reported_ns = -REPORT_NS
         self._why = ""
         self._barred = ""
@@ -147,9 +156,26 @@ class Seat:
         was_moving = self.driving.moving
         demand = self.driving.step(now_ns)
         if demand is not None:
-            self._mouth.drive(self.device, *demand)
+            self._send_demand(demand)
         if was_moving and not self.driving.moving:
             self._note_end("no fresh frame")
+
+    def _send_demand(self, demand: Demand) -> None:
+        """Tell the robot a velocity, or the next character towards it if there is one."""
+        if self._keys is None:
+            self._mouth.drive(self.device, *demand)
+        elif key := self._keys.next_key(
+            (demand.linear, demand.angular), self.driving.cap, self.measured
+        ):
+            self._mouth.drive(self.device, *demand, key=key)
+
+    def robot_back(self, now_ns: int) -> None:
+        """Halt a robot that keeps its velocity by itself: what it was sent before is not known.
+
+        Also at the gateway's start, for the one before may have been killed while it drove.
+        """
+        if self._keys is not None and not self.driving.moving:
+            self.driving.halt(now_ns, HALT_UNKNOWN_S)
 
     def _end(self, now_ns: int, why: str) -> None:
         """End a hold, if one is on, with zeros."""
@@ -167,15 +193,18 @@ class Seat:
     def _report(self, now_ns: int) -> None:
         """Tell the hub what the robot is told, when it changed, at most ten times a second."""
         driving = self.driving
-        told = (driving.output, driving.cap, self._why)
+        linear, angular = driving.output if self._keys is None else self._keys.velocity
+        sent = "" if self._keys is None else self._keys.sent
+        told = (driving.output, driving.cap, self._why, sent)
         if told == self._told or now_ns - self._reported_ns < REPORT_NS:
             return
         self._told, self._reported_ns = told, now_ns
         self._mouth.send(
             DriveState(
                 device=self.device,
-                linear=driving.output.linear,
-                angular=driving.output.angular,
+                linear=linear,
+                angular=angular,
+                sent=sent,
                 cap=driving.cap,
                 loop_ms=driving.loop_ms,
                 accepted=driving.accepted,
@@ -228,7 +257,7 @@ class Seat:
 
     def _say_zero(self, now_ns: int) -> None:
         self._zero_ns = now_ns
-        self._mouth.drive(self.device, *STILL)
+        self._send_demand(STILL)
 
     # ── time and link ──
 

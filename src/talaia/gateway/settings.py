@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.permitting import Accepts
+
+if TYPE_CHECKING:
+    from talaia.gateway.notice_settings import NoticeSettings
 
 __all__ = ["DoorSettings", "HubAddress", "Settings"]
 
@@ -105,6 +109,7 @@ class Settings:
         upload_bytes: files go out at this rate, below everything else (bytes/s).
         door: for founding clients; none leaves it closed.
         accepts: which changes of the description it takes from the hub.
+        notices: ways to people while the hub is away; none where there are none.
         backfill_bytes: old samples go out at this rate beside the live ones (bytes/s).
 
     """
@@ -124,3 +129,4 @@ class Settings:
     backfill_bytes: int = 512 * 1024
     door: DoorSettings | None = None
     accepts: Accepts = Accepts.NO
+    notices: NoticeSettings | None = None

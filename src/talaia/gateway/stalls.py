@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import deque
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
 
-__all__ = ["STOOD", "Stalls", "watch_stalls"]
+__all__ = ["STOOD", "StallCredit", "Stalls", "watch_stalls"]
 
 log = logging.getLogger(__name__)
 STOOD = "the gateway stood still"
@@ -39,6 +40,50 @@ class Stalls:
         began_ns = wall_ns - stood_ns
         self._monotonic_ns = monotonic_ns
         return (began_ns // 1000, wall_ns // 1000) if stood_ns >= _LEAST_NS else None
+
+
+class StallCredit:
+    """How old something is, for one who may have stood still himself. Pure.
+
+    While this process stood still it heard nothing, which says nothing about who is heard. What
+    it slept through is taken off an age, for `SETTLE_NS` of running time after waking: what has
+    not arrived by then is as old as the clock says. So is what stays silent while standstills
+    follow each other, once the time between them comes to that.
+    """
+
+    # A look that comes later than this after the last one (they come ten times a second) was late.
+    LEAST_NS = SECOND // 2
+    SETTLE_NS = 2 * SECOND
+    KEPT = 64
+
+    def __init__(self, now_ns: int) -> None:
+        """Begin at a moment (monotonic)."""
+        self._at_ns = now_ns
+        self._stalls: deque[tuple[int, int]] = deque(maxlen=self.KEPT)
+
+    def at(self, now_ns: int) -> None:
+        """Take in that it runs now."""
+        if now_ns - self._at_ns >= self.LEAST_NS:
+            self._stalls.append((self._at_ns, now_ns))
+        self._at_ns = max(self._at_ns, now_ns)
+
+    def settling(self, now_ns: int) -> bool:
+        """Tell whether it has just stood still, so that ages may be judged with credit."""
+        self.at(now_ns)
+        # Standstills that follow each other stretch the time to settle.
+        return any(now_ns - to_ns <= self.SETTLE_NS for _, to_ns in self._stalls)
+
+    def age_ns(self, since_ns: int, now_ns: int) -> int:
+        """Give the age of something that was at ``since_ns``."""
+        self.at(now_ns)
+        age_ns, slept_ns, first_ns = now_ns - since_ns, 0, now_ns
+        for from_ns, to_ns in reversed(self._stalls):
+            if to_ns <= since_ns:
+                break
+            first_ns = max(from_ns, since_ns)
+            slept_ns += to_ns - first_ns
+        ran_ns = now_ns - first_ns - slept_ns
+        return age_ns - slept_ns if ran_ns <= self.SETTLE_NS else age_ns
 
 
 async def watch_stalls(clock: Clock, missed: Callable[[int, int, str], None]) -> None:

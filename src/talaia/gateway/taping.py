@@ -13,11 +13,13 @@ from talaia.gateway.uplink.files import Lane
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
     from talaia.gateway.recording.films import Films
     from talaia.gateway.recording.recorder import Recorder
+    from talaia.gateway.recording.shelf import Saved
     from talaia.gateway.settings import Settings
     from talaia.model.recording import Recording
     from talaia.model.site import Site
@@ -117,7 +119,7 @@ def _recorder(
             f"the description names topics to record, and they cannot be ({error}); "
             "install talaia[recording]"
         ) from error
-    shelf.open(recover)
+    _open(shelf, recover)
 
     def fields_of(name: str) -> dict[str, str]:
         fields: dict[str, str] = class_of(name, "recording").get_fields_and_field_types()
@@ -145,5 +147,13 @@ def _films(
     from talaia.gateway.recording.film_file import recover_film
     from talaia.gateway.recording.films import Films
 
-    shelf.open(recover_film)
+    _open(shelf, recover_film)
     return Films(plan, site.filmed(), shelf, clock, ear.events, ear.finished, changed)
+
+
+def _open(shelf: Shelf, recover: Callable[[Path, Path], Saved]) -> None:
+    """Open a shelf; a disk that takes nothing keeps nobody from guarding the robot."""
+    try:
+        shelf.open(recover)
+    except OSError as error:
+        log.warning("nothing can be recorded until the disk works: %s", error)

@@ -231,6 +231,7 @@ FROM_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
     (
         frames.Hello,
         frames.Samples,
+        frames.Newest,
         frames.Gap,
         frames.LeaseState,
         frames.Tick,
@@ -239,6 +240,7 @@ FROM_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.ResetToken,
         frames.CommandState,
         frames.InterlockState,
+        frames.EnclosureState,
         frames.RecordState,
         frames.DeviceState,
         frames.Described,

@@ -9,6 +9,7 @@ import argparse
 import asyncio
 import contextlib
 import datetime as dt
+import faulthandler
 import ipaddress
 import logging
 import os
@@ -38,6 +39,8 @@ from talaia.hub.lock import hub_lock
 from talaia.hub.settings import Settings, is_loopback
 from talaia.hub.store.backup import take_restored
 from talaia.hub.store.quarantine import set_aside_if_damaged
+from talaia.resource_usage import report_usage_on_signal
+from talaia.service_manager import own_service_manager
 from talaia.wire.frames import MAX_PICTURE
 
 if TYPE_CHECKING:
@@ -46,6 +49,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.app import Hub
     from talaia.hub.settings import Network
+    from talaia.service_manager import ServiceManager
 
 __all__ = ["HubServer", "main", "renewed", "server_of"]
 
@@ -120,6 +124,8 @@ def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServe
 def main(argv: Sequence[str]) -> int:
     """Serve until SIGTERM or SIGINT; 0 after a clean end, 2 when it cannot start."""
     options = _options(argv)
+    # Says where each thread stood when a service manager ends a process that stands still.
+    faulthandler.enable()
     logging.basicConfig(
         level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s"
     )
@@ -249,21 +255,33 @@ async def _serve_alone(settings: Settings) -> None:
     hub = build(settings, clock)
     with _listen(settings) as listener:
         port = listener.getsockname()[1]
-        server = server_of(hub, lambda: _announce(hub, port))
+        manager = own_service_manager()
+        server = server_of(hub, lambda: _announce(hub, port, manager))
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
             loop.add_signal_handler(number, _stop, server)
+        report_usage_on_signal(loop)
         beside = [
             asyncio.create_task(keep_certificate(server, settings)),
             asyncio.create_task(collect_at_rest(hub.driven)),
+            asyncio.create_task(keep_service_manager(hub, manager)),
         ]
         try:
             await server.serve(sockets=[listener])
         finally:
+            manager.report_stopping()
             for task in beside:
                 task.cancel()
         if not server.started:
             raise CannotStart("the hub did not start", "its log above says why")
+
+
+async def keep_service_manager(hub: Hub, manager: ServiceManager) -> None:
+    """Feed the service manager's watchdog for as long as alarms are being judged."""
+    while manager.watchdog_s:
+        await asyncio.sleep(min(1.0, manager.watchdog_s / 4))
+        if hub.alarms.judging:
+            manager.feed_watchdog()
 
 
 async def keep_certificate(server: HubServer, settings: Settings) -> None:
@@ -311,7 +329,7 @@ def _listen(settings: Settings) -> socket.socket:
         ) from error
 
 
-def _announce(hub: Hub, port: int) -> None:
+def _announce(hub: Hub, port: int, manager: ServiceManager) -> None:
     settings = hub.settings
     host = "localhost" if is_loopback(settings.host) else settings.host
     address = f"{'http' if settings.plain else 'https'}://{host}:{port}"
@@ -323,6 +341,7 @@ def _announce(hub: Hub, port: int) -> None:
         lines.append(f"set up the first admin within a day: {address}/setup#{hub.setup_token}")
     sys.stdout.write("\n".join(lines) + "\n")
     sys.stdout.flush()
+    manager.report_ready()
 
 
 def _now() -> dt.datetime:

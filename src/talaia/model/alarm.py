@@ -12,7 +12,7 @@ import msgspec
 
 from talaia.model.shape import Shape
 
-__all__ = ["Alarm", "AlarmKind", "Severity"]
+__all__ = ["Alarm", "AlarmKind", "Escalation", "Severity"]
 
 
 class AlarmKind(StrEnum):
@@ -24,6 +24,10 @@ class AlarmKind(StrEnum):
     ANOMALY = "anomaly"
     DETECTION = "detection"
     EXPRESSION = "expression"
+    # An enclosure should be closed and cannot be shown to be, or its sensors disagree.
+    ENCLOSURE = "enclosure"
+    # The site's gateway has no link to the hub.
+    GATEWAY = "gateway"
 
 
 class Severity(StrEnum):
@@ -37,6 +41,19 @@ class Severity(StrEnum):
     def rank(self) -> int:
         """Give 0 for the least."""
         return list(Severity).index(self)
+
+
+class Escalation(Shape, frozen=True, kw_only=True):
+    """Who is told of an alarm that nobody has acknowledged, and when.
+
+    Attributes:
+        who: the account's name; told by the ways that this person has chosen.
+        after: this long after it was raised (s); 0: at once.
+
+    """
+
+    who: str
+    after: float = 0.0
 
 
 class Alarm(Shape, frozen=True, kw_only=True):
@@ -63,10 +80,16 @@ class Alarm(Shape, frozen=True, kw_only=True):
         count: detection: at least so many at once.
         confidence: detection: only those of which the detector is at least so sure, 0 to 1.
         expression: expression: what is compared; see the how-to page on alarms.
+        enclosure: enclosure: which, by its short name; empty for any.
         severity: how bad it is.
         delay: raised only after it was true for so long (s).
         clear_delay: cleared only after it was false for so long (s).
         unknown_after: raised also when it could not be judged for so long (s); none: never.
+        repeat: told again so often (s) while it is active and nobody has acknowledged it; none:
+            once.
+        remind: told again so often (s) while it is active though acknowledged; none: never.
+        escalate: who is told, one after the other, until it is acknowledged; with none, everybody
+            whose rules want it is told at once.
         record: the gateway records its topics around it, as far as `Recording` has it.
         advice: what to do, for whoever reads the message.
 
@@ -87,9 +110,13 @@ class Alarm(Shape, frozen=True, kw_only=True):
     count: int = 1
     confidence: float = 0.5
     expression: str = ""
+    enclosure: str = ""
     severity: Severity = Severity.WARNING
     delay: float = 0.0
     clear_delay: float = 0.0
     unknown_after: float | None = None
+    repeat: float | None = None
+    remind: float | None = None
+    escalate: tuple[Escalation, ...] = ()
     record: bool = False
     advice: str = ""

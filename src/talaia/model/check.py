@@ -1,10 +1,12 @@
-"""Cross-checks of a description that has the right shape; returns findings, raises nothing."""
+"""Cross-checks of a description that has the right shape; returns findings, raises nothing.
+
+Long, because what must fit together is listed in one place.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
-from zoneinfo import available_timezones
 
 from talaia.model.change import former_findings
 from talaia.model.check_alarms import alarms_findings
@@ -25,10 +27,11 @@ from talaia.model.check_detection import (
 )
 from talaia.model.check_enclosures import enclosure_findings
 from talaia.model.check_interlocks import interlock_findings
+from talaia.model.check_validity import validity_fits
 from talaia.model.connection import Ros1Connection, Ros2Connection
 from talaia.model.errors import DescriptionError, UnknownWord
 from talaia.model.seen import is_seen, with_counts
-from talaia.model.site import ArgumentType, CommandKind, DriveMessage, SignalType, Site
+from talaia.model.site import ArgumentType, CommandKind, DriveMessage, Keys, SignalType, Site
 from talaia.model.unit import unit_of
 from talaia.model.version import FORMAT
 from talaia.model.words import (
@@ -42,9 +45,10 @@ from talaia.model.words import (
     range_fits,
     topic_fits,
 )
+from talaia.model.zones import known_zones
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from talaia.model.recording import Recording
     from talaia.model.site import Argument, Command, Device, Drive, Signal, Stream
@@ -81,7 +85,7 @@ def _site(site: Site, whole: Site) -> Iterator[Finding]:
         yield Finding("$.talaia", problem, f"write: talaia: {FORMAT}")
     yield from id_fits("$.site", site.site)
     yield from name_fits("$.name", site.name)
-    if site.zone not in available_timezones():
+    if site.zone not in known_zones():
         yield _of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
     yield from connection_findings(site)
     if not site.devices and not any(
@@ -141,7 +145,7 @@ def _recording(site: Site, recording: Recording) -> Iterator[Finding]:
 def _near_zones(zone: str) -> Iterable[str]:
     """Zones of the same region, so that the message does not list six hundred."""
     region = zone.split("/", 1)[0].lower()
-    near = [each for each in available_timezones() if each.lower().startswith(region)]
+    near = [each for each in known_zones() if each.lower().startswith(region)]
     return near or ["UTC", "Europe/Madrid", "America/New_York"]
 
 
@@ -182,7 +186,7 @@ def _signal(where: str, signal: Signal) -> Iterator[Finding]:
         unit_of(f"{where}.unit", signal.unit)
     except UnknownWord as error:
         yield _of(error)
-    yield from range_fits(where, signal.minimum, signal.maximum)
+    yield from validity_fits(where, signal)
     for key in ("max_rate", "deadband", "keep"):
         yield from at_least(f"{where}.{key}", getattr(signal, key), 0)
     yield from above(f"{where}.max_age", signal.max_age, 0)
@@ -293,6 +297,30 @@ def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
         yield _of(UnknownWord(f"{where}.position", "position signal", drive.position, known))
     if drive.message is DriveMessage.KEYS and drive.max_reverse == 0:
         yield Finding(f"{where}.max_reverse", "the key x drives backward", "leave it out")
+    yield from _keys(f"{where}.keys", drive, numbers)
+
+
+def _keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> Iterator[Finding]:
+    keys = drive.keys
+    if keys != Keys() and drive.message is not DriveMessage.KEYS:
+        yield Finding(where, f"{drive.message} takes no characters", "leave it out")
+    for name, step, limit in (
+        ("speed_step", keys.speed_step, drive.max_speed),
+        ("turn_step", keys.turn_step, drive.max_turn),
+    ):
+        if step is None:
+            continue
+        yield from above(f"{where}.{name}", step, 0)
+        if step > limit:
+            yield Finding(
+                f"{where}.{name}",
+                f"one character is {step:g}, more than the limit of {limit:g}",
+                "no character could be sent; raise the limit if the robot may go as fast",
+            )
+    for name, address in (("speed", keys.speed), ("turn", keys.turn)):
+        if address and numbers.get(address) is not SignalType.NUMBER:
+            known = [each for each, kind in numbers.items() if kind is SignalType.NUMBER]
+            yield _of(UnknownWord(f"{where}.{name}", "number signal", address, known))
 
 
 def _of(error: DescriptionError) -> Finding:

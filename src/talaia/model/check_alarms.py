@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["Addresses", "alarm_findings", "alarms_findings", "signals_of"]
 
 _DAY = 86_400.0
+_SHORTEST = 10.0
 _MOST = 1000
 _MOST_ADVICE = 1000
 # Which keys belong to which kind; those of none belong to all.
@@ -29,6 +30,8 @@ _OWN = {
     AlarmKind.ANOMALY: {"signal", "score", "max_age"},
     AlarmKind.DETECTION: {"stream", "label", "count", "confidence"},
     AlarmKind.EXPRESSION: {"expression", "max_age"},
+    AlarmKind.ENCLOSURE: {"enclosure"},
+    AlarmKind.GATEWAY: set(),
 }
 _WRITTEN = {"is_one_of": "is"}
 
@@ -39,6 +42,7 @@ class Addresses:
     Attributes:
         signals: the signal of each channel.
         streams: every camera.
+        enclosures: their short names.
         kinds: what each channel is in an expression: a state compares as the text of its name.
 
     """
@@ -55,6 +59,7 @@ class Addresses:
             else Kind.TEXT
             for address, signal in self.signals.items()
         }
+        self.enclosures = list(site.enclosures)
         self.streams = [
             f"{device_id}/{stream_id}"
             for device_id, device in site.devices.items()
@@ -87,12 +92,19 @@ def alarm_findings(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[F
         yield from above(f"{where}.max_age", alarm.max_age, 0)
     if len(alarm.advice) > _MOST_ADVICE:
         yield Finding(f"{where}.advice", f"longer than {_MOST_ADVICE} letters")
+    yield from _told_again(where, alarm)
     yield from _strangers(where, alarm)
     match alarm.kind:
         case AlarmKind.DETECTION:
             yield from _detection(addresses, where, alarm)
         case AlarmKind.EXPRESSION:
             yield from _expression(addresses, where, alarm)
+        case AlarmKind.ENCLOSURE:
+            if alarm.enclosure and alarm.enclosure not in addresses.enclosures:
+                at = f"{where}.enclosure"
+                yield _of(UnknownWord(at, "enclosure", alarm.enclosure, addresses.enclosures))
+        case AlarmKind.GATEWAY:
+            pass
         case _:
             yield from _of_signal(addresses, where, alarm)
 
@@ -105,6 +117,24 @@ def signals_of(addresses: Addresses, alarm: Alarm) -> tuple[str, ...]:
         except ExpressionError:
             return ()
     return (alarm.signal,) if alarm.signal else ()
+
+
+def _told_again(where: str, alarm: Alarm) -> Iterator[Finding]:
+    for key in ("repeat", "remind"):
+        every = getattr(alarm, key)
+        if every is not None and not _SHORTEST <= every <= _DAY:
+            yield Finding(f"{where}.{key}", f"expected {_SHORTEST:g} to {_DAY:g} s, found {every}")
+    before = 0.0
+    for index, each in enumerate(alarm.escalate):
+        at = f"{where}.escalate[{index}]"
+        yield from name_fits(f"{at}.who", each.who)
+        if not before <= each.after <= _DAY:
+            problem = f"expected {before:g} to {_DAY:g} s, found {each.after}"
+            yield Finding(f"{at}.after", problem, "list people in the order in which they are told")
+            return
+        before = each.after
+    if alarm.escalate and alarm.repeat is None:
+        yield Finding(f"{where}.repeat", "with escalate it is told again", "write repeat: 300")
 
 
 def _strangers(where: str, alarm: Alarm) -> Iterator[Finding]:

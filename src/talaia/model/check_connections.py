@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from talaia.model.camera_places import NO_ADDRESS, remedy_for, why_no_camera
+from talaia.model.check_setup import setup_findings
+from talaia.model.check_validity import stamp_fits
 from talaia.model.connection import (
     ROS_KINDS,
     ConnectionKind,
@@ -57,8 +59,9 @@ _COMMANDS = {
     CommandKind.INDI: frozenset({ConnectionKind.INDI}),
     CommandKind.PROCESS: frozenset({ConnectionKind.PROCESS}),
 }
-_ROS_KEYS = ("topic", "type", "field", "name", "parameter")
-_INDI_KEYS = ("property", "element", "device")
+_STAMP_KEYS = ("stamp", "synchronized")
+_ROS_KEYS = ("topic", "type", "field", "name", "parameter", *_STAMP_KEYS)
+_INDI_KEYS = ("property", "element", "device", *_STAMP_KEYS)
 _PROCESS_KEYS = ("run", "pattern", "messages")
 _VIDEO_KEYS = ("url", "file")
 # As the kernel names them: /dev/video0, or /dev/v4l/by-id/….
@@ -204,6 +207,7 @@ def _fits_link(where: str, device: Device, link: Connection) -> list[Finding]:
         found.append(Finding(f"{where}.indi", problem, "leave it out"))
     if device.indi:
         found += _indi_word_fits(f"{where}.indi", device.indi, "INDI device")
+    found += setup_findings(where, device)
     has = [each.source for part in (device.signals, device.streams) for each in part.values()]
     nameless = device.commands or any(not each.device for each in has)
     if kind is ConnectionKind.INDI and nameless and not device.indi:
@@ -216,6 +220,7 @@ def signal_source_fits(where: str, signal: Signal, link: Connection) -> Iterator
     """List what is wrong with where a signal comes from."""
     kind, source = kind_of(link), signal.source
     yield from _keys_fit(where, source, kind)
+    yield from stamp_fits(where, signal, kind)
     if kind is ConnectionKind.ROSBRIDGE and source.parameter:
         yield Finding(f"{where}.parameter", "a rosbridge reads no parameters", "take a topic")
     elif kind in ROS_KINDS and source.parameter:
@@ -289,7 +294,7 @@ def _keys_fit(where: str, source: Source, kind: ConnectionKind) -> Iterator[Find
         ConnectionKind.VIDEO: _VIDEO_KEYS,
     }
     fitting = keys.get(kind, _ROS_KEYS)
-    for key in (*_ROS_KEYS, *_INDI_KEYS, *_PROCESS_KEYS, *_VIDEO_KEYS):
+    for key in dict.fromkeys((*_ROS_KEYS, *_INDI_KEYS, *_PROCESS_KEYS, *_VIDEO_KEYS)):
         if key not in fitting and getattr(source, key):
             problem = f"a connection of kind {kind} knows no {key}"
             yield Finding(f"{where}.{key}", problem, f"write as: {_EXAMPLES[kind]}")

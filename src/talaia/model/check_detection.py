@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["count_fits", "detect_fits", "hub_sight_findings", "models_findings"]
 
 _MOST_RATE = 60.0
+_LONGEST_HOLD_S = 60.0
 _MOST_CLASSES = 1000
 _SIDES = (32, 2048)
 
@@ -67,6 +68,9 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
     if not 0 < detect.max_rate <= _MOST_RATE:
         problem = f"expected more than 0 to {_MOST_RATE:g} Hz, found {detect.max_rate}"
         yield Finding(f"{where}.max_rate", problem)
+    if not 0 <= detect.hold <= _LONGEST_HOLD_S:
+        problem = f"expected 0 to {_LONGEST_HOLD_S:g} s, found {detect.hold}"
+        yield Finding(f"{where}.hold", problem, "the interlock's own dwell may be longer")
     if detect.model and detect.model not in site.object_models:
         if not site.object_models:
             problem = f"there is no model {detect.model!r}"

@@ -11,7 +11,7 @@ from talaia.model.site import SignalType
 from talaia.model.words import Finding, above, at_least, id_fits, name_fits
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from talaia.model.interlock import Condition, Interlock, Step
     from talaia.model.site import Signal, Site
@@ -71,8 +71,12 @@ def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding
         return
     if condition.link_lost is not None:
         yield from at_least(f"{where}.link_lost", condition.link_lost, 0)
-        if condition.signal:
-            yield Finding(where, "both signal and link_lost are given", "make two conditions")
+        if condition.signal or condition.sun:
+            what = "signal" if condition.signal else "sun"
+            yield Finding(where, f"both {what} and link_lost are given", "make two conditions")
+        return
+    if condition.sun is not None:
+        yield from _sun(site, where, condition)
         return
     signals = {
         f"{device_id}/{signal_id}": signal
@@ -94,6 +98,43 @@ def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding
         yield from _states(where, condition, signal)
     else:
         yield from _limits(where, condition)
+    yield from _second(where, condition, signals)
+
+
+def _sun(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
+    if site.place is None:
+        yield Finding(where, "it is not known where the site is", "write place: at the top")
+    if condition.signal or condition.minus or condition.humidity:
+        yield Finding(where, "both signal and sun are given", "make two conditions")
+    if condition.above is None and condition.below is None:
+        yield Finding(where, "the Sun has no limit", "write: above: -6, until_below: -8")
+    yield from _limits(where, condition)
+
+
+def _second(where: str, condition: Condition, signals: Mapping[str, Signal]) -> Iterator[Finding]:
+    """List what is wrong with the second signal of a difference."""
+    key = "minus" if condition.minus else "humidity"
+    address = condition.minus or condition.humidity
+    if not address:
+        return
+    if condition.minus and condition.humidity:
+        yield Finding(where, "both minus and humidity are given", "the dew point, or what gives it")
+        return
+    numbers = {name: each for name, each in signals.items() if each.type is SignalType.NUMBER}
+    first, second = numbers.get(condition.signal), numbers.get(address)
+    if second is None:
+        yield _of(UnknownWord(f"{where}.{key}", "number signal", address, list(numbers)))
+    elif first is None:
+        yield Finding(f"{where}.{key}", "a state has no difference", "take two numbers")
+    elif condition.minus and first.unit != second.unit:
+        problem = f"{address} is in {second.unit or 'no unit'}, {condition.signal} in "
+        problem += first.unit or "no unit"
+        yield Finding(f"{where}.minus", problem, "a difference needs one unit")
+    elif condition.humidity and (first.unit, second.unit) != ("°C", "%"):
+        problem = f"expected a temperature in °C and a humidity in %, found {first.unit!r} and "
+        yield Finding(f"{where}.humidity", problem + repr(second.unit), "give their units")
+    if condition.above is None and condition.below is None:
+        yield Finding(where, "a difference has no limit", "write: below: 3, until_above: 4")
 
 
 def _group(site: Site, where: str, condition: Condition) -> Iterator[Finding]:

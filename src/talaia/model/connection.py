@@ -109,8 +109,8 @@ class IndiConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="in
         port: its TCP port.
         discover: make devices of what the server has and the description does not name.
         devices: with ``discover``: only INDI devices of these names; empty takes all.
-        connect: tell drivers to connect to their hardware when they come; one that a person
-            disconnects later is left so.
+        connect: tell drivers to connect to their hardware when they come, and again after a
+            crash; one that somebody disconnects is left so until somebody connects it.
 
     """
 

@@ -33,6 +33,8 @@ class Detect(Shape, frozen=True, kw_only=True):
         confidence: what is less sure than this does not count, 0 to 1.
         max_rate: pictures a second that are looked at, at the most (Hz); fewer where the
             machine is too busy.
+        hold: for interlocks: a count falls only after it has been lower for so long (s), for a
+            detector misses now and then what is there. Charts show each picture's own count.
         at: which machine looks.
         model: a name of `Site.object_models`; without it NanoDet with COCO's 80 classes.
 
@@ -41,6 +43,7 @@ class Detect(Shape, frozen=True, kw_only=True):
     classes: tuple[str, ...] = ("person", "bicycle", "car", "cat", "dog")
     confidence: float = 0.5
     max_rate: float = 10.0
+    hold: float = 2.0
     at: DetectAt = DetectAt.GATEWAY
     model: str = ""
 

@@ -64,6 +64,10 @@ def beside_of(site: Site, folder: Path) -> list[Path]:
     ]
 
 
+# msgspec learns a type when it first converts to it, and two threads that do so at once end the
+# process (a hub that two gateways reach in its first moments). Imports are done by one thread.
+_LEARNED = msgspec.json.Decoder(Site)
+
 _NO_WORD = re.compile(r"[^a-z0-9]+")
 
 

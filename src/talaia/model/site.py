@@ -22,6 +22,7 @@ from talaia.model.connection import Connection, Ros1Connection, Ros2Connection, 
 from talaia.model.detection import Detect, ObjectModel  # noqa: TC001 - msgspec reads them
 from talaia.model.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
+from talaia.model.outlet import Outlet  # noqa: TC001 - msgspec reads it
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.services import AiServices  # noqa: TC001 - msgspec reads it
 from talaia.model.shape import Shape
@@ -36,6 +37,8 @@ __all__ = [
     "DeviceKind",
     "Drive",
     "DriveMessage",
+    "KeyMode",
+    "Keys",
     "LinkLoss",
     "PositionFrame",
     "Ros2Settings",
@@ -114,6 +117,19 @@ class DriveMessage(StrEnum):
     KEYS = "std_msgs/msg/String"
 
 
+class KeyMode(StrEnum):
+    """How a device that is driven by characters takes them.
+
+    ``press``: each character changes a velocity that the device keeps until ``s``, as the founding
+    vehicle's teleoperation does; one is sent for a press, and ``s`` when the press ends.
+    ``repeat``: each character is good for a moment, so it is sent again and again while a key is
+    held. Never for a device that adds them up.
+    """
+
+    PRESS = "press"
+    REPEAT = "repeat"
+
+
 class LinkLoss(StrEnum):
     """What a driven device is told when the hub cannot be reached.
 
@@ -152,6 +168,11 @@ class Source(Shape, frozen=True, kw_only=True):
         messages: process: what an answer means, in words: ``{opened: the dome is opened}``.
         stream: what is seen on pictures: a camera of the same device, by its name.
         sees: how many of this class are on its newest picture; goes with ``stream``.
+        stamp: the value's own time, which tells an old value that goes on arriving from a new
+            one. ROS: its path in the message, ``header.stamp``. INDI: ``timestamp``, the attribute
+            of the property. Interlocks count a value from when its stamp last advanced.
+        synchronized: the clock behind ``stamp`` and the gateway's agree (NTP): a stamp that is
+            further from the gateway's clock than ``max_age`` makes its value unknown.
         within: only those whose feet (the middle of the box's lower edge) are in this part of the
             picture: left, top, right, bottom, each 0 to 1; the drive path, say.
 
@@ -172,6 +193,8 @@ class Source(Shape, frozen=True, kw_only=True):
     messages: dict[str, str] = {}
     stream: str = ""
     sees: str = ""
+    stamp: str = ""
+    synchronized: bool = False
     within: tuple[float, float, float, float] | None = None
 
 
@@ -180,12 +203,15 @@ class Signal(Shape, frozen=True, kw_only=True):
 
     Attributes:
         unit: a symbol of `model.unit`; numbers only.
-        minimum: lowest value that makes sense, in ``unit``; the chart's lower end.
-        maximum: highest value that makes sense, in ``unit``.
+        minimum: lowest value that makes sense, in ``unit``; the chart's lower end. Interlocks and
+            enclosures take what is below it for an error code: unknown.
+        maximum: highest value that makes sense, in ``unit``; what is above it is unknown, too.
         decimals: digits after the point on screen; -1 takes the unit's own.
         max_rate: at most so many samples a second are kept; 0 sets no limit (Hz).
         deadband: a change up to this is not news, in ``unit``.
         max_age: older than this the value is stale (s).
+        frozen_after: a number that is the same to the last bit for so long (s) is unknown to
+            interlocks, for a sensor that lives is never that still; 0 for one that may be.
         keep: history older than this is dropped (days); 0 keeps it for good.
         states: for a state: what each whole number means, in order.
         frame: for a position: metres or degrees.
@@ -208,6 +234,7 @@ class Signal(Shape, frozen=True, kw_only=True):
     max_rate: float = 0.0
     deadband: float = 0.0
     max_age: float = 5.0
+    frozen_after: float = 0.0
     keep: float = 0.0
     states: tuple[str, ...] = ()
     frame: PositionFrame = PositionFrame.LOCAL
@@ -256,6 +283,28 @@ class Stop(Shape, frozen=True, kw_only=True):
     below: float = 0.02
 
 
+class Keys(Shape, frozen=True, kw_only=True):
+    """How the characters of a ``std_msgs/msg/String`` drive topic are used.
+
+    Attributes:
+        mode: see `KeyMode`.
+        speed_step: what one ``w`` adds and one ``x`` takes away (m/s). With it, characters are
+            counted: as many are sent as reach what is asked for, and never more than
+            ``max_speed`` allows. Without it a press is one character, however far it is pressed.
+        turn_step: the same of ``a`` and ``d`` (rad/s).
+        speed: address of a number signal with the device's own speed (m/s); while it is fresh it
+            bounds what is sent as the count does.
+        turn: the same of its rate of turn (rad/s).
+
+    """
+
+    mode: KeyMode = KeyMode.PRESS
+    speed_step: float | None = None
+    turn_step: float | None = None
+    speed: str = ""
+    turn: str = ""
+
+
 class Drive(Shape, frozen=True, kw_only=True):
     """Continuous control of a device (teleoperation), under a lease.
 
@@ -272,11 +321,13 @@ class Drive(Shape, frozen=True, kw_only=True):
         lease: a lease ends so long after its last renewal (s).
         picture: name of the stream the driver looks at; empty for none.
         position: name of the position signal for the map; empty for none.
+        keys: for a device that listens to characters (``message: std_msgs/msg/String``).
 
     """
 
     topic: str
     message: DriveMessage = DriveMessage.TWIST
+    keys: Keys = msgspec.field(default_factory=Keys)
     max_speed: float
     max_reverse: float | None = None
     max_turn: float
@@ -350,11 +401,15 @@ class Device(Shape, frozen=True, kw_only=True):
     Attributes:
         connection: by which connection it is reached; may be left out where there is only one.
         indi: the name of the device at the INDI server.
+        setup: INDI: what is written after each connect of its driver, a property to its elements:
+            ``WEATHER_UPDATE: {PERIOD: 5}``. A driver that is started anew comes with its own
+            defaults. Nothing that moves anything.
         link_loss: what is done with it when the hub is out of reach, beside `Drive.link_loss`.
         frames: of a camera that is reached by ROS: the topic of its whole FITS files, of type
             ``std_msgs/msg/UInt8MultiArray``; each goes into the archive. An INDI camera's come
             by themselves.
         pointing: where it may not point, see `Pointing`.
+        outlets: of a power device: what each outlet feeds, by its name; see `Outlet`.
 
     """
 
@@ -362,6 +417,7 @@ class Device(Shape, frozen=True, kw_only=True):
     kind: DeviceKind = DeviceKind.OTHER
     connection: str = ""
     indi: str = ""
+    setup: dict[str, dict[str, bool | float | str]] = {}
     signals: dict[str, Signal] = {}
     streams: dict[str, Stream] = {}
     frames: Source | None = None
@@ -369,6 +425,7 @@ class Device(Shape, frozen=True, kw_only=True):
     drive: Drive | None = None
     link_loss: LinkLossPolicy | None = None
     pointing: Pointing | None = None
+    outlets: dict[str, Outlet] = {}
     visibility: Visibility = Visibility.VIEW
 
 
@@ -473,6 +530,12 @@ class Site(Shape, frozen=True, kw_only=True):
         )
         return tuple(dict.fromkeys((*self.recording.cameras, *recorded)))
 
+    def signal(self, address: str) -> Signal | None:
+        """Find a signal by ``device/signal``."""
+        device, _, name = address.partition("/")
+        described = self.devices.get(device)
+        return None if described is None else described.signals.get(name)
+
     def guarded(self) -> frozenset[str]:
         """Name the signals that safety depends on: their newest readings stay at hand."""
         confirming = {
@@ -482,10 +545,11 @@ class Site(Shape, frozen=True, kw_only=True):
             for address in device.drive.stop.confirmed_by
         }
         conditions = [each for one in self.interlocks.values() for each in one.when]
-        conditions += [part for each in conditions for part in each.all_of]
-        watched = {each.signal for each in conditions if each.signal}
+        watched = {address for each in conditions for address in each.signals()}
         for enclosure in self.enclosures.values():
             watched |= {each.signal for each in (*enclosure.closed, *enclosure.moving)}
+            watched |= {each.signal for each in enclosure.opening}
+            watched |= {s.signal for part in enclosure.parts().values() for s in part.closed}
             if enclosure.parked is not None:
                 watched.add(enclosure.parked.signal)
             if (follow := enclosure.follow) is not None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Source
     from talaia.objects.things import Thing
 
-__all__ = ["MOST_THUMBNAIL", "SHOWN_FROM", "Eyes", "Told", "least_of"]
+__all__ = ["MOST_THUMBNAIL", "SHOWN_FROM", "Eyes", "Told", "counts_as", "least_of"]
 
 # What is drawn on a page may be less sure than what counts.
 SHOWN_FROM = 0.3
@@ -69,7 +69,7 @@ class Eyes:
         """Say how many each signal counts on one picture."""
         sure = [each for each in things if each.score >= self._detect.confidence]
         return {
-            name: sum(_counts(source, each) for each in sure)
+            name: sum(counts_as(source, each) for each in sure)
             for name, source in self._counted.items()
         }
 
@@ -97,7 +97,8 @@ class Eyes:
         return told
 
 
-def _counts(source: Source, thing: Thing) -> bool:
+def counts_as(source: Source, thing: Thing) -> bool:
+    """Tell whether a signal counts a thing: its class, and where it stands."""
     if thing.label != source.sees:
         return False
     if source.within is None:

@@ -12,6 +12,7 @@ import time
 from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING
 
+from talaia.shared_memory import remove_dead_segments_at_start
 from talaia.sim.domain import environment, reserve
 from talaia.sim.errors import RosMissing, SimError
 
@@ -101,5 +102,6 @@ def join_ros(stack: ExitStack) -> None:
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
+    remove_dead_segments_at_start()
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     stack.callback(rclpy.try_shutdown)

@@ -156,7 +156,8 @@ class Reset(Message, frozen=True, kw_only=True, tag="reset"):
 class Command(Message, frozen=True, kw_only=True, tag="command"):
     """Ask a device to do something once. ``id`` is the page's own, never used twice.
 
-    ``units`` are those the page showed beside the arguments; see `frames.CommandAsk`.
+    ``units`` are those the page showed beside the arguments, and ``over`` is somebody else's
+    command that the person was shown and wants to interrupt; see `frames.CommandAsk`.
     """
 
     site: Name
@@ -165,6 +166,7 @@ class Command(Message, frozen=True, kw_only=True, tag="command"):
     id: Name
     args: Arguments = {}
     units: Units = {}
+    over: Word = ""
 
 
 class Cancel(Message, frozen=True, kw_only=True, tag="cancel"):
@@ -176,12 +178,18 @@ class Cancel(Message, frozen=True, kw_only=True, tag="cancel"):
 
 
 class Override(Message, frozen=True, kw_only=True, tag="override"):
-    """Override an interlock of a site for so many seconds, with the reason; 0 s ends that."""
+    """Override a condition of an interlock for so many seconds, with the reason; 0 s ends that.
+
+    Attributes:
+        condition: which, as `InterlockNews` names it; empty for the one that locks.
+
+    """
 
     site: Name
     interlock: Name
     reason: Annotated[str, Meta(max_length=500)] = ""
     seconds: Annotated[float, Meta(ge=0, le=86_400)]
+    condition: Word = ""
 
 
 class Ping(Message, frozen=True, kw_only=True, tag="ping"):
@@ -297,6 +305,7 @@ class DriveNews(Message, frozen=True, kw_only=True, tag="drive_news"):
     accepted: Count = 0
     refused: Count = 0
     why: Sentence = ""
+    sent: Word = ""
 
 
 class StopNews(Message, frozen=True, kw_only=True, tag="stop_news"):
@@ -321,7 +330,15 @@ class ResetKey(Message, frozen=True, kw_only=True, tag="reset_key"):
 
 
 class CommandNews(Message, frozen=True, kw_only=True, tag="command_news"):
-    """Where a one-shot command stands."""
+    """Where a one-shot command stands; ``blocked_by`` as in `frames.CommandState`.
+
+    A page that comes while somebody acts is told of that first.
+
+    Attributes:
+        acting: who acts on the device by it, and on what, in words; empty: nobody, or no longer.
+        acting_s: for how long already (s).
+
+    """
 
     site: Word
     device: Word
@@ -331,6 +348,9 @@ class CommandNews(Message, frozen=True, kw_only=True, tag="command_news"):
     message: Sentence = ""
     progress: float = 0.0
     who: Word = ""
+    blocked_by: Word = ""
+    acting: Sentence = ""
+    acting_s: float = 0.0
 
 
 class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
@@ -346,9 +366,11 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
         targets: the same, as ``<device>/<command>``, ``<device>/drive`` or ``<device>/*``.
         slows: what it slows down, as people call it, and to what; of the devices that you may see.
         slowed: the same, as ``<device>/drive``.
-        overridable: an admin may override it.
+        overridable: an admin may override it now.
         override_ms: overridden for so long yet, by whom and why.
         longest_s: you may override it for so long at the most; 0: you may not.
+        condition: the condition that is overridden, or else the one that locks.
+        no_override: why nobody may override it now, if so.
 
     """
 
@@ -369,6 +391,8 @@ class InterlockNews(Message, frozen=True, kw_only=True, tag="interlock_news"):
     reason: Sentence = ""
     override_ms: Millis = 0
     longest_s: float = 0.0
+    condition: Word = ""
+    no_override: Sentence = ""
 
 
 class DeviceNews(Message, frozen=True, kw_only=True, tag="device_news"):

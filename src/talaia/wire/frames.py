@@ -47,6 +47,7 @@ __all__ = [
     "DeviceState",
     "Drive",
     "DriveState",
+    "EnclosureState",
     "Event",
     "FileHave",
     "FileOffer",
@@ -63,6 +64,7 @@ __all__ = [
     "LeaseForce",
     "LeaseOp",
     "LeaseState",
+    "Newest",
     "OverrideAsk",
     "Picture",
     "Problem",
@@ -252,6 +254,33 @@ class Samples(Message, frozen=True, kw_only=True, tag="samples"):
     live: bool = True
 
 
+class Newest(Message, frozen=True, kw_only=True, tag="newest"):
+    """The newest sample of channels, whatever its age; see `wire.newest`.
+
+    Told when a link comes up, before anything old, and when live samples were dropped: what was
+    said while nobody heard it, with silence after it, is what counts now. Each is one of the run's
+    samples, with its own number, and comes with the old ones once more.
+    Only to hubs that take ``newest`` (see `Welcome`).
+
+    Attributes:
+        sequence: numbers in the run, rising (i64).
+        time_us: times (i64).
+        age_ms: how long ago each was heard (f64), by the gateway's clock.
+        addresses: as in `Samples`.
+
+    """
+
+    boot: Name
+    catalogue: Name
+    channel: ChannelColumn
+    sequence: ValueColumn
+    time_us: ValueColumn
+    value: ValueColumn
+    age_ms: ValueColumn
+    texts: Texts = {}
+    addresses: Annotated[list[Name], Meta(max_length=MAX_SAMPLES)] = []
+
+
 class Gap(Message, frozen=True, kw_only=True, tag="gap"):
     """Samples ``first`` to ``last`` of a boot are lost, with the reason and the time they span."""
 
@@ -296,7 +325,11 @@ class Tick(Message, frozen=True, kw_only=True, tag="tick"):
 
 
 class DriveState(Message, frozen=True, kw_only=True, tag="drive_state"):
-    """What the robot is being told: velocities (m/s, rad/s), speed cap (0 to 1), loop time."""
+    """What the robot is being told: velocities (m/s, rad/s), speed cap (0 to 1), loop time.
+
+    ``sent``: to a robot that is driven by characters, those since its last ``s``; its velocities
+    are then what these add up to, and NaN where that is not described.
+    """
 
     device: Name
     linear: float
@@ -306,6 +339,7 @@ class DriveState(Message, frozen=True, kw_only=True, tag="drive_state"):
     accepted: Count = 0
     refused: Count = 0
     why: Sentence = ""
+    sent: Word = ""
 
 
 class StopState(Message, frozen=True, kw_only=True, tag="stop_state"):
@@ -319,6 +353,21 @@ class StopState(Message, frozen=True, kw_only=True, tag="stop_state"):
     id: Word = ""
 
 
+class EnclosureState(Message, frozen=True, kw_only=True, tag="enclosure"):
+    """An enclosure that people are to look at. Only to hubs that take it.
+
+    Sent on every change, and of all at the start of a link.
+
+    Attributes:
+        why: it should be closed and cannot be shown to be, or its sensors disagree; empty when
+            neither is so.
+
+    """
+
+    enclosure: Name
+    why: Sentence = ""
+
+
 class ResetToken(Message, frozen=True, kw_only=True, tag="reset_token"):
     """The second step's key to a reset of STOP, for the session that asked."""
 
@@ -329,7 +378,16 @@ class ResetToken(Message, frozen=True, kw_only=True, tag="reset_token"):
 
 
 class CommandState(Message, frozen=True, kw_only=True, tag="command_state"):
-    """Where a one-shot command stands, in the robot's own words where it gave any."""
+    """Where a one-shot command stands, in the robot's own words where it gave any.
+
+    Attributes:
+        blocked_by: refused because of this command (its id) of somebody else, which is under way:
+            asked anew with it as ``over``, it is done all the same.
+        acting: who acts on the device by it, and on what, in words; empty: nobody, or no longer.
+        acting_s: for how long already (s).
+        over: told once, as it begins: whose command it interrupts, in words, with its id.
+
+    """
 
     id: Name
     device: Name
@@ -338,6 +396,10 @@ class CommandState(Message, frozen=True, kw_only=True, tag="command_state"):
     message: Sentence = ""
     progress: float = 0.0
     who: Sentence = ""
+    blocked_by: Word = ""
+    acting: Sentence = ""
+    acting_s: float = 0.0
+    over: Sentence = ""
 
 
 class Event(Message, frozen=True, kw_only=True, tag="event"):
@@ -360,6 +422,8 @@ class InterlockState(Message, frozen=True, kw_only=True, tag="interlock"):
         for_ms: locked for so long.
         clears_ms: it is released after so long, if nothing unsafe comes between.
         override_ms: overridden for so long yet, by whom and why.
+        condition: the condition that is overridden, or else the one that locks.
+        no_override: why that may not be overridden now, if so.
 
     """
 
@@ -372,6 +436,8 @@ class InterlockState(Message, frozen=True, kw_only=True, tag="interlock"):
     overridden_by: Sentence = ""
     reason: Sentence = ""
     override_ms: Millis = 0
+    condition: Word = ""
+    no_override: Sentence = ""
 
 
 class RecordState(Message, frozen=True, kw_only=True, tag="record_state"):
@@ -512,9 +578,16 @@ class BeatReply(Message, frozen=True, kw_only=True, tag="beat_reply"):
 
 
 class Bye(Message, frozen=True, kw_only=True, tag="bye"):
-    """The link is closed on purpose."""
+    """The link is closed on purpose.
+
+    Attributes:
+        reason: why.
+        after_s: the hub has no place now, and asks to come back after so long; 0: it does not say.
+
+    """
 
     reason: Sentence = ""
+    after_s: Annotated[float, Meta(ge=0, le=3600)] = 0.0
 
 
 # ── hub to gateway ──────────────────────────────────────────────────────────────────────────
@@ -525,7 +598,8 @@ class Welcome(Message, frozen=True, kw_only=True, tag="welcome"):
 
     Attributes:
         acked: one past the last sequence number of this boot that is stored.
-        takes: messages that may be sent to this hub, and not to older ones: ``seen``.
+        takes: messages that may be sent to this hub, and not to older ones: ``enclosure``,
+            ``newest``, ``seen``.
 
     """
 
@@ -621,6 +695,7 @@ class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
     Attributes:
         units: the unit that the asker was shown for each argument; another than the description
             has now is refused.
+        over: the id of somebody else's command that is under way and may be interrupted by this.
 
     """
 
@@ -631,6 +706,7 @@ class CommandAsk(Message, frozen=True, kw_only=True, tag="command_ask"):
     units: Units = {}
     ttl_ms: float
     who: Name
+    over: Word = ""
 
 
 class ChangeAsk(Message, frozen=True, kw_only=True, tag="change"):
@@ -659,12 +735,20 @@ class CommandCancel(Message, frozen=True, kw_only=True, tag="command_cancel"):
 
 
 class OverrideAsk(Message, frozen=True, kw_only=True, tag="override"):
-    """Override an interlock for so many seconds; 0 ends that. The hub has seen to the right."""
+    """Override a condition of an interlock for so many seconds; 0 ends that.
+
+    The hub has seen to the right.
+
+    Attributes:
+        condition: which, as `InterlockState` names it; empty for the one that locks.
+
+    """
 
     interlock: Name
     who: Name
     reason: Sentence = ""
     seconds: Annotated[float, Meta(ge=0, le=86_400)]
+    condition: Word = ""
 
 
 class Watch(Message, frozen=True, kw_only=True, tag="watch"):
@@ -819,6 +903,7 @@ class Seen(Message, frozen=True, kw_only=True, tag="seen"):
 FromGateway = (
     Hello
     | Samples
+    | Newest
     | Gap
     | LeaseState
     | Tick
@@ -827,6 +912,7 @@ FromGateway = (
     | ResetToken
     | CommandState
     | InterlockState
+    | EnclosureState
     | RecordState
     | DeviceState
     | Described

@@ -8,6 +8,7 @@ import shutil
 import signal
 import socket
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -16,7 +17,6 @@ from ports import free_port
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from pathlib import Path
 
 
 class Server:
@@ -38,6 +38,17 @@ class Server:
         async with asyncio.timeout(PATIENCE_S):
             while not _answers(self.port):  # noqa: ASYNC110 - a server tells nobody
                 await asyncio.sleep(0.05)
+
+    def kill_driver(self, name: str) -> None:
+        """As a driver that crashes; the server starts it again, disconnected."""
+        assert self._process is not None
+        children = Path(f"/proc/{self._process.pid}/task/{self._process.pid}/children")
+        for child in children.read_text().split():
+            words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
+            if Path(words[0].decode()).name == name:
+                os.kill(int(child), signal.SIGKILL)
+                return
+        raise AssertionError(f"{name} does not run")
 
     async def kill(self) -> None:
         """As a power cut of the machine: the server and all its drivers, at once."""

@@ -282,3 +282,40 @@ def test_a_film_keeps_to_its_bits_however_busy_the_scene() -> None:
         assert made is not None
         weight += len(made.data)
     assert weight * 8 / 3 < bits * 1.4
+
+
+def photograph(width: int, height: int, turn: int) -> np.ndarray:
+    """A busy picture that moves on by a few pixels each turn, with a camera's noise: RGB."""
+    rng = np.random.default_rng(7)
+    coarse = rng.integers(0, 255, (height // 4, width // 4, 3)).astype(np.float64)
+    wide = np.kron(coarse, np.ones((8, 8, 1)))
+    x, y = turn * 7 % width, turn * 3 % height
+    noise = np.random.default_rng(turn).normal(0, 8, (height, width, 1))
+    return np.clip(wide[y : y + height, x : x + width] + noise, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.5])
+@pytest.mark.parametrize("form", [Form.H264, Form.H264_SMALL])
+def test_on_a_narrow_line_pictures_are_fewer_but_none_is_a_grey_area(
+    form: Form, share: float
+) -> None:
+    """A key picture of 277 bytes was decoded to even grey, and was called live."""
+    hall, (taker, _) = Hall(form), stream()
+    hall.share = share
+    sent = {}
+    for at in range(90):
+        sent[at + 1] = photograph(320, 240, at)
+        taker.take(packed(sent[at + 1], "rgb8"), at, at * STEP_US, hall)
+    seen = played(hall.got)
+    assert len(seen) == len(hall.got) >= 5
+    for picture, shown in zip(hall.got, seen, strict=True):
+        assert shown.std() > 0.3 * sent[picture.seq].std()
+    assert all(len(each.data) > 2000 for each in hall.got if each.key)
+
+
+def test_an_encoder_goes_on_while_the_share_of_the_line_wavers() -> None:
+    hall, (taker, _) = Hall(Form.H264), stream()
+    for at in range(60):
+        hall.share = (0.7, 0.6, 0.8)[at // 10 % 3]
+        taker.take(packed(scene(320, 240, at), "rgb8"), at, at * STEP_US, hall)
+    assert [each.seq for each in hall.got if each.key] == [1]

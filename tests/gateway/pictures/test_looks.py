@@ -5,8 +5,11 @@ from __future__ import annotations
 import threading
 
 import numpy as np
+import pytest
 
 from talaia.gateway.pictures.looks import Looks
+
+pytestmark = pytest.mark.pure
 
 RGB = np.zeros((2, 3, 3), np.uint8)
 

@@ -36,6 +36,8 @@ from talaia.model.check import check
 from talaia.model.check_alarms import Addresses
 from talaia.model.load import load_site
 
+pytestmark = pytest.mark.pure
+
 SITE = """
 talaia: 1
 site: agv

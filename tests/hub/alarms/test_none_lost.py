@@ -10,6 +10,7 @@ just before or just after the step that counts; what was in memory is thrown awa
 from __future__ import annotations
 
 import asyncio
+import atexit
 import contextlib
 import shutil
 import tempfile
@@ -111,6 +112,7 @@ class DyingStore(AlarmStore):
 def template() -> Path:
     """A database with one person in it, made once."""
     folder = Path(tempfile.mkdtemp())
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
 
     async def make() -> None:
         database = Database(f"sqlite:///{folder}/talaia.db")

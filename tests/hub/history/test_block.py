@@ -9,6 +9,8 @@ from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.journal import part_of, read_row, write_row
 from talaia.wire.columns import Columns
 
+pytestmark = pytest.mark.pure
+
 BLOCK = 4096
 times = st.one_of(st.integers(-(2**61), 2**61), st.integers(0, 10_000_000))
 bits = st.integers(0, 2**64 - 1)

@@ -1,9 +1,12 @@
 """Blocks that were read lately stay in memory, and no longer than they are true."""
 
 import numpy as np
+import pytest
 
 from talaia.hub.history.block import Samples
 from talaia.hub.history.cache import BlockCache
+
+pytestmark = pytest.mark.pure
 
 
 def block(size, texts=None):

@@ -10,6 +10,8 @@ from talaia.wire.columns import Columns
 
 from .samples import batch
 
+pytestmark = pytest.mark.pure
+
 value = st.one_of(
     st.floats(), st.text(st.characters(exclude_categories=["Cs"]), max_size=3), st.just(-0.0)
 )

@@ -2,9 +2,12 @@
 
 from itertools import pairwise
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.hub.history.ranges import Ranges
+
+pytestmark = pytest.mark.pure
 
 spans = st.lists(st.tuples(st.integers(0, 40), st.integers(0, 40)), max_size=20)
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import example, given, settings, strategies as st
 
 from talaia.hub.history.ranks import Ranks
 
@@ -40,6 +40,38 @@ def test_quantiles_are_those_of_all_numbers_or_none_are_given(pieces, kept) -> N
         assert found == pytest.approx(linear(every), rel=1e-12, abs=1e-9)
     else:
         assert kept < len(every)
+
+
+# A signal that drifts: each piece lies somewhere else than the one before, by much or by nothing.
+drifting = st.lists(
+    st.tuples(
+        st.sampled_from([0, 0, 0, 50, -50, 1_000]),
+        st.lists(st.integers(-9, 9), min_size=1, max_size=60),
+    ),
+    min_size=2,
+    max_size=15,
+).map(lambda steps: [
+    [float(sum(step for step, _ in steps[: at + 1]) + each) for each in piece]
+    for at, (_, piece) in enumerate(steps)
+])  # fmt: skip
+
+
+@settings(max_examples=200, deadline=None)
+@given(drifting, st.sampled_from([1, 4, 16, 64]))
+@example([[0.0] * 20, [1000.0] * 300, [1001.0] * 300], 4)
+def test_a_signal_that_drifts_gives_exact_quantiles_or_says_that_they_were_missed(
+    pieces, kept
+) -> None:
+    found = asked(pieces, kept).quantiles()
+    every = [each for piece in pieces for each in piece]
+    if found is not None:
+        assert found == pytest.approx(linear(every), rel=1e-12, abs=1e-9)
+    # Who looks again holds four times as much each time, so that it is found in the end.
+    while found is None:
+        assert kept < len(every)
+        kept *= 4
+        found = asked(pieces, kept).quantiles()
+    assert found == pytest.approx(linear(every), rel=1e-12, abs=1e-9)
 
 
 @pytest.mark.parametrize("decimals", [15, 2, 0])

@@ -80,9 +80,10 @@ def test_every_message_is_tried_and_no_trial_is_left_over() -> None:
     assert set(TRIALS) | set(get_args(browser.MediaFromBrowser)) == set(FROM_BROWSER)
 
 
+@pytest.mark.asyncio(loop_scope="module")
 @pytest.mark.parametrize("kind", TRIALS, ids=lambda kind: kind.__name__)
-async def test_message_does_for_everyone_what_its_line_says(world, kind) -> None:
-    assert await differences(world, kind) == []
+async def test_message_does_for_everyone_what_its_line_says(shared_world, kind) -> None:
+    assert await differences(shared_world, kind) == []
 
 
 async def test_gate_that_stands_open_is_found(world, monkeypatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections import Counter
 
 import pytest
@@ -32,7 +33,12 @@ def test_pace_forgets_the_oldest_of_very_many() -> None:
     assert len(pace._due_ns) == 10_000
 
 
-async def test_flood_of_history_questions_is_held_back_and_others_are_not(hub, gateway) -> None:
+async def test_flood_of_history_questions_is_held_back_and_others_are_not(
+    hub, gateway, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # For the limit time stands still: a busy machine may answer no faster than it refills.
+    take, begun = Pace.take, time.monotonic_ns()
+    monkeypatch.setattr(Pace, "take", lambda self, key, _now_ns: take(self, key, begun))
     wild, other = await hub.client("operator"), await hub.client("admin")
     query = {"channel": "base/speed", "from_us": 0, "to_us": 1}
     answers = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import httpx
 import pytest
+import pytest_asyncio
 import websockets
 from patience import PATIENCE_S
 
@@ -16,6 +17,22 @@ HOSTILE = {
     "the same host, the other scheme": "https://127.0.0.1:{port}",
     "in capitals": "HTTP://127.0.0.1:{port}",
 }
+
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest.fixture
+def hub(shared_hub):
+    """Nothing here changes anything, which is what is tried."""
+    return shared_hub
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def gateway(shared_hub):
+    gateway = await shared_hub.gateway()
+    await gateway.hello()
+    return gateway
 
 
 def spelt(hub, origin: str) -> str:

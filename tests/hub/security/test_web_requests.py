@@ -14,6 +14,13 @@ from talaia.hub.api.listening import MAX_HEAD
 from .wires import read, request, say
 
 MEBI = 1024 * 1024
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest.fixture
+def hub(shared_hub):
+    """Nothing here gets as far as to change something."""
+    return shared_hub
 
 
 @pytest.fixture

@@ -6,12 +6,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.model.check import check
 from talaia.model.load import read_site
 from talaia.model.sky import Place, altaz, julian_day, sun
 from talaia.sim.observatory.night import at_night, longitude_of_night
+
+pytestmark = pytest.mark.pure
 
 SITE = read_site(Path(__file__).parents[3] / "examples" / "observatory" / "site.yaml")
 

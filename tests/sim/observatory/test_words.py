@@ -10,6 +10,8 @@ from hypothesis import given, strategies as st
 from talaia.sim.observatory.servers import DEVICES
 from talaia.sim.observatory.words import Request, WordsWrong, number, read
 
+pytestmark = pytest.mark.pure
+
 
 def test_the_founding_words_are_requests() -> None:
     assert read("dome", ["open"]) == Request("dome", "trigger", "open", {})

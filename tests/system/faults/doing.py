@@ -16,7 +16,8 @@ from talaia.wire.columns import unpack
 from ..people import Page, connection
 from . import ledgers
 from .ledgers import MS, Findings
-from .world import COUNT, SITE, World, now
+from .looker import COUNT
+from .world import SITE, World, now
 
 
 async def pause(chance: random.Random, least: float = 0.1, most: float = 0.5) -> None:
@@ -24,7 +25,7 @@ async def pause(chance: random.Random, least: float = 0.1, most: float = 0.5) ->
 
 
 @contextlib.asynccontextmanager
-async def back(findings: Findings) -> AsyncIterator[None]:
+async def back(findings: Findings, within_s: float = ledgers.BACK_S) -> AsyncIterator[None]:
     """I7: what is done inside is over within the bound after the fault's end."""
     began = time.monotonic()
     try:
@@ -34,7 +35,7 @@ async def back(findings: Findings) -> AsyncIterator[None]:
         raise
     took = time.monotonic() - began
     findings.back_s.append(took)
-    if took > ledgers.BACK_S:
+    if took > within_s:
         findings.breach("I7", f"back only after {took:.1f} s")
 
 

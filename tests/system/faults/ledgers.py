@@ -19,12 +19,14 @@ HOP_MS = 100.0
 # A robot that counts 200 times a second and leaves such a hole did not run.
 STALL_MS = 50.0
 BACK_S = 30.0
+# One site alone whose link comes back.
+ALONE_S = 3.0
 # I7: so much of the memory before may be in use afterwards.
 MEMORY = 1.2
-# What a gateway has taken but not yet written when it is killed: one flush, on a busy machine.
-UNWRITTEN_NS = 250 * MS
-# Between DDS telling of a subscription and sending to it.
-MATCHING_NS = 50 * MS
+# I8: so soon after the fault's end all that shows a value shows the same (s).
+AGREE_S = 2.0
+# A gap tells when values came; they were said a little before, on a busy machine (µs).
+SLACK_US = 250_000
 
 
 class Said(NamedTuple):
@@ -68,41 +70,25 @@ class Findings:
         self.violations.append(f"{invariant}: {what}")
 
 
-def excused(said: Sequence[Said], killed: int | None) -> set[int]:
-    """Values nobody can be asked for: said while no gateway listened, or dead unwritten with it.
-
-    From a moment after the robot knew of the new subscription, none is excused.
-    """
-    if killed is None or not said:
-        return set()
-    before = [each for each in said if each.at < killed - UNWRITTEN_NS]
-    after = [each for each in said if each.at >= killed]
-    # Nobody knows of the next gateway when this one is killed.
-    knew = [each for each in said if each.at < killed][-1:] or after[:1]
-    came = next((each.at for each in after if each.known > knew[0].known), None)
-    end = after[-1].value + 1 if after else 0
-    if came is not None:
-        end = next((each.value for each in after if each.at >= came + MATCHING_NS), end)
-    return set(range(before[-1].value + 1 if before else said[0].value, end))
-
-
 def lost(
     said: Iterable[Said],
     stored: Iterable[int],
-    spared: set[int],
     gaps_us: Iterable[tuple[int, int]] = (),
     wall_us: Mapping[int, int] | None = None,
 ) -> set[int]:
-    """I1: values that are neither stored nor excused nor in a recorded gap (from, to)."""
-    missing = {each.value for each in said} - {*stored} - spared
+    """I1, I9: values that are neither stored nor in a recorded gap (from, to)."""
+    missing = {each.value for each in said} - {*stored}
     times, spans = wall_us or {}, [*gaps_us]
-    # A gap tells the robot's times; publishing and taking lie a little apart.
-    slack = 1_000_000
     return {
         value
         for value in missing
-        if not any(a - slack <= times.get(value, -slack) <= b + slack for a, b in spans)
+        if not any(a - SLACK_US <= times.get(value, -SLACK_US) <= b + SLACK_US for a, b in spans)
     }
+
+
+def disordered(stored: Sequence[int]) -> set[int]:
+    """I10: values of a counter that stand before an earlier one, in order of time."""
+    return {before for before, after in pairwise(stored) if after < before}
 
 
 def doubled(stored: Iterable[int]) -> set[int]:

@@ -31,6 +31,8 @@ from .rows_state import f10, f25, f30, long_partition, reset
 from .weather import Way, Weather
 from .world import CRASHING, SITE, Run, World, now, small_disk, under_load
 
+# Long enough for a link that is dark to be lost, and what is heard meanwhile to be on disk only.
+DOWN_S = 0.5
 # Three beats, a second apart, each given a second for its answer.
 BEATS_S = 4.0
 # The machine is shared.
@@ -53,6 +55,7 @@ async def f1(world: World, chance: random.Random, findings: Findings) -> None:
             links = world.links
             at = world.hub.kill()
             await run.stopped(at)
+        await run.turn_door()
         world.start_hub()
         await world.hub.says("ready")
         async with back(findings):
@@ -68,14 +71,20 @@ async def f2(world: World, chance: random.Random, findings: Findings) -> None:
         await run.mark(driver)
         await pause(chance, 0.4, 0.8)
         knew = world.said()[-1].known
-        run.killed = world.gateway.kill()
+        # Its own end comes between what it heard and the hub.
+        world.proxy.change(Weather(dark=frozenset(Way)))
+        await run.turn_door()
+        await asyncio.sleep(DOWN_S)
+        killed = world.gateway.kill()
+        world.proxy.cut()
+        world.proxy.change(Weather())
         world.start_gateway()
         async with back(findings):
             await world.ready()
             await until(lambda: world.said()[-1].known > knew, 30, "the robot knows the gateway")
         await asyncio.sleep(0.5)
         # The finger is still on the key, and nobody has the lease.
-        run.nothing_moves_after(run.killed)
+        run.nothing_moves_after(killed)
 
 
 async def f4(world: World, chance: random.Random, findings: Findings) -> None:
@@ -100,7 +109,7 @@ async def _dies(process: Process, within: float) -> None:
 
 
 async def _crash_hub(world: World, point: str, findings: Findings) -> None:
-    async with under_load(world, findings):
+    async with under_load(world, findings) as run:
         links = world.links
         world.hub.kill()
         world.crash["hub"] = point
@@ -109,6 +118,7 @@ async def _crash_hub(world: World, point: str, findings: Findings) -> None:
             await _dies(hub, 30)
         finally:
             world.crash["hub"] = ""
+        await run.turn_door()
         world.start_hub()
         await world.hub.says("ready")
         async with back(findings):
@@ -186,7 +196,6 @@ async def _crash_gateway(
             await run.begin_anew()
             world.proxy.change(Weather(dark=frozenset(Way)))
             await _dies(gateway, 60)
-            run.killed = now()
             knew = world.said()[-1].known
         finally:
             world.crash["gateway"], world.more_words = "", []
@@ -203,7 +212,8 @@ async def _crash_gateway(
             findings.counted["before the robot knew it"] += 1
             await asyncio.sleep(1.0)
             await run.begin_anew()
-            run.killed = None
+            # Nobody may have heard it.
+            await run.turn_door()
         await asyncio.sleep(0.3)
     world.gateway.end()
     world.gateway_data = kept
@@ -231,6 +241,8 @@ async def f5(world: World, chance: random.Random, findings: Findings) -> None:
         at = now()
         process.send_signal(signal.SIGSTOP)
         try:
+            if which == "hub":
+                await run.turn_door()
             await asyncio.sleep(seconds)
             await run.let_go()
         finally:
@@ -307,13 +319,14 @@ async def f7(world: World, chance: random.Random, findings: Findings) -> None:
                     await run.let_go()
                     # On a full disk it comes up again, and still stopped.
                     knew = world.said()[-1].known
-                    run.killed = world.gateway.kill()
+                    world.gateway.kill()
                     since = len(driver.got)
                     world.start_gateway()
                     await world.ready()
                     await driver.sees(browser.StopNews, lambda x: x.latched, since=since)
                     await until(lambda: world.said()[-1].known > knew, 30, "the new gateway")
                     world.proxy.cut()
+                    await run.turn_door()
                     await pause(chance)
                     (disk / "filler").unlink()
                     async with back(findings):
@@ -341,6 +354,7 @@ async def f3(world: World, chance: random.Random, findings: Findings) -> None:
         at = now()
         await run.let_go()
         await run.stopped(at)
+        await run.turn_door()
         server.start()
         async with back(findings):
             await until(lambda: "stored again" in world.hub.said(), 30, "storing again")
@@ -367,6 +381,7 @@ async def f8(world: World, chance: random.Random, findings: Findings) -> None:
                 at = now()
                 await run.let_go()
                 await run.stopped(at)
+                await run.turn_door()
                 filler.unlink()
                 async with back(findings):
                     await until(lambda: "stored again" in world.hub.said(), 30, "room again")
@@ -427,6 +442,7 @@ async def _dark(world: World, chance: random.Random, findings: Findings, seconds
         at = now()
         world.proxy.change(Weather(dark=frozenset(Way)))
         await run.mark(driver)
+        await run.turn_door()
         await run.stopped(at)
         await asyncio.sleep(max(0.0, seconds - (now() - at) / 1e9))
         await run.let_go()
@@ -458,6 +474,7 @@ async def f13(world: World, chance: random.Random, findings: Findings) -> None:
             if took > limit:
                 findings.breach("I6", f"the {side} found out only after {took:.1f} s")
         await run.stopped(at, within=5)
+        await run.turn_door()
         await run.let_go()
         world.proxy.change(Weather())
         async with back(findings):
@@ -499,9 +516,10 @@ async def f19(world: World, chance: random.Random, findings: Findings) -> None:
             else:
                 world.proxy.cut()
             await asyncio.sleep(0.2)
-        await run.stopped(at)
-        async with back(findings):
+        await run.turn_door()
+        async with back(findings, ledgers.ALONE_S):
             await sees_values(driver)
+        await run.stopped(at)
         run.nothing_moves_after(at)
 
 

@@ -76,7 +76,7 @@ async def f10(world: World, chance: random.Random, findings: Findings) -> None:
         shutil.copy(each, folder / each.name)
     kept, world.hub_data = world.hub_data, folder
     try:
-        async with under_load(world, findings):
+        async with under_load(world, findings) as run:
             recording = folder / "recordings" / "night.mcap"
             recording.parent.mkdir()
             recording.write_bytes(chance.randbytes(100_000))
@@ -88,6 +88,7 @@ async def f10(world: World, chance: random.Random, findings: Findings) -> None:
             world.proxy.change(Weather(dark=frozenset(Way)))
             world.hub.kill()
             world.proxy.cut()
+            await run.turn_door()
             for end in ("-wal", "-shm"):
                 (folder / f"talaia.db{end}").unlink(missing_ok=True)
             DAMAGE[how](folder / "talaia.db", chance)

@@ -10,6 +10,8 @@ from .ledgers import Findings, spread
 if TYPE_CHECKING:
     from .rows import Row
 
+ENCLOSURE = "The enclosure has a table of its own: [enclosure-table.md](enclosure-table.md)."
+
 
 class Table:
     """Rows and what their runs found."""
@@ -53,7 +55,7 @@ class Table:
                 f" | {'–' if memory is None else f'{memory:.2f}'} | {told} |"
             )
             notes += [f"- {row.name}: {text}" for text in violations]
-        return "\n".join([*lines, "", *notes, ""])
+        return "\n".join([*lines, "", *notes, "", ENCLOSURE, ""])
 
 
 def _three(numbers: tuple[float, float, float] | None, digits: int) -> str:

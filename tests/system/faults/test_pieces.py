@@ -11,6 +11,7 @@ from talaia.wire.frames import LINK_FROM_HUB, Ack
 
 from . import crashing, ledgers
 from .ledgers import MS, Said, Told
+from .looker import COUNT, DOOR, Shown, differences
 from .proxy import Proxy
 from .weather import CALM, Dice, Frames, Way, Weather
 
@@ -19,26 +20,30 @@ def said(*values: int, known: int = 1, step: int = 5 * MS) -> list[Said]:
     return [Said(value, value * step, known) for value in values]
 
 
-def test_a_value_that_is_nowhere_is_lost_unless_excused_or_in_a_gap() -> None:
+def test_a_value_that_is_nowhere_is_lost_unless_a_gap_tells_of_it() -> None:
     ten = said(*range(10))
-    assert ledgers.lost(ten, [0, 1, 2, 4, 5, 6, 7, 8, 9], set()) == {3}
-    assert ledgers.lost(ten, range(9), {9}) == set()
+    assert ledgers.lost(ten, [0, 1, 2, 4, 5, 6, 7, 8, 9]) == {3}
+    assert ledgers.lost(ten, range(10)) == set()
     wall = {each.value: each.value * 10_000_000 for each in ten}
-    assert ledgers.lost(ten, range(5), set(), [(50_000_000, 80_000_000)], wall) == {9}
+    assert ledgers.lost(ten, range(5), [(50_000_000, 80_000_000)], wall) == {9}
 
 
-def test_only_what_died_with_the_gateway_or_came_while_nobody_listened_is_excused() -> None:
-    killed = 400 * 5 * MS
-    before, after = said(*range(400)), said(*range(400, 700))
-    after = [each._replace(known=2) if each.value > 500 else each for each in after]
-    spared = ledgers.excused([*before, *after], killed)
-    assert min(spared) == 400 - ledgers.UNWRITTEN_NS // (5 * MS)
-    assert max(spared) == 501 + ledgers.MATCHING_NS // (5 * MS) - 1
-    assert ledgers.excused(before, None) == set()
-    # Killed right at the beginning: the next one is known only later all the same.
-    spared = ledgers.excused([*before[-10:], *after], killed)
-    assert (min(spared), max(spared)) == (390, 501 + ledgers.MATCHING_NS // (5 * MS) - 1)
-    assert max(ledgers.excused(after, killed)) == max(spared)
+def test_a_value_that_stands_before_an_earlier_one_is_found() -> None:
+    assert ledgers.disordered([1, 2, 4, 5]) == set()
+    assert ledgers.disordered([1, 4, 2, 5, 6]) == {4}
+
+
+def test_disagreement_on_the_last_value_is_found_wherever_it_is() -> None:
+    same = {COUNT: (7.0, 70), DOOR: (11.0, 60)}
+    shown = {COUNT: Shown(7.0, 70, 0.0), DOOR: Shown(11.0, 60, 5000.0)}
+    expected = {COUNT: 7.0, DOOR: 11.0}
+    assert differences(shown, "active", same, same, expected) == []
+    assert len(differences(shown, "normal", same, same, expected)) == 1
+    older = {**same, DOOR: (3.0, 50)}
+    for last, history in ((older, same), (same, older)):
+        assert len(differences(shown, "active", last, history, expected)) == 1
+    assert len(differences({**shown, DOOR: Shown(3.0, 50, 0.0)}, "normal", same, same, {})) == 1
+    assert len(differences(shown, "active", same, same, {DOOR: 12.0})) == 1
 
 
 def test_what_is_stored_or_done_twice_is_found() -> None:

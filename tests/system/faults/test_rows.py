@@ -1,7 +1,8 @@
-"""Every fault, at least once; as often as fits with ``TALAIA_FAULT_MINUTES`` (`make faults`).
+"""Every fault, at least once; as often as fits with ``TALAIA_PROOF_MINUTES``.
 
-``TALAIA_FAULT_SEED`` chooses the first seed; ``TALAIA_FAULT_TABLE`` names the file the table goes
-to. A seed tells what was decided (moments, points, weather), not how a busy machine took it.
+`make proofs ONLY=faults` sets it, and ``TALAIA_PROOF_TABLE``, the file that the table goes to.
+``TALAIA_FAULT_SEED`` chooses the first seed. A seed tells what was decided (moments,
+points, weather), not how a busy machine took it.
 
 In the short form a row that fails is done once more, for it also runs on machines that are busy.
 
@@ -34,10 +35,10 @@ from .rows import ROWS, Row
 from .table import Table
 from .world import World
 
-MINUTES = float(os.environ.get("TALAIA_FAULT_MINUTES", "0"))
+MINUTES = float(os.environ.get("TALAIA_PROOF_MINUTES", "0"))
 # A run of so many minutes is through every named point and every length of partition.
 WHOLE = 10.0
-TARGET = os.environ.get("TALAIA_FAULT_TABLE")
+TARGET = os.environ.get("TALAIA_PROOF_TABLE")
 SEED = int(os.environ.get("TALAIA_FAULT_SEED", "1"))
 LANES = 1 if MINUTES else 2
 pytestmark = [pytest.mark.robot, pytest.mark.timeout(max(180, MINUTES * 60))]

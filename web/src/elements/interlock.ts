@@ -91,8 +91,9 @@ export class InterlockLine extends LitElement {
     const state = news.unsafe
       ? `${news.why || "unsafe now"}.`
       : `safe now; released in ${formatDuration(Math.ceil(this.clears / 1000))} if it stays so.`;
+    const never = news.no_override === "" ? "" : ` Not to be overridden now: ${news.no_override}.`;
     return html`– ${state}
-      <span class="more">${word} since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}${slowed}</span>`;
+      <span class="more">${word} since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}${slowed}${never}</span>`;
   }
 
   private overridden(news: InterlockNews): TemplateResult {

@@ -7,7 +7,7 @@ import { spokenUnit, unitGap } from "../format/unit.js";
 import { base } from "./base.js";
 import "./icon.js";
 
-export type ValueState = "live" | "stale" | "unknown" | "unreached" | "forbidden";
+export type ValueState = "live" | "outside" | "stale" | "unknown" | "unreached" | "forbidden";
 
 /** One reading: a number with its unit, or a word. It says in words when it is not to be trusted. */
 @customElement("t-value")
@@ -40,7 +40,7 @@ export class Value extends LitElement {
         font-weight: var(--t-weight);
         color: var(--t-muted);
       }
-      :host([state="stale"]) .reading {
+      :host(:is([state="stale"], [state="outside"])) .reading {
         color: var(--t-stale);
         font-weight: var(--t-weight);
         text-decoration: underline dotted 2px;
@@ -109,6 +109,8 @@ export class Value extends LitElement {
         return nothing;
       case "stale":
         return html`<span class="note">stale${Number.isNaN(this.age) ? "" : `, ${formatAge(this.age)}`}</span>`;
+      case "outside":
+        return html`<span class="note">out of range</span>`;
       case "unknown":
         return html`<span class="note">no data yet</span>`;
       case "unreached":

@@ -10,5 +10,6 @@ export function lockWords(news: InterlockNews): string {
 
 function wayOut(news: InterlockNews): string {
   if (news.longest_s > 0) return "You can override it in the bar at the top.";
+  if (news.no_override !== "") return `It cannot be overridden now: ${news.no_override}.`;
   return news.overridable ? "An admin can override it." : "";
 }

@@ -109,6 +109,7 @@ export interface DeviceShape {
   readonly link_loss: string;
   readonly pointing: PointingShape | null;
   readonly rights: readonly ("view" | "use" | "admin")[];
+  readonly unguarded: boolean;
 }
 
 /** How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software). */
@@ -825,11 +826,29 @@ export interface VersionShape {
   readonly current: boolean;
 }
 
+/** What an enclosure can do. */
+export interface CapabilitiesShape {
+  readonly has_shutter: boolean;
+  readonly can_rotate: boolean;
+  readonly segments: number;
+  readonly can_partial: boolean;
+  readonly has_flap: boolean;
+}
+
 /** Unsafe while all of these limits say so. ``link_lost``: without the hub for so long. */
 export interface ConditionShape {
   readonly limits: readonly LimitShape[];
   readonly lasting: number;
   readonly link_lost: number | null;
+  readonly sun: string;
+}
+
+/** A segment or flap; ``position`` is the address of how far it is open (%), or empty. */
+export interface EnclosurePartShape {
+  readonly id: string;
+  readonly name: string;
+  readonly closed: readonly SightingShape[];
+  readonly position: string;
 }
 
 /** A roof: closed only when all of ``closed`` say so; kept closed by the rules of ``unsafe``. */
@@ -841,11 +860,17 @@ export interface EnclosureShape {
   readonly close: string;
   readonly stop: string;
   readonly unsafe: readonly string[];
+  readonly position: string;
+  readonly segments: readonly EnclosurePartShape[];
+  readonly flap: EnclosurePartShape | null;
+  readonly can: CapabilitiesShape;
 }
 
 /** When a signal is unsafe: out of these limits, in or out of these states, or unknown. */
 export interface LimitShape {
   readonly signal: string;
+  readonly minus: string;
+  readonly humidity: string;
   readonly above: number | null;
   readonly until_below: number | null;
   readonly below: number | null;
@@ -878,10 +903,12 @@ export interface RuleShape {
   readonly dwell: number;
 }
 
-/** What a sensor says when something is so. */
+/** What a sensor says when something is so: in these states, or within these limits. */
 export interface SightingShape {
   readonly signal: string;
   readonly states: readonly string[];
+  readonly above: number | null;
+  readonly below: number | null;
 }
 
 /** What goes by a name. ``available`` is false where the hub has no catalogue. */
@@ -921,7 +948,7 @@ export interface ActAsk {
 /** An alarm, in the words of the site description; see there what each key means. */
 export interface AlarmDefinition {
   readonly name: string;
-  readonly kind: "limit" | "state" | "stale" | "anomaly" | "detection" | "expression";
+  readonly kind: "limit" | "state" | "stale" | "anomaly" | "detection" | "expression" | "enclosure" | "gateway";
   readonly signal?: string;
   readonly above?: number | null;
   readonly below?: number | null;
@@ -935,10 +962,14 @@ export interface AlarmDefinition {
   readonly count?: number;
   readonly confidence?: number;
   readonly expression?: string;
+  readonly enclosure?: string;
   readonly severity?: "info" | "warning" | "critical";
   readonly delay?: number;
   readonly clear_delay?: number;
   readonly unknown_after?: number | null;
+  readonly repeat?: number | null;
+  readonly remind?: number | null;
+  readonly escalate?: readonly EscalationShape[];
   readonly record?: boolean;
   readonly advice?: string;
 }
@@ -973,6 +1004,12 @@ export interface AlarmShape {
   readonly made: boolean;
   readonly problem: string;
   readonly may_use: boolean;
+}
+
+/** Who is told of an alarm that nobody has acknowledged, and how long after it was raised. */
+export interface EscalationShape {
+  readonly who: string;
+  readonly after?: number;
 }
 
 /** How an alarm would have done over a window, by default the last day. */

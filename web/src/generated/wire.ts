@@ -89,6 +89,7 @@ export interface Command {
   readonly id: string;
   readonly args: Readonly<Record<string, number | boolean | string>>;
   readonly units: Readonly<Record<string, string>>;
+  readonly over: string;
 }
 
 /** End a command that is under way, if the robot can; `CommandNews` tells what came of it. */
@@ -99,13 +100,14 @@ export interface Cancel {
   readonly id: string;
 }
 
-/** Override an interlock of a site for so many seconds, with the reason; 0 s ends that. */
+/** Override a condition of an interlock for so many seconds, with the reason; 0 s ends that. */
 export interface Override {
   readonly t: "override";
   readonly site: string;
   readonly interlock: string;
   readonly reason: string;
   readonly seconds: number;
+  readonly condition: string;
 }
 
 /** Every second. */
@@ -193,6 +195,7 @@ export interface DriveNews {
   readonly accepted: number;
   readonly refused: number;
   readonly why: string;
+  readonly sent: string;
 }
 
 /** STOP (software): see `frames.StopState`. */
@@ -216,7 +219,7 @@ export interface ResetKey {
   readonly refused: string;
 }
 
-/** Where a one-shot command stands. */
+/** Where a one-shot command stands; ``blocked_by`` as in `frames.CommandState`. */
 export interface CommandNews {
   readonly t: "command_news";
   readonly site: string;
@@ -227,6 +230,9 @@ export interface CommandNews {
   readonly message: string;
   readonly progress: number;
   readonly who: string;
+  readonly blocked_by: string;
+  readonly acting: string;
+  readonly acting_s: number;
 }
 
 /** How an interlock of a site stands; shown on every page while it locks or is overridden. */
@@ -249,6 +255,8 @@ export interface InterlockNews {
   readonly reason: string;
   readonly override_ms: number;
   readonly longest_s: number;
+  readonly condition: string;
+  readonly no_override: string;
 }
 
 /** Whether a site's gateway reaches a device; a page hears of those that it does not. */
@@ -486,9 +494,9 @@ export const DEFAULTS = {
   drive: { held_ms: 0.0, picture_ms: -1.0 },
   stop: {},
   reset: { token: "" },
-  command: { args: {}, units: {} },
+  command: { args: {}, units: {}, over: "" },
   cancel: {},
-  override: { reason: "" },
+  override: { reason: "", condition: "" },
   ping: { active: false },
   greeting: { protocol: 1, version: "" },
   site: { catalogue: "", loop_ms: 0.0, skew_ms: 0.0, why: "", rival_us: 0 },
@@ -496,11 +504,11 @@ export const DEFAULTS = {
   values: { texts: {}, age_ms: [] },
   lease_news: { holder: "", yours: false, epoch: 0, remains_ms: 0, rival: "", asking: false, answer_ms: 0, refused: "", forceable: false },
   tick: {},
-  drive_news: { loop_ms: 0.0, accepted: 0, refused: 0, why: "" },
+  drive_news: { loop_ms: 0.0, accepted: 0, refused: 0, why: "", sent: "" },
   stop_news: { confirmed: false, who: "", time_us: 0, id: "" },
   reset_key: { token: "", refused: "" },
-  command_news: { message: "", progress: 0.0, who: "" },
-  interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0 },
+  command_news: { message: "", progress: 0.0, who: "", blocked_by: "", acting: "", acting_s: 0.0 },
+  interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0, condition: "", no_override: "" },
   device_news: { why: "", since_us: 0 },
   alarm: { device: "", why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "", shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], made: false, gone: false },
   sighting: { ended_us: 0 },

@@ -41,6 +41,11 @@ export class Interlocks extends Store {
       .sort((a, b) => rank(a) - rank(b) || a.news.name.localeCompare(b.news.name));
   }
 
+  /** Whether anything was said of an interlock, locked or not. */
+  get any(): boolean {
+    return this.known.size > 0;
+  }
+
   /** What was last said of one, whether it locks or not; undefined before anything was. */
   of(site: string, interlock: string): Interlock | undefined {
     return this.known.get(`${site}\n${interlock}`);

@@ -3,9 +3,10 @@ import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
 import { levelOf } from "../format/level.js";
 import { decimalsFor, formatNumber } from "../format/number.js";
-import { stateWord } from "../format/reading.js";
+import { outOfRange, stateWord } from "../format/reading.js";
 import { base } from "../elements/base.js";
 import "../elements/value.js";
+import type { ValueState } from "../elements/value.js";
 import type { SignalInfo } from "../wire/api.js";
 
 /** A signal's name and its newest value, live. */
@@ -54,7 +55,7 @@ export class SignalValue extends LitElement {
       ${this.bare ? null : html`<span class="name" title=${name}>${name}</span>`}
       <t-value
         size=${this.size}
-        state=${this.live.freshness(channel, signal.max_age)}
+        state=${this.freshness(signal, channel)}
         .value=${reading?.value ?? Number.NaN}
         .text=${this.word(signal)}
         .unit=${signal.unit}
@@ -63,6 +64,11 @@ export class SignalValue extends LitElement {
         .level=${levelOf(this.word(signal))}
       ></t-value>
     `;
+  }
+
+  private freshness(signal: SignalInfo, channel: string): ValueState {
+    const now = this.live.freshness(channel, signal.max_age);
+    return now === "live" && outOfRange(signal, this.live.reading(channel)?.value ?? Number.NaN) ? "outside" : now;
   }
 
   private word(signal: SignalInfo): string {

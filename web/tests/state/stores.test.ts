@@ -199,7 +199,7 @@ describe("key signals", () => {
     states: [], frame: "local", max_age: 5, primary: true, public: false, channels: [address], ...change,
   });
   const device = (signals: SignalInfo[]): DeviceInfo => ({
-    id: "", name: "", kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, rights: ["view"],
+    id: "", name: "", kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, unguarded: false, rights: ["view"],
   });
 
   test("come from every device in turn, without positions and minor ones", () => {

@@ -23,17 +23,17 @@ from talaia.clock import SECOND
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.fits import rewritten, values_of
 from talaia.gateway.indi.circumstances import circumstances
+from talaia.gateway.indi.connecting import DriverConnections
 from talaia.gateway.indi.discover import devices_of
 from talaia.gateway.indi.errors import IndiError
-from talaia.gateway.indi.goals import SILENT_NS, Goal, begin
-from talaia.gateway.indi.meaning import read_number, read_state, read_text
+from talaia.gateway.indi.goals import CHOICE, SILENT_NS, Goal, begin
+from talaia.gateway.indi.meaning import read_number, read_state, read_text, stamp_of
 from talaia.gateway.indi.protocol import (
     BlobEnd,
     BlobHead,
     BlobPart,
     Kind,
     Reader,
-    State,
     Told,
     Vector,
     ask_blobs,
@@ -69,7 +69,6 @@ PING_NS = SECOND
 SETTLE_NS = 3 * SECOND
 # Drivers define their properties in bursts; after so long without one, that was all.
 QUIET_NS = 2 * SECOND
-CONNECT_AGAIN_NS = (5 * SECOND, 10 * SECOND, 30 * SECOND, 60 * SECOND)
 # A server that has vanished without a word (power cut, cable) ends the connection after this.
 _SILENT_TCP_S = 6
 _MAX_TEXT = 2000
@@ -123,7 +122,8 @@ class Indi:
         self._began_ns = 0
         self._pinged_ns = 0
         self._changed_ns = 0
-        self._tries: dict[str, tuple[int, int]] = {}
+        setups = {each.indi: each.setup for each in share.devices.values() if each.setup}
+        self._connections = DriverConnections(setups, connect=self._connection.connect)
         self._silent: set[str] = set()
         self._asked_blobs: set[str] = set()
         self._shooting = ""
@@ -170,7 +170,7 @@ class Indi:
         """See `Readings.latest`."""
         return self._latest.get(address)
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """Tell nobody: nothing here is driven."""
 
     def stop(self, device: str, *, stopped: bool) -> None:
@@ -203,8 +203,8 @@ class Indi:
             done(Outcome(CommandPhase.REFUSED, str(error)))
             return None
         if target == "CONNECTION":
-            # What a person has connected or left is theirs.
-            self._tries[described.indi] = (0, 1 << 62)
+            connect = fields.get("CONNECT") is True or fields.get(CHOICE) in ("CONNECT", "Connect")
+            self._connections.command(described.indi, connect=connect, now_ns=now_ns)
         under = _Under(goal, done)
         self._under.append(under)
         self._send(data)
@@ -216,7 +216,7 @@ class Indi:
         if self._writer is None:
             done(Outcome(CommandPhase.FAILED, "the INDI server is not connected"))
             return
-        self._tries.pop(name, None)
+        self._connections.connect_again(name)
         self._send(ask_properties(name))
         self._waiting.append((name, self._clock.monotonic_ns() + 5 * SECOND, done))
 
@@ -225,7 +225,7 @@ class Indi:
     def _begin(self, writer: asyncio.StreamWriter) -> None:
         self.book.clear()
         self._writer = writer
-        self._tries.clear()
+        self._connections.restart()
         self._silent.clear()
         self._asked_blobs.clear()
         self._began_ns = self._pinged_ns = self._changed_ns = self._clock.monotonic_ns()
@@ -275,6 +275,10 @@ class Indi:
                         held = self.book.apply(event, now_ns)
                         if held is not None and before is None:
                             self._changed_ns = now_ns
+                            if held.name == "CONNECTION":
+                                # Started anew by its server, within milliseconds of its crash.
+                                self._connections.redefine(held.device)
+                                self._asked_blobs.discard(held.device)
                         touched.add(event.device)
                         if isinstance(event, Vector) and event.kind is Kind.BLOB and event.new:
                             self._want_pictures(event.device)
@@ -324,29 +328,16 @@ class Indi:
         self._events.tell(kind, f"{name}: {message}", device=ours, good=good)
 
     def _connect(self, now_ns: int) -> None:
-        """Connect drivers that have not been since they came; whoever leaves one later, may."""
-        if not self._connection.connect:
-            return
+        """Connect drivers, and set up those that are; see `DriverConnections`."""
         for device in self.book:
-            held = device.vectors.get("CONNECTION")
-            if held is None or not self._is_ours(device):
+            if not self._is_ours(device):
                 continue
-            count, due_ns = self._tries.get(device.name, (0, 0))
-            if device.connected:
-                self._tries[device.name] = (0, 1 << 62)
-            elif now_ns >= due_ns and held.state is not State.BUSY:
-                again = CONNECT_AGAIN_NS[min(count, len(CONNECT_AGAIN_NS) - 1)]
-                self._tries[device.name] = (count + 1, now_ns + again)
-                if count == 1:
-                    said = device.said[-1].message if device.said else "no reason given"
-                    log.warning("%s does not connect: %s; trying again", device.name, said)
-                    self._tell("driver_not_connected", device.name, said, good=False)
-                asked = {"CONNECT": True, "DISCONNECT": False}
-                self._send(new_vector(Kind.SWITCH, device.name, "CONNECTION", asked))
-        for name in self._tries.keys() - self.book.devices.keys():
-            # A driver that was restarted comes back disconnected: it is new to us.
-            del self._tries[name]
-            self._asked_blobs.discard(name)
+            for due in self._connections.step(device, now_ns):
+                if isinstance(due, bytes):
+                    self._send(due)
+                    continue
+                log.warning("%s: %s: %s", device.name, due.kind, due.message)
+                self._tell(due.kind, device.name, due.message, good=False)
 
     def _say_who_is_there(self, now_ns: int) -> None:
         if now_ns - self._began_ns < SETTLE_NS:
@@ -360,6 +351,8 @@ class Indi:
                 why = "its driver does not answer"
             elif "CONNECTION" in device.vectors and not device.connected:
                 why = "its driver is not connected to its hardware"
+                if self._connections.is_left(name):
+                    why = "somebody has disconnected its driver from its hardware"
             self._status.device(ours, there=not why, why=why)
 
     def _find(self, now_ns: int) -> None:
@@ -367,13 +360,12 @@ class Indi:
         if not self._connection.discover or now_ns - self._changed_ns < QUIET_NS:
             return
         named = set(self._devices.values())
-        count_of = self._tries
         found = [
             device
             for device in self.book
             if self._is_ours(device)
             and (device.connected or "CONNECTION" not in device.vectors
-                 or count_of.get(device.name, (0, 0))[0] > 1 or not self._connection.connect)
+                 or self._connections.tried(device.name) > 1 or not self._connection.connect)
         ]  # fmt: skip
         new = devices_of(
             [each for each in found if each.name not in named], self._share.name, self._devices
@@ -521,8 +513,24 @@ class Indi:
             return math.nan
         value = float(found.value) * (signal.scale if signal.type is SignalType.NUMBER else 1.0)
         if plan.tapped:
-            self._latest[plan.address] = Reading(value, found.mono_ns)
+            self._tap(plan, device, value, found.mono_ns)
         return value
+
+    def _tap(self, plan: _Plan, device: str, value: float, mono_ns: int) -> None:
+        """Keep a reading that safety depends on; with a stamp, from when that advanced."""
+        source = plan.signal.source
+        if not source.stamp:
+            self._latest[plan.address] = Reading(value, mono_ns)
+            return
+        stamp = stamp_of(self.book, device, source.property)
+        if stamp is None:
+            return
+        advanced_ns = stamp.arrived_ns if source.synchronized else stamp.advanced_ns
+        if advanced_ns is None:
+            self._latest.pop(plan.address, None)
+        else:
+            true_ns = min(mono_ns, advanced_ns)
+            self._latest[plan.address] = Reading(value, true_ns, stamp.stamp_ns, mono_ns)
 
     @staticmethod
     def _is_news(plan: _Plan, last: _Last, value: float | str, now_ns: int) -> bool:

@@ -187,9 +187,9 @@ class Many:
         device = address.split("/", 1)[0]
         return self._for(device).latest(address) if self._reach.counts(device) else None
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """See `CommandTarget.drive`."""
-        self._for(device).drive(device, linear, angular)
+        self._for(device).drive(device, linear, angular, key)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """See `CommandTarget.stop`."""

@@ -31,7 +31,7 @@ class Nobody:
         """Give nothing."""
         return None
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """Tell nobody."""
 
     def stop(self, device: str, *, stopped: bool) -> None:

@@ -256,7 +256,7 @@ class Processes:
         """See `Readings.latest`."""
         return self._latest.get(address)
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """Tell nobody: a command cannot be driven."""
 
     def stop(self, device: str, *, stopped: bool) -> None:

@@ -26,12 +26,13 @@ from talaia.gateway.adapters.ros1_node import NodeProcess
 from talaia.gateway.adapters.ros1_presence import Ros1Presence
 from talaia.gateway.adapters.topics import Gathered, file_in, parameter_plans_of, plans_of
 from talaia.gateway.adapters.velocity import velocity_fields
+from talaia.gateway.drive_keys import HALT
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
 from talaia.gateway.pictures.camera import PictureStream
 from talaia.gateway.pictures.worker import PictureWorker
 from talaia.gateway.ports import Outcome
 from talaia.model.connection import Ros1Connection
-from talaia.model.site import CommandKind
+from talaia.model.site import CommandKind, DriveMessage
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -199,11 +200,11 @@ class Ros1:
         """See `Readings.latest`."""
         return self._latest.get(address)
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """See `CommandTarget.drive`."""
         described = self._share.devices.get(device)
         if self._node is not None and described is not None and described.drive is not None:
-            fields = velocity_fields(described.drive, linear, angular)
+            fields = velocity_fields(described.drive, linear, angular, key)
             self._node.tell(op="say", id=f"drive {device}", fields=fields)
 
     def stop(self, device: str, *, stopped: bool) -> None:
@@ -367,11 +368,15 @@ class Ros1:
         for device_id, device in self._share.devices.items():
             rule = device.drive
             if rule is not None:
-                zero = velocity_fields(rule, 0.0, 0.0)
+                # Characters may add up: none takes another's place before it is sent.
                 node.tell(
-                    op="voice", id=f"drive {device_id}", topic=rule.topic,
-                    type=rule.message.value, zero=zero,
-                )  # fmt: skip
+                    op="voice",
+                    id=f"drive {device_id}",
+                    topic=rule.topic,
+                    type=rule.message.value,
+                    zero=velocity_fields(rule, 0.0, 0.0, HALT),
+                    deep=20 if rule.message is DriveMessage.KEYS else 1,
+                )
                 if rule.stop.topic:
                     node.tell(
                         op="voice", id=f"stop {device_id}", topic=rule.stop.topic, type=BOOL,

@@ -26,6 +26,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
+from talaia.gateway.adapters.arrivals import Arrivals
 from talaia.gateway.adapters.rejoin import Rejoining
 from talaia.gateway.adapters.ros2_decode import decoder_for
 from talaia.gateway.adapters.ros2_motion import Ros2Motion
@@ -41,6 +42,7 @@ from talaia.gateway.pictures.camera import PictureStream
 from talaia.gateway.pictures.worker import PictureWorker
 from talaia.gateway.ports import Outcome
 from talaia.model.connection import Ros2Connection
+from talaia.shared_memory import remove_dead_segments_at_start
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -121,6 +123,7 @@ class Ros2:
         self._node: Any = None
         self._turn = 0
         self._rejoining = Rejoining(self._clock)
+        self._arrivals = Arrivals(self._clock.monotonic_ns())
 
     # ── Adapter ──
 
@@ -132,6 +135,7 @@ class Ros2:
         def fail(error: BaseException) -> None:
             loop.call_soon_threadsafe(_fail, failed, error)
 
+        remove_dead_segments_at_start()
         context = Context()
         try:
             self._join(context, fail)
@@ -163,10 +167,10 @@ class Ros2:
         """See `Readings.latest`."""
         return self._latest.get(address)
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """See `CommandTarget.drive`."""
         if self._motion is not None:
-            self._motion.drive(device, linear, angular)
+            self._motion.drive(device, linear, angular, key)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """See `CommandTarget.stop`."""
@@ -290,13 +294,10 @@ class Ros2:
         recorded = self._raw if self._raw is not None and plan.topic in self._raw.topics else None
 
         def take(raw: bytes, info: Any) -> None:  # noqa: ANN401
-            now_us = self._clock.wall_ns() // 1000
-            came_us = info["received_timestamp"] // 1000
-            # The middleware's time of arrival is finer than our turns; unless clocks jumped.
-            time_us = came_us if 0 <= now_us - came_us < 1_000_000 else now_us
+            now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
+            time_us = self._arrivals.at(info["received_timestamp"] // 1000, now_us, now_ns)
             if recorded is not None:
                 recorded.offer(plan.topic, plan.type_name, raw, time_us * 1000)
-            now_ns = self._clock.monotonic_ns()
             if self._presence is not None:
                 self._presence.heard_ns[plan.topic] = now_ns
             plan.take(decode(raw), time_us, now_ns, self._gathered)
@@ -336,6 +337,7 @@ class Ros2:
         columns = self._gathered.take()
         if columns is not None:
             self._samples.put(columns)
+        self._arrivals.awake(self._clock.monotonic_ns())
         return held
 
     def _on_idle(self) -> None:
@@ -458,9 +460,9 @@ class Ros2:
 
     def _recording(self, sink: RawSink, topic: str, type_name: str) -> Callable[[bytes, Any], None]:
         def take(raw: bytes, info: Any) -> None:  # noqa: ANN401
-            now_ns, came_ns = self._clock.wall_ns(), info["received_timestamp"]
-            sane = 0 <= now_ns - came_ns < 1_000_000_000
-            sink.offer(topic, type_name, raw, came_ns if sane else now_ns)
+            now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
+            time_us = self._arrivals.at(info["received_timestamp"] // 1000, now_us, now_ns)
+            sink.offer(topic, type_name, raw, time_us * 1000)
 
         return take
 

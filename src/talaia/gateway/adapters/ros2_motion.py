@@ -9,6 +9,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from talaia.gateway.adapters.ros2_requests import class_of, velocity_message
 from talaia.gateway.errors import TypeMissing
+from talaia.model.site import DriveMessage
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -71,15 +72,17 @@ class Ros2Motion:
             except TypeMissing as error:
                 self._missing(error)
                 continue
-            publisher = self._node.create_publisher(kind, topic, _newest(durability))
+            # Characters may add up at the robot: none takes another's place before it is sent.
+            depth = 20 if type_name == DriveMessage.KEYS else 1
+            publisher = self._node.create_publisher(kind, topic, _newest(durability, depth))
             where[name] = (publisher, kind())
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
-        """Publish a velocity."""
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+        """Publish a velocity, or the character that stands for it."""
         found = self._velocity.get(device)
         if found is not None:
             publisher, message = found
-            velocity_message(self._rules[device], message, linear, angular)
+            velocity_message(self._rules[device], message, linear, angular, key)
             self._publish(publisher, message)
 
     def stop(self, device: str, *, stopped: bool) -> None:
@@ -101,10 +104,10 @@ class Ros2Motion:
                 log.warning("ROS 2 takes no velocities: %s", error)
 
 
-def _newest(durability: Any) -> Any:  # noqa: ANN401
+def _newest(durability: Any, depth: int) -> Any:  # noqa: ANN401
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
-        depth=1,
+        depth=depth,
         reliability=ReliabilityPolicy.RELIABLE,
         durability=durability,
     )

@@ -13,7 +13,7 @@ from talaia.gateway.ports import Outcome
 from talaia.model.site import Drive, DriveMessage
 from talaia.wire.frames import CommandPhase, Scalar
 
-__all__ = ["class_of", "fill", "key_of", "outcome_of", "velocity_message"]
+__all__ = ["class_of", "fill", "outcome_of", "velocity_message"]
 
 # As rclpy names the type of a list: sequence<rcl_interfaces/Parameter>.
 _LIST_OF = re.compile(r"sequence<(\w+)/(\w+)(?:, \d+)?>")
@@ -108,27 +108,20 @@ def outcome_of(response: object) -> Outcome:
     return Outcome(CommandPhase.SUCCEEDED, message)
 
 
-def key_of(drive: Drive, linear: float, angular: float) -> str:
-    """Give CloudConnect's character for a velocity: the stronger direction, by the limits."""
-    reverse = drive.max_speed if drive.max_reverse is None else drive.max_reverse
-    limit = drive.max_speed if linear >= 0 else reverse
-    ahead = abs(linear) / limit if limit else 0.0
-    aside = abs(angular) / drive.max_turn
-    if ahead == 0.0 and aside == 0.0:
-        return "s"
-    if ahead >= aside:
-        return "w" if linear > 0 else "x"
-    return "a" if angular > 0 else "d"
-
-
-def velocity_message(drive: Drive, message: Any, linear: float, angular: float) -> Any:  # noqa: ANN401
+def velocity_message(
+    drive: Drive,
+    message: Any,  # noqa: ANN401
+    linear: float,
+    angular: float,
+    key: str = "",
+) -> Any:  # noqa: ANN401
     """Set a velocity in a message of the drive's type, and give it.
 
     A stamp stays 0: the robot takes that for its own now, and nobody else's clock can delay it.
     """
     match drive.message:
         case DriveMessage.KEYS:
-            message.data = key_of(drive, linear, angular)
+            message.data = key
         case DriveMessage.TWIST:
             message.linear.x, message.angular.z = linear, angular
         case DriveMessage.TWIST_STAMPED:

@@ -234,13 +234,18 @@ class Rosbridge:
         """See `Readings.latest`."""
         return self._latest.get(address)
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """See `CommandTarget.drive`."""
         described = self._share.devices.get(device)
         if self._connected and described is not None and described.drive is not None:
             rule = described.drive
-            fields = nested(velocity_fields(rule, linear, angular))
-            self._newest[f"drive {device}"] = frame("publish", topic=rule.topic, msg=fields)
+            fields = nested(velocity_fields(rule, linear, angular, key))
+            said = frame("publish", topic=rule.topic, msg=fields)
+            if key:
+                # Characters may add up: none takes another's place.
+                self._waiting.append(said)
+            else:
+                self._newest[f"drive {device}"] = said
             self._wake.set()
 
     def stop(self, device: str, *, stopped: bool) -> None:

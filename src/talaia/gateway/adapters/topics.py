@@ -17,6 +17,7 @@ from talaia.gateway.errors import FieldError
 from talaia.gateway.fields import getter, reader_of, text_of
 from talaia.gateway.ports import Reading
 from talaia.gateway.sampling import Sampler, rule_of
+from talaia.gateway.stamps import StampReader
 from talaia.model.site import SignalType, Source
 from talaia.wire.columns import Columns
 
@@ -78,6 +79,7 @@ class _Row(NamedTuple):
     tapped: bool
     scale: float
     signal: Signal
+    stamp: StampReader | None = None
 
 
 class TopicPlan:
@@ -128,8 +130,13 @@ class TopicPlan:
         """Go on where another plan of the topic stops: held-back values are not lost."""
         samplers = {row.channel: row.sampler for row in (*before._rows, *before._by_name.values())}
 
+        stamped = {row.address: row for row in (*before._rows, *before._by_name.values())}
+
         def mended(row: _Row) -> _Row:
             was = samplers.get(row.channel)
+            known = stamped.get(row.address)
+            if known is not None and known.signal.source == row.signal.source and known.stamp:
+                row = row._replace(stamp=known.stamp)
             if was is None or row.sampler is None or was.rule != row.sampler.rule:
                 return row
             return row._replace(sampler=was)
@@ -151,10 +158,12 @@ class TopicPlan:
                     continue
                 assert row.read is not None  # noqa: S101 - a row has one of the two
                 values = row.read(message)
+                if row.tapped:
+                    self._tap(row, message, values[0], mono_ns)
             except FieldError as error:
                 self._tell(row.address, error)
                 continue
-            self._add(row, values, time_us, mono_ns, into)
+            self._add(row, values, time_us, into)
         if self._by_name:
             self._take_metric(message, time_us, mono_ns, into)
 
@@ -166,18 +175,25 @@ class TopicPlan:
             return
         row = self._by_name.get(metric.name)
         if row is not None:
-            self._add(row, (metric.magnitude * row.scale,), time_us, mono_ns, into)
+            value = metric.magnitude * row.scale
+            if row.tapped:
+                self._tap(row, message, value, mono_ns)
+            self._add(row, (value,), time_us, into)
 
     def _tell(self, address: str, error: FieldError) -> None:
         if address not in self._bad:
             self._bad.add(address)
             self._complain(address, f"{self.topic}: {error}")
 
-    def _add(
-        self, row: _Row, values: tuple[float, ...], time_us: int, mono_ns: int, into: Gathered
-    ) -> None:
-        if row.tapped:
-            self._latest[row.address] = Reading(values[0], mono_ns)
+    def _tap(self, row: _Row, message: object, value: float, mono_ns: int) -> None:
+        if row.stamp is None:
+            self._latest[row.address] = Reading(value, mono_ns)
+            return
+        stamp_ns, advanced_ns = row.stamp.arrived(message, mono_ns)
+        if advanced_ns is not None:
+            self._latest[row.address] = Reading(value, advanced_ns, stamp_ns, mono_ns)
+
+    def _add(self, row: _Row, values: tuple[float, ...], time_us: int, into: Gathered) -> None:
         if row.sampler is None or row.sampler.accepts(time_us, values):
             for part, value in enumerate(values):
                 into.add(row.channel + part, time_us, value)
@@ -272,4 +288,7 @@ def _row(address: str, channel: int, signal: Signal, *, tapped: bool) -> _Row:
         return _Row(address, channel, None, None, sampler, tapped, signal.scale, signal)
     if signal.type is SignalType.TEXT:
         return _Row(address, channel, None, getter(signal.source.field), None, tapped, 1.0, signal)
-    return _Row(address, channel, reader_of(signal), None, sampler, tapped, 1.0, signal)
+    source, stamp = signal.source, None
+    if tapped and source.stamp:
+        stamp = StampReader(getter(source.stamp), source)
+    return _Row(address, channel, reader_of(signal), None, sampler, tapped, 1.0, signal, stamp)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.ros2_requests import key_of
 from talaia.model.site import DriveMessage
 
 if TYPE_CHECKING:
@@ -14,14 +13,16 @@ if TYPE_CHECKING:
 __all__ = ["velocity_fields"]
 
 
-def velocity_fields(drive: Drive, linear: float, angular: float) -> dict[str, Scalar]:
-    """Give the fields by path of a velocity (m/s, rad/s).
+def velocity_fields(
+    drive: Drive, linear: float, angular: float, key: str = ""
+) -> dict[str, Scalar]:
+    """Give the fields by path of a velocity (m/s, rad/s), or of the character that stands for it.
 
     A stamp stays 0: the robot takes that for its own now, and nobody else's clock can delay it.
     """
     match drive.message:
         case DriveMessage.KEYS:
-            return {"data": key_of(drive, linear, angular)}
+            return {"data": key}
         case DriveMessage.TWIST:
             return {"linear.x": linear, "angular.z": angular}
         case DriveMessage.TWIST_STAMPED:

@@ -97,7 +97,7 @@ class Video:
         """Have no signals."""
         return None
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """Tell nobody: a camera cannot be driven."""
 
     def stop(self, device: str, *, stopped: bool) -> None:

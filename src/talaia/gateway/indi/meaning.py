@@ -10,11 +10,22 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.indi.protocol import Kind, State
+from talaia.gateway.stamps import iso_stamp_ns
 
 if TYPE_CHECKING:
     from talaia.gateway.indi.state import Book, DeviceState, Held
 
-__all__ = ["LIGHTS", "MESSAGE", "Reading", "moving_words", "read_number", "read_state", "read_text"]
+__all__ = [
+    "LIGHTS",
+    "MESSAGE",
+    "Reading",
+    "Stamp",
+    "moving_words",
+    "read_number",
+    "read_state",
+    "read_text",
+    "stamp_of",
+]
 
 # A property that no driver has: the device's newest sentence.
 MESSAGE = "message"
@@ -65,6 +76,33 @@ def clock_of(device: DeviceState, held: Held) -> int:
         measured = device.vectors.get(_MEASURED)
         return held.arrived_ns if measured is None else measured.arrived_ns
     return device.heard_ns
+
+
+class Stamp(NamedTuple):
+    """A driver's own time of its values.
+
+    Attributes:
+        stamp_ns: since the epoch, by the driver's clock; 0 when it gives none.
+        arrived_ns: when it came, by the gateway's monotonic clock; none before the first.
+        advanced_ns: when it was later than the one before, last; none when it never was.
+
+    """
+
+    stamp_ns: int
+    arrived_ns: int | None
+    advanced_ns: int | None
+
+
+def stamp_of(book: Book, device: str, name: str) -> Stamp | None:
+    """Give the stamp of a vector; of the station's verdict that of what it measured."""
+    found = book.devices.get(device)
+    held = None if found is None else found.vectors.get(name)
+    if found is None or held is None:
+        return None
+    if held.name in _BY_WEATHER:
+        held = found.vectors.get(_MEASURED, held)
+    stamp_ns = iso_stamp_ns(held.timestamp)
+    return Stamp(stamp_ns, held.arrived_ns if stamp_ns else None, held.advanced_ns)
 
 
 def read_number(book: Book, device: str, name: str, element: str) -> Reading | None:

@@ -116,6 +116,7 @@ class Vector(NamedTuple):
         new: it defines the vector; else it sets values of one that was defined.
         state: none where a set leaves it as it was.
         timeout: the driver's own guess how long a change takes (s); 0 is unknown.
+        timestamp: when its driver says that it was so (ISO 8601, UTC), if it says.
 
     """
 
@@ -131,6 +132,7 @@ class Vector(NamedTuple):
     rule: Rule = Rule.ANY
     timeout: float = 0.0
     message: str = ""
+    timestamp: str = ""
 
 
 class Deleted(NamedTuple):
@@ -401,6 +403,7 @@ def _event(tag: str, attributes: dict[str, str], members: tuple[Element, ...]) -
         Rule(rule) if rule in _RULES else Rule.ANY,
         timeout if timeout > 0 else 0.0,
         message,
+        attributes.get("timestamp", "")[:40],
     )
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.indi.errors import IndiError
 from talaia.gateway.indi.protocol import Deleted, Element, Kind, Perm, Rule, State, Told, Vector
+from talaia.gateway.stamps import StampAge, iso_stamp_ns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,6 +34,9 @@ class Held:
     Attributes:
         arrived_ns: when it was last set, or else defined.
         sets: how many times it was set; tells a later Set event from an earlier one.
+        timestamp: its driver's own time of the newest set, as that wrote it.
+        stamps: how these went on.
+        advanced_ns: when one advanced last; none when none ever did.
 
     """
 
@@ -48,6 +52,9 @@ class Held:
     timeout: float
     arrived_ns: int
     sets: int = 0
+    timestamp: str = ""
+    stamps: StampAge = field(default_factory=StampAge)
+    advanced_ns: int | None = None
 
     def value(self, element: str) -> Value | None:
         """Give an element's value, or none where there is no such element."""
@@ -161,6 +168,8 @@ class Book:
             held.timeout = event.timeout
         held.arrived_ns = now_ns
         held.sets += 1
+        held.timestamp = event.timestamp
+        held.advanced_ns = held.stamps.arrived(iso_stamp_ns(event.timestamp), now_ns)
         return held
 
     def _define(self, device: DeviceState, held: Held | None, event: Vector, now_ns: int) -> Held:

@@ -49,6 +49,8 @@ _AGAIN_US = 2_000_000
 # One who asks for key pictures all the time makes them no dearer than this for the others.
 _KEY_EVERY_US = 300_000
 _LEAST_QUALITY = 20
+# An encoder goes on while its bits are within this factor of what the line bears.
+_NEAR = 0.6
 # What decoders of foreign bytes raise; a camera's nonsense must not end the thread of them all.
 _UNREADABLE = (
     FieldError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, LookupError,
@@ -299,11 +301,11 @@ class PictureStream:
         pixels = taken.pixels()
         rate = 1e6 / rung.period_us
         width, height, bits = self._film_size(pixels, form, rate)
-        bits = round(bits * share)
         encoder = rung.encoder
-        size = (width, height, bits)
-        if encoder is None or (encoder.width, encoder.height, encoder.bits) != size:
-            encoder = rung.encoder = h264.Encoder(width, height, rate, bits, KEY_EVERY_S[form])
+        if encoder is None or not _serves(encoder, width, height, bits, share):
+            encoder = rung.encoder = h264.Encoder(
+                width, height, rate, round(bits * share), KEY_EVERY_S[form]
+            )
         made = encoder.encode(pixels, stamp.mono_us, key=rung.key_now(stamp.mono_us, asked=asked))
         if made is None:
             return None
@@ -322,6 +324,19 @@ class PictureStream:
         width, height = max(16, pixels.width // by & ~1), max(16, pixels.height // by & ~1)
         bits = self._stream.kbits * 1000 or h264.bits_for(width, height, rate)
         return width, height, min(bits, SMALL_BITS) if form is Form.H264_SMALL else bits
+
+
+def _serves(encoder: h264.Encoder, width: int, height: int, bits: int, share: float) -> bool:
+    """Tell whether an encoder goes on: a new one begins with a key picture, which is the dearest.
+
+    ``bits`` a second are the line's whole; while the share of it wavers, an encoder that is near
+    enough stays.
+    """
+    if (encoder.width, encoder.height) != (width, height):
+        return False
+    if share >= 1:
+        return encoder.bits == bits
+    return _NEAR <= encoder.bits / (bits * share) <= 1 / _NEAR
 
 
 def _served(asked: Collection[str]) -> dict[Form, list[str]]:
@@ -343,4 +358,4 @@ def _rate(form: Form, most: float) -> float:
 
 def _slower(share: float) -> int:
     """Give how many times slower pictures come on a link with this share of room."""
-    return 1 if share >= 0.5 else 2 if share >= 0.25 else 3
+    return 1 if share >= 0.5 else 2 if share >= 0.25 else 3 if share >= 0.15 else 5

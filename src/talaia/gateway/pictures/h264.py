@@ -31,6 +31,10 @@ _MICROS = Fraction(1, 1_000_000)
 _SMPTE170M, _LIMITED = 6, 1
 # A key picture may take as much of the link as this time of the stream (s).
 _BURST_S = 0.25
+# However few bits a second there are, a key picture gets so many bytes for each of its pixels: with
+# less it was a grey area of 277 bytes that looked live. Those after it pay for it, and where the
+# line is too narrow for that it is found full, and fewer pictures are made.
+_KEY_BYTES = 0.05
 
 
 class Encoded(NamedTuple):
@@ -86,7 +90,7 @@ class Encoder:
             # A still scene costs next to nothing; a busy one the limit.
             "crf": "25",
             "maxrate": str(bits),
-            "bufsize": str(round(bits * _BURST_S)),
+            "bufsize": str(round(max(bits * _BURST_S, 8 * _KEY_BYTES * width * height))),
             "x264-params": (
                 f"scenecut=0:threads=1:sliced-threads=0:keyint={round(rate * key_every_s) or 10}"
             ),

@@ -8,6 +8,7 @@ next start.
 from __future__ import annotations
 
 import datetime as dt
+import errno
 import hashlib
 import logging
 import os
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["FILM", "Kept", "NoRoom", "Saved", "Shelf", "new_id", "offer_of"]
 
 log = logging.getLogger(__name__)
+_DISK_TROUBLE = {errno.ENOSPC, errno.EROFS, errno.EIO, errno.EDQUOT}
 MESSAGES, FILM = ".mcap", ".mp4"
 
 
@@ -142,6 +144,10 @@ class Shelf:
                 self.finish(kept)
                 log.info("the recording %s was cut off, and is whole again", name)
             except Exception as error:  # noqa: BLE001 - a broken file must not keep us from starting
+                if _is_disk_trouble(error):
+                    # It says nothing of the recording: a later start tries.
+                    log.warning("the recording %s is not made whole now: %s", name, error)
+                    continue
                 log.warning("the recording %s cannot be made whole: %s", name, error)
                 self.remove(name)
             part.unlink(missing_ok=True)
@@ -240,3 +246,12 @@ class Shelf:
             return msgspec.json.decode(self._about(name).read_bytes(), type=Kept)
         except (OSError, msgspec.MsgspecError):
             return None
+
+
+def _is_disk_trouble(error: BaseException | None) -> bool:
+    """Tell whether a disk that takes nothing is behind an error, and not what is in the file."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in _DISK_TROUBLE:
+            return True
+        error = error.__cause__
+    return False

@@ -23,6 +23,7 @@ from talaia.model.detection import DetectAt
 from talaia.model.seen import counts_of, detecting, eye_of, is_seen
 from talaia.objects.errors import DetectorError
 from talaia.objects.eyes import Eyes, least_of
+from talaia.objects.steady import SteadyCounts
 from talaia.wire.columns import Columns
 from talaia.wire.frames import Boxes, Thing
 
@@ -257,6 +258,7 @@ class _Camera:
         self._counted: Mapping[str, _Counted] = {}
         self._samplers: dict[str, Sampler] = {}
         self._eyes = Eyes(detect, {})
+        self._steady = SteadyCounts(detect)
         self._wait_s = FIRST_WAIT_S
         self.recount(counted)
 
@@ -318,10 +320,13 @@ class _Camera:
     def _take(self, look: Look, things: Sequence[Found]) -> None:
         gathered = []
         readings = {}
+        sources = {address: each.signal.source for address, each in self._counted.items()}
+        steady = self._steady.count(things, sources, look.mono_us)
         for address, count in self._eyes.count(things).items():
             counted = self._counted[address]
             value = count * counted.signal.scale
-            readings[address] = Reading(value, look.mono_us * 1000)
+            held = steady[address] * counted.signal.scale
+            readings[address] = Reading(held, look.mono_us * 1000)
             if self._samplers[address].accepts(look.time_us, (value,)):
                 gathered.append((counted.channel, value))
         columns = Columns(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,8 +17,9 @@ from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Head", "Segment", "boot_of", "ranges_of", "scan", "set_aside", "write_all"]
+__all__ = ["Head", "Segment", "boot_of", "ranges_of", "scan", "set_aside", "unlinked", "write_all"]
 
+log = logging.getLogger(__name__)
 # What cannot be read is kept for whoever wants to look, but not for ever.
 ASIDE = ".bad"
 MOST_ASIDE = 4
@@ -112,6 +114,16 @@ def set_aside(path: Path) -> None:
     path.replace(path.with_suffix(ASIDE))
     for old in sorted(path.parent.glob(f"*{ASIDE}"))[:-MOST_ASIDE]:
         old.unlink(missing_ok=True)
+
+
+def unlinked(path: Path) -> bool:
+    """Remove a file if it is there; tell whether the disk let go of it."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        log.debug("%s cannot be removed: %s", path, error)
+        return False
+    return True
 
 
 def write_all(file: int, data: bytes) -> None:

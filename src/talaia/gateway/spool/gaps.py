@@ -23,12 +23,7 @@ class Gaps:
     """A short list, kept on disk whole."""
 
     def __init__(self, path: Path) -> None:
-        """Read what an earlier run left. A damaged file is left aside: it holds no samples.
-
-        Raises:
-            OSError: the file cannot be read.
-
-        """
+        """Read what an earlier run left. A damaged file is left aside: it holds no samples."""
         self._path = path
         self._gaps: list[Gap] = []
         self._dirty = False
@@ -36,7 +31,7 @@ class Gaps:
             self._gaps = msgspec.json.decode(path.read_bytes(), type=list[Gap])
         except FileNotFoundError:
             return
-        except msgspec.DecodeError as error:
+        except (OSError, msgspec.DecodeError) as error:
             log.warning("%s is damaged and is left aside: %s", path, error)
 
     def all(self) -> list[Gap]:
@@ -52,7 +47,8 @@ class Gaps:
                 del self._gaps[index]
                 break
             if gap.boot == boot and gap.last + 1 == first and gap.reason == reason:
-                first, from_us = gap.first, min(gap.from_us, from_us)
+                first = gap.first
+                from_us, to_us = min(gap.from_us, from_us), max(gap.to_us, to_us)
                 del self._gaps[index]
                 break
         self._gaps.append(
@@ -76,6 +72,11 @@ class Gaps:
         kept = [gap for gap in self._gaps if gap.last >= acked.get(gap.boot, 0)]
         if len(kept) != len(self._gaps):
             self._gaps, self._dirty = kept, True
+
+    @property
+    def dirty(self) -> bool:
+        """Whether they are not on disk as they are here."""
+        return self._dirty
 
     def write(self) -> None:
         """Write them if they changed. While the disk is full they stay in memory."""

@@ -16,6 +16,7 @@ Long, because all that touches the files stands in one place.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
 from collections import deque
@@ -23,10 +24,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from talaia.gateway.errors import SpoolError
-from talaia.gateway.spool.files import Head, Segment, set_aside, write_all
+from talaia.gateway.keep import NO_ROOM
+from talaia.gateway.spool.files import Head, Segment, set_aside, unlinked, write_all
+from talaia.gateway.spool.former import newest_in
 from talaia.gateway.spool.gaps import Gaps, Gone
-from talaia.gateway.spool.opening import DAMAGED, take_up
+from talaia.gateway.spool.mark import Mark, MarkFile
+from talaia.gateway.spool.opening import DAMAGED, take_up, tell_torn
 from talaia.gateway.spool.packing import packed, unpacked
 from talaia.gateway.spool.segment import Kind, Record, pack_record, records
 from talaia.wire.errors import PeerError
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from talaia.gateway.spool.former import FormerNewest
     from talaia.wire.frames import Gap
 
 __all__ = ["Head", "Place", "Spool", "Stored"]
@@ -49,6 +53,8 @@ UNLEARNED = "the hub lost what it had stored, and the gateway had it no more"
 OLD = "it waited in the gateway for longer than it is kept"
 # Of the whole disk, where that is less than what is to stay free.
 MOST_SPARE = 0.05
+# A wall clock that is that far off was set (µs).
+_JUMP_US = 5_000_000
 # A segment is closed at the latest after this part of the age at which it would be dropped.
 TURNS = 24
 
@@ -81,6 +87,8 @@ class Spool:
         age_s: float = float("inf"),
         spare: int = 0,
         now: Callable[[], float] = lambda: 0.0,
+        wall_us: Callable[[], int] = lambda: 0,
+        machine: str = "",
     ) -> None:
         """Take up what an earlier run left and begin a segment of this boot.
 
@@ -92,9 +100,8 @@ class Spool:
                 runs does not count.
             spare: so much of the disk stays free for what matters more (STOP, commands).
             now: a clock that never jumps (s).
-
-        Raises:
-            SpoolError: the folder cannot be used.
+            wall_us: the wall clock (µs, UTC).
+            machine: see `Mark.machine`.
 
         """
         self._folder = folder
@@ -107,12 +114,23 @@ class Spool:
         self._memory: deque[Record] = deque()
         self._memory_bytes = 0
         self._file = -1
+        self._full = False
+        self._gaps = Gaps(folder / "gaps.json")
+        self._mark_file = MarkFile(folder / "mark.json")
+        # What the run before this one left of itself; none where there was none.
+        self.former = self._mark_file.former
+        began_us = wall_us()
+        deaf_us = began_us if self.former is not None else 0
+        self._mark = Mark(head.boot, began_us=began_us, deaf_us=deaf_us, machine=machine)
+        self._segments: list[Segment] = []
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._gaps = Gaps(folder / "gaps.json")
-            self._segments = take_up(folder, self._gaps)
+            self._segments = take_up(folder, self._gaps, self.former)
         except OSError as error:
-            raise SpoolError(f"the data folder {folder} cannot be used: {error}") from error
+            # What a robot says waits in memory then; nothing that guards it waits for a disk.
+            log.warning("the spool %s cannot be used now: %s", folder, error)
+        if self.former is not None:
+            tell_torn(self.former, self._segments, self._gaps)
         self._next_number = 1 + max((each.number for each in self._segments), default=0)
         self._ran_s = max((each.head.ran_s for each in self._segments), default=0.0) - now()
         self._head = head
@@ -128,7 +146,7 @@ class Spool:
         segment = Segment(number, self._folder / f"{number:010d}.seg", head, 0, 0)
         self._segments.append(segment)
         self._current, self._file = segment, -1
-        while not self._open(segment) and self._drop_oldest(FULL):
+        while not self._open(segment) and self._full and self._drop_oldest(FULL):
             pass
         return segment
 
@@ -136,17 +154,24 @@ class Spool:
         data = pack_record(Record(0, 0, 0, 0, msgspec.msgpack.encode(segment.head), Kind.SEGMENT))
         file = -1
         try:
+            # Made here: a disk that takes something again may have come up without the folder.
+            self._folder.mkdir(parents=True, exist_ok=True)
             file = os.open(segment.path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
             write_all(file, data)
         except OSError as error:
-            log.debug("spool: %s", error)
+            self._see_failure(error)
             if file >= 0:
                 os.close(file)
-                segment.path.unlink(missing_ok=True)
+                unlinked(segment.path)
             return False
         self._file = file
         segment.size = segment.start = len(data)
         return True
+
+    def _see_failure(self, error: OSError) -> None:
+        """Tell a full disk, where the oldest gives way, from one that takes nothing at all."""
+        log.debug("spool: %s", error)
+        self._full = error.errno in NO_ROOM
 
     def redescribe(self, head: Head) -> None:
         """Keep what comes from here on by another channel list, in a segment of its own."""
@@ -162,7 +187,7 @@ class Spool:
             return
         if closed.first < 0:
             self._segments.remove(closed)
-            closed.path.unlink(missing_ok=True)
+            unlinked(closed.path)
         else:
             self._pack(closed)
 
@@ -182,17 +207,38 @@ class Spool:
             self._memory_bytes -= len(self._memory.popleft().body)
         if self._memory or not self._place(data, record):
             self._keep_in_memory(record)
+        self._write_mark(record.end, record.to_us)
+
+    def _write_mark(self, end: int, heard_us: int) -> None:
+        """Leave word of how far this run came; first of all, what the run before lost is kept."""
+        if self._gaps.dirty and self._mark_file.former is not None:
+            self._gaps.write()
+            if self._gaps.dirty:
+                return
+        self._mark_file.former = None
+        mark, acked = self._mark, self._acked.get(self._mark.boot, 0)
+        if abs(mark.heard_us - heard_us) < _JUMP_US:
+            heard_us = max(mark.heard_us, heard_us)
+        self._mark = msgspec.structs.replace(
+            mark, end=max(mark.end, end), acked=acked, heard_us=heard_us, mono_s=self._now()
+        )
+        self._mark_file.write(self._mark)
 
     def _place(self, data: bytes, record: Record) -> bool:
         while not (self._has_room(len(data)) and self._write(data, record)):
-            if not self._drop_oldest(FULL):
+            if not self._full or not self._drop_oldest(FULL):
                 return False
         return True
 
     def _has_room(self, size: int) -> bool:
+        self._full = True
         if not self._spare:
             return True
-        disk = os.statvfs(self._folder)
+        try:
+            disk = os.statvfs(self._folder)
+        except OSError as error:
+            self._see_failure(error)
+            return False
         spare = min(self._spare, disk.f_blocks * disk.f_frsize * MOST_SPARE)
         return disk.f_bavail * disk.f_frsize - size >= spare
 
@@ -206,15 +252,18 @@ class Spool:
         ):
             old, closed = self._file, segment
             segment = self._begin()
-            os.close(old)
+            if old >= 0:
+                os.close(old)
             self._pack(closed)
         if self._file < 0 and not self._open(segment):
             return False
         try:
             write_all(self._file, data)
         except OSError as error:
-            log.debug("spool: %s", error)
-            os.ftruncate(self._file, segment.size)
+            self._see_failure(error)
+            # Where even that fails, a later record is written over what is half there.
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._file, segment.size)
             os.lseek(self._file, segment.size, os.SEEK_SET)
             return False
         segment.size += len(data)
@@ -237,7 +286,7 @@ class Spool:
             beside.replace(segment.path)
         except (OSError, IndexError) as error:
             log.debug("%s stays as it is: %s", segment.path, error)
-            beside.unlink(missing_ok=True)
+            unlinked(beside)
             return
         segment.size = len(whole)
         segment.turn += 1
@@ -272,12 +321,15 @@ class Spool:
         if segment.head.boot == self._head.boot:
             self._gone.add(segment.first, segment.end, segment.from_us, segment.to_us)
         self._segments.remove(segment)
-        segment.path.unlink(missing_ok=True)
+        # A file that the disk does not give up is given out again by a later run: no harm.
+        unlinked(segment.path)
 
     def lose(self, record: Record, reason: str, boot: str = "") -> None:
         """Record that a batch is gone; of this boot when none is named."""
         span = (record.first, record.end - 1, record.from_us, record.to_us)
         self._gaps.add(boot or self._head.boot, *span, reason)
+        if not boot:
+            self._mark = msgspec.structs.replace(self._mark, end=max(self._mark.end, record.end))
 
     def gaps(self) -> list[Gap]:
         """Give the gaps that the hub has not acknowledged past."""
@@ -310,6 +362,7 @@ class Spool:
             for each in self._segments
             if each.end <= self._acked.get(each.head.boot, 0) and each is not self._current
         ]:
+            self._remember_acked()
             self._remove(segment)
         while (
             len(self._segments) > 1
@@ -319,21 +372,45 @@ class Spool:
         current, acked = self._current, self._acked.get(self._head.boot, 0)
         if current.end <= acked and current.size > TRIM_BYTES:
             # Emptied in place: with a hub that keeps up, the pages never reach the disk at all.
-            os.ftruncate(self._file, current.start)
-            os.lseek(self._file, current.start, os.SEEK_SET)
-            self._gone.add(current.first, current.end, current.from_us, current.to_us)
-            current.size, current.first = current.start, -1
-            current.turn += 1
+            self._empty(current)
         while self._memory and self._memory[0].end <= acked:
             stored = self._memory.popleft()
             self._memory_bytes -= len(stored.body)
             self._gone.add(stored.first, stored.end, stored.from_us, stored.to_us)
         self._gaps.forget(self._acked)
 
-    def sync(self) -> None:
-        """Force to disk what a power cut would take, unless the hub has it all."""
+    def all_heard(self) -> None:
+        """Note that every channel that speaks has been heard, or is told as a gap."""
+        self._mark = msgspec.structs.replace(self._mark, deaf_us=0)
+
+    def _remember_acked(self) -> None:
+        """Leave word that the hub has it, before it goes from here."""
+        if self._acked.get(self._mark.boot, 0) > self._mark.acked:
+            self._write_mark(self._mark.end, self._mark.heard_us)
+
+    def _empty(self, current: Segment) -> None:
+        self._remember_acked()
+        try:
+            os.ftruncate(self._file, current.start)
+        except OSError as error:
+            log.debug("%s is not emptied: %s", current.path, error)
+            return
+        os.lseek(self._file, current.start, os.SEEK_SET)
+        self._gone.add(current.first, current.end, current.from_us, current.to_us)
+        current.size, current.first = current.start, -1
+        current.turn += 1
+
+    def sync(self, heard_us: int = 0) -> None:
+        """Force to disk what a power cut would take, unless the hub has it all.
+
+        Args:
+            heard_us: up to when all that was heard has been given here (µs, UTC); 0: not known.
+
+        """
         self._trim()
         self._gaps.write()
+        if heard_us:
+            self._write_mark(0, heard_us)
         settled = self._acked.get(self._head.boot, 0) >= self._synced_end
         self._synced_end = self._current.end
         if not self._dirty or settled or self._file < 0:
@@ -366,6 +443,24 @@ class Spool:
         if self._memory and place.number < last:
             return [Stored(self._head, each) for each in self._memory], Place(last, 0, 0)
         return [], place
+
+    def former_segments(self) -> list[int]:
+        """Give the numbers of the segments that former runs left, the newest first."""
+        boot = self._head.boot
+        return [each.number for each in reversed(self._segments) if each.head.boot != boot]
+
+    def newest_in(self, number: int, known: set[str], now_us: int) -> FormerNewest | None:
+        """Give the newest samples of a segment; see `former.newest_in`. None when it is gone."""
+        for segment in self._segments:
+            if segment.number == number:
+                head = segment.head
+                try:
+                    data = segment.path.read_bytes()
+                except OSError as error:
+                    log.debug("%s: %s", segment.path, error)
+                    return None
+                return newest_in(data, head.boot, head.catalogue, head.addresses, known, now_us)
+        return None
 
     def seek(self, boot: str, first: int) -> Place:
         """Give where to read from to be given sample ``first`` of ``boot`` early on."""
@@ -445,13 +540,15 @@ class Spool:
         """Force to disk and close; an empty current segment is removed."""
         self._trim()
         self._gaps.write()
+        self._remember_acked()
+        self._mark_file.close()
         if self._file >= 0:
             try:
                 os.fdatasync(self._file)
             finally:
                 os.close(self._file)
         if self._current.first < 0:
-            self._current.path.unlink(missing_ok=True)
+            unlinked(self._current.path)
 
 
 def _alone(record: Record, addresses: list[str]) -> Record:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import logging
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import AsyncIterator, Callable
     from concurrent.futures import Future
 
+    from talaia.gateway.spool.former import FormerNewest
     from talaia.gateway.spool.journal import Head, Place, Spool, Stored
     from talaia.gateway.spool.segment import Record
     from talaia.wire.frames import Gap
@@ -20,6 +22,8 @@ __all__ = ["Keeper"]
 log = logging.getLogger(__name__)
 T = TypeVar("T")
 MAX_WAITING = 32 * 1024 * 1024
+# What was heard longer ago than this has been given to the spool (µs).
+UNDER_WAY_US = 250_000
 
 
 class Keeper:
@@ -34,6 +38,8 @@ class Keeper:
         """Take over ``spool``; nobody else may call it from now on."""
         self._spool = spool
         self._thread = ThreadPoolExecutor(1, "talaia-spool")
+        # How far the run before this one came, if there was one.
+        self.former = spool.former
         # Two counters, each written by one thread only.
         self._given = 0
         self._taken = 0
@@ -50,6 +56,10 @@ class Keeper:
     def lose(self, record: Record, reason: str, boot: str = "") -> None:
         """Record a loss that happened outside the spool; see `Spool.lose`."""
         self._thread.submit(self._spool.lose, record, reason, boot).add_done_callback(_log_failure)
+
+    def all_heard(self) -> None:
+        """See `Spool.all_heard`."""
+        self._thread.submit(self._spool.all_heard).add_done_callback(_log_failure)
 
     def _append(self, record: Record, size: int) -> None:
         self._taken += size
@@ -71,15 +81,19 @@ class Keeper:
         """See `Spool.unlearn`; done before whatever is asked for after it."""
         self._thread.submit(self._spool.unlearn, below).add_done_callback(_log_failure)
 
-    async def sync(self) -> None:
+    async def sync(self, heard_us: int = 0) -> None:
         """See `Spool.sync`."""
-        await self._do(self._spool.sync)
+        await self._do(lambda: self._spool.sync(heard_us))
 
-    async def keep_syncing(self, period_s: float) -> None:
+    async def keep_syncing(self, period_s: float, wall_us: Callable[[], int]) -> None:
         """Force what was given to disk so often, until cancelled."""
         while True:
             await asyncio.sleep(period_s)
-            await self.sync()
+            try:
+                await self.sync(wall_us() - UNDER_WAY_US)
+            except OSError as error:
+                # A disk that fails ends nothing: what guards the robot needs none.
+                log.debug("the spool cannot be forced to disk: %s", error)
 
     async def gaps(self) -> list[Gap]:
         """See `Spool.gaps`."""
@@ -88,6 +102,17 @@ class Keeper:
     async def seek(self, boot: str, first: int) -> Place:
         """See `Spool.seek`."""
         return await self._do(lambda: self._spool.seek(boot, first))
+
+    async def former_newest(self, known: set[str], now_us: int) -> AsyncIterator[FormerNewest]:
+        """Give what former runs heard last of channels that are not ``known``, newest run first.
+
+        One segment at a time, so that what is new is kept in between.
+        """
+        for number in await self._do(self._spool.former_segments):
+            read = partial(self._spool.newest_in, number, known, now_us)
+            found = await self._do(read)
+            if found is not None:
+                yield found
 
     async def read(self, place: Place, most: int) -> tuple[list[Stored], Place]:
         """See `Spool.read`."""

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
 from typing import TYPE_CHECKING
 
-from talaia.gateway.spool.files import boot_of, ranges_of, scan, set_aside
+from talaia.gateway.spool.files import boot_of, ranges_of, scan, set_aside, unlinked
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.gateway.spool.files import Segment
     from talaia.gateway.spool.gaps import Gaps
+    from talaia.gateway.spool.mark import Mark
 
-__all__ = ["DAMAGED", "take_up"]
+__all__ = ["DAMAGED", "TORN", "take_up", "tell_torn"]
 
 log = logging.getLogger(__name__)
 DAMAGED = "damaged on disk"
+TORN = "the end of what waited on the gateway's disk is missing"
 
 
-def take_up(folder: Path, gaps: Gaps) -> list[Segment]:
+def take_up(folder: Path, gaps: Gaps, former: Mark | None = None) -> list[Segment]:
     """Read every segment: torn tails are cut, what is damaged is set aside or told as a gap.
 
     Raises:
@@ -28,11 +31,11 @@ def take_up(folder: Path, gaps: Gaps) -> list[Segment]:
 
     """
     for half in folder.glob("*.new"):
-        half.unlink()
+        unlinked(half)
     ends: dict[str, tuple[int, int]] = {}
     found: list[Segment] = []
     for path in sorted(folder.glob("*.seg")):
-        segment = _read(path, gaps)
+        segment = _read(path, gaps, former)
         if segment is None:
             continue
         # Segments of one boot follow each other; the oldest may be gone, none between.
@@ -45,12 +48,22 @@ def take_up(folder: Path, gaps: Gaps) -> list[Segment]:
     return found
 
 
-def _read(path: Path, gaps: Gaps) -> Segment | None:
+def tell_torn(former: Mark, segments: list[Segment], gaps: Gaps) -> None:
+    """Tell what the run before had heard, and the hub has not stored, and is nowhere now."""
+    mine = [each for each in segments if each.head.boot == former.boot]
+    first = max([former.acked, *(each.end for each in mine)])
+    if first < former.end:
+        from_us = max((each.to_us for each in mine), default=former.began_us)
+        span = min(from_us, former.heard_us), former.heard_us
+        gaps.add_unknown(former.boot, first, former.end - 1, *span, TORN)
+
+
+def _read(path: Path, gaps: Gaps, former: Mark | None) -> Segment | None:
     try:
         data = path.read_bytes()
     except OSError as error:
         log.warning("%s cannot be read and is set aside: %s", path, error)
-        set_aside(path)
+        _set_aside(path)
         return None
     scanned = scan(path, data)
     if scanned is None:
@@ -58,11 +71,19 @@ def _read(path: Path, gaps: Gaps) -> Segment | None:
         return None
     segment, holes, whole = scanned
     if whole < len(data):
-        os.truncate(path, whole)
-    for first, last, from_us, to_us in holes:
+        # On a disk that takes nothing it stays; readers go by the size that is known here.
+        with contextlib.suppress(OSError):
+            os.truncate(path, whole)
+    # What the hub has acknowledged past needs no word: a gap it was told of has a number, too.
+    mine = former is not None and former.boot == segment.head.boot
+    acked = former.acked if former is not None and mine else 0
+    for hole, last, from_us, to_us in holes:
+        first = max(hole, acked)
+        if first > last:
+            continue
         gaps.add_unknown(segment.head.boot, first, last, from_us, to_us, DAMAGED)
     if segment.first < 0:
-        path.unlink()
+        unlinked(path)
         return None
     return segment
 
@@ -70,7 +91,7 @@ def _read(path: Path, gaps: Gaps) -> Segment | None:
 def _leave(path: Path, data: bytes, gaps: Gaps) -> None:
     """Set a segment aside whose head cannot be read, and tell what was in it."""
     if not data:
-        path.unlink()
+        unlinked(path)
         return
     log.warning("%s is damaged and is set aside", path)
     for record in ranges_of(data):
@@ -79,4 +100,11 @@ def _leave(path: Path, data: bytes, gaps: Gaps) -> None:
             gaps.add_unknown(
                 boot, record.first, record.end - 1, record.from_us, record.to_us, DAMAGED
             )
-    set_aside(path)
+    _set_aside(path)
+
+
+def _set_aside(path: Path) -> None:
+    try:
+        set_aside(path)
+    except OSError as error:
+        log.warning("%s cannot be set aside: %s", path, error)

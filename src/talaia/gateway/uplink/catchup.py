@@ -49,9 +49,26 @@ class CatchUp:
     """Sends what the spool held when the link came up, then what was dropped or is asked again."""
 
     def __init__(
-        self, keeper: Keeper, lanes: Lanes, boot: str, catalogue: Callable[[], str], rate: int
+        self,
+        keeper: Keeper,
+        lanes: Lanes,
+        boot: str,
+        catalogue: Callable[[], str],
+        rate: int,
+        dropped: Callable[[], None] = lambda: None,
     ) -> None:
-        """Take the spool, the lanes, this boot's and channel list's names, and bytes a second."""
+        """Take what it needs.
+
+        Args:
+            keeper: the spool.
+            lanes: the way out.
+            boot: names this run.
+            catalogue: gives its channel list's name.
+            rate: bytes a second.
+            dropped: called when live samples were dropped: what they said last must be told anew.
+
+        """
+        self._dropped = dropped
         self._keeper = keeper
         self._lanes = lanes
         self._boot = boot
@@ -76,6 +93,7 @@ class CatchUp:
             owed, self._lanes.owed = self._lanes.owed, {}
             if self._lanes.overflowed is not None:
                 (first, below), self._lanes.overflowed = self._lanes.overflowed, None
+                self._dropped()
                 before = owed.get(self._boot, (first, below))
                 owed[self._boot] = (min(first, before[0]), max(below, before[1]))
             for boot, (first, below) in owed.items():

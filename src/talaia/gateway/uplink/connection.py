@@ -2,6 +2,8 @@
 
 What is sent comes from elsewhere (`Lanes`, `Pictures`), and so does what received messages mean
 (`Desk`); here frames only pass, beats are kept, and a loss becomes one `LinkLost` with a reason.
+
+Long, because both sockets are dialled, kept and lost in the same way, told in one place.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
-from talaia.gateway.errors import KeyRefused, LinkLost
+from talaia.gateway.errors import KeyRefused, LinkLost, SentAway
 from talaia.gateway.uplink.beats import Beats, reply_to
 from talaia.gateway.uplink.dialling import first_to_end
 from talaia.wire.errors import PeerError, UnknownKind
@@ -97,6 +99,9 @@ async def dial(settings: Settings, trust: Trust, path: str) -> AsyncIterator[Cli
     except InvalidStatus as error:
         if error.response.status_code in (401, 403):
             raise KeyRefused(error.response.status_code, settings.hub.url) from error
+        if error.response.status_code in (429, 503):
+            after_s = _seconds(error.response.headers.get("Retry-After", ""))
+            raise SentAway(f"{url} answers HTTP {error.response.status_code}", after_s) from error
         raise LinkLost(f"{url} answers HTTP {error.response.status_code}") from error
     except ConnectionClosed as error:
         reason = error.rcvd.reason if error.rcvd is not None and error.rcvd.reason else str(error)
@@ -111,6 +116,11 @@ async def dial(settings: Settings, trust: Trust, path: str) -> AsyncIterator[Cli
     finally:
         if socket is not None:
             await _close(socket)
+
+
+def _seconds(text: str) -> float:
+    """Read ``Retry-After``; 0 for a date, or nonsense."""
+    return float(text) if text.isascii() and text.isdigit() and len(text) < 6 else 0.0
 
 
 async def _close(socket: ClientConnection) -> None:
@@ -211,7 +221,7 @@ class LinkRun:
 
     def _check(self, welcome: FromHub) -> None:
         if isinstance(welcome, Bye):
-            raise LinkLost(f"the hub refuses this gateway: {welcome.reason}")
+            raise SentAway(f"the hub refuses this gateway: {welcome.reason}", welcome.after_s)
         if not isinstance(welcome, Welcome):
             raise PeerError(f"{type(welcome).__name__} before the welcome")
         if not speaks(welcome.protocol):
@@ -236,7 +246,7 @@ class LinkRun:
                 case BeatReply():
                     beats.answered(message, now)
                 case Bye():
-                    raise LinkLost(f"the hub closes the link: {message.reason}")
+                    raise SentAway(f"the hub closes the link: {message.reason}", message.after_s)
                 case Welcome():
                     raise PeerError("a second welcome")
                 case _:

@@ -7,7 +7,7 @@ import logging
 import random
 from typing import TYPE_CHECKING
 
-from talaia.gateway.errors import KeyRefused, LinkLost
+from talaia.gateway.errors import KeyRefused, LinkLost, SentAway
 from talaia.gateway.uplink.backoff import Backoff
 from talaia.gateway.uplink.beats import Beats
 
@@ -53,15 +53,16 @@ async def keep_dialling(
     backoff = Backoff(random.SystemRandom().random)
     while True:
         began = clock.monotonic_ns()
-        refused = False
+        refused, sent_away_s = False, None
         try:
             await once()
         except (KeyRefused, LinkLost) as error:
             refused = isinstance(error, KeyRefused)
+            sent_away_s = error.after_s if isinstance(error, SentAway) else None
             say = log.warning if outage.lost(refused=refused) else log.debug
             say("%s: %s; trying again", what, error)
         lasted = (clock.monotonic_ns() - began) / 1e9
-        await asyncio.sleep(backoff.after(lasted, refused=refused))
+        await asyncio.sleep(backoff.after(lasted, refused=refused, sent_away_s=sent_away_s))
 
 
 async def beside_link(

@@ -20,6 +20,7 @@ from talaia.wire.frames import (
     Described,
     DeviceState,
     DriveState,
+    EnclosureState,
     Event,
     InterlockState,
     LeaseState,
@@ -49,10 +50,14 @@ class Lane(IntEnum):
 
 
 _CONTROL = (
-    StopState, DriveState, Tick, LeaseState, InterlockState, DeviceState, RecordState, ResetToken,
-    Described, ChangeState, Beat, BeatReply, Bye,
+    StopState, DriveState, Tick, LeaseState, InterlockState, EnclosureState, DeviceState,
+    RecordState, ResetToken, Described, ChangeState, Beat, BeatReply, Bye,
 )  # fmt: skip
 _COMMANDS = (CommandState, Event)
+
+
+# Of a frame that owes no numbers when it is dropped.
+_NONE = 2**62
 
 
 class Waiting(NamedTuple):
@@ -111,13 +116,23 @@ class Lanes:
             return
         lane = self._lanes[Lane.LIVE]
         if self._live_bytes + len(data) > self.MAX_LIVE and lane:
-            begin = lane[0].first if self.overflowed is None else self.overflowed[0]
-            self.overflowed = (begin, lane[-1].end)
+            begin = min(each.first for each in lane)
+            if self.overflowed is not None:
+                begin = min(begin, self.overflowed[0])
+            numbered = [each.end for each in lane if each.end != _NONE]
+            self.overflowed = (min(begin, first), max(numbered, default=first))
             lane.clear()
             self._live_bytes = 0
         lane.append(Waiting(data, first, end))
         self._live_bytes += len(data)
         self._wake()
+
+    def newest(self, data: bytes) -> None:
+        """Queue the newest samples, before all that is heard from here on."""
+        if self.linked:
+            self._lanes[Lane.LIVE].append(Waiting(data, _NONE, _NONE))
+            self._live_bytes += len(data)
+            self._wake()
 
     def backfill(self, data: bytes) -> None:
         """Queue a frame of old samples; the caller keeps the rate and the bound."""

@@ -91,6 +91,7 @@ class Condition:
         *,
         held: bool,
         online: bool,
+        enclosures: Mapping[str, str] | None = None,
     ) -> Verdict:
         """Tell whether it holds.
 
@@ -99,6 +100,8 @@ class Condition:
             seen: what goes on now of `happening`.
             held: it counts as true now, so that a limit lets go later (hysteresis).
             online: the site's gateway is connected.
+            enclosures: what is told of each: why it should be closed and cannot be shown to be, or
+                an empty text; those of which nothing was told are not in it.
 
         """
         match self.alarm.kind:
@@ -114,6 +117,12 @@ class Condition:
                 return self._limit(readings, held=held)
             case AlarmKind.STATE:
                 return self._state(readings)
+            case AlarmKind.GATEWAY:
+                if online:
+                    return Verdict(Truth.FALSE, "its gateway has a link")
+                return Verdict(Truth.HOLDS, "its gateway has no link: nothing is known of the site")
+            case AlarmKind.ENCLOSURE:
+                return self._enclosure(enclosures or {}, online=online)
 
     def value(self, address: str, readings: Mapping[str, Reading]) -> Value:
         """Give what a channel says now: a number, or a state's or a text's words.
@@ -200,6 +209,17 @@ class Condition:
         if not online:
             return Verdict(Truth.UNKNOWN, "the site is away")
         return Verdict(Truth.FALSE, f"no {alarm.label} seen")
+
+    def _enclosure(self, enclosures: Mapping[str, str], *, online: bool) -> Verdict:
+        if not online:
+            return Verdict(Truth.UNKNOWN, "the site is away")
+        of = [why for name, why in enclosures.items() if self.alarm.enclosure in {"", name}]
+        if not of:
+            return Verdict(Truth.UNKNOWN, "its gateway has not told of it yet")
+        for why in of:
+            if why:
+                return Verdict(Truth.HOLDS, why)
+        return Verdict(Truth.FALSE, "closed, or allowed to be open")
 
     def _compared(self, readings: Mapping[str, Reading]) -> Verdict:
         values = {address: self.value(address, readings) for address in self.channels}

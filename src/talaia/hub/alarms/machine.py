@@ -10,6 +10,8 @@
 
 All passes through `step`. Each time it is raised begins an *episode* with its own number, by
 which a message about it is told from any other, also over a restart.
+
+Long, because every state and event of an alarm is in one place.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ __all__ = [
     "NotNow",
     "Phase",
     "Raise",
+    "Remind",
     "Retire",
     "Shelve",
     "State",
@@ -53,6 +56,7 @@ class What(StrEnum):
     """What happened to an alarm."""
 
     RAISED = "raised"
+    REMINDED = "reminded"
     CLEARED = "cleared"
     ACKNOWLEDGED = "acknowledged"
     ASSIGNED = "assigned"
@@ -101,6 +105,7 @@ class Raise(NamedTuple):
 
     time_us: int
     why: str
+    to: tuple[str, ...] = ()
 
 
 class Clear(NamedTuple):
@@ -108,6 +113,13 @@ class Clear(NamedTuple):
 
     time_us: int
     why: str
+
+
+class Remind(NamedTuple):
+    """It still stands, and people are told again; ``to``: only these accounts, none: everybody."""
+
+    time_us: int
+    to: tuple[str, ...] = ()
 
 
 class Acknowledge(NamedTuple):
@@ -157,7 +169,7 @@ class Retire(NamedTuple):
     who: str = ""
 
 
-Event = Raise | Clear | Acknowledge | Assign | Comment | Shelve | Unshelve | Retire
+Event = Raise | Remind | Clear | Acknowledge | Assign | Comment | Shelve | Unshelve | Retire
 
 
 class Happened(NamedTuple):
@@ -165,6 +177,7 @@ class Happened(NamedTuple):
 
     Attributes:
         tell: people are to be told of it, by whatever way they chose.
+        to: only these accounts are told; none: everybody who wants to.
 
     """
 
@@ -174,6 +187,7 @@ class Happened(NamedTuple):
     who: str
     message: str
     tell: bool = False
+    to: tuple[str, ...] = ()
 
 
 class NotNow(TalaiaError):
@@ -198,6 +212,13 @@ def step(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
     match event:
         case Raise():
             return _raised(state, event)
+        case Remind():
+            if not state.on or _is_shelved(state, event.time_us):
+                return state, ()
+            seen = f" (acknowledged by {state.acked_by})" if state.acked_by else ""
+            why = f"still so{seen}: {state.why}"
+            again = _said(What.REMINDED, state, event.time_us, "", why, tell=True)
+            return state, (again._replace(to=event.to),)
         case Clear():
             return _cleared(state, event)
         case Acknowledge():
@@ -234,7 +255,8 @@ def _raised(state: State, event: Raise) -> tuple[State, tuple[Happened, ...]]:
         assigned=state.assigned if state.phase is Phase.CLEARED else "",
     )
     tell = not _is_shelved(state, event.time_us)
-    return after, (_said(What.RAISED, after, event.time_us, "", event.why, tell=tell),)
+    said = _said(What.RAISED, after, event.time_us, "", event.why, tell=tell)
+    return after, (said._replace(to=event.to),)
 
 
 def _cleared(state: State, event: Clear) -> tuple[State, tuple[Happened, ...]]:

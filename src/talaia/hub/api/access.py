@@ -157,10 +157,10 @@ class Access:
                 async with self._admission.turn():
                     found = await self._registry.gateway_of(key.strip())
         except HubBusy as error:
-            await deny(socket, 503, "busy", str(error))
+            await deny(socket, 503, "busy", str(error), round(self._admission.after_s))
             return None
         except StoreDown:
-            await deny(socket, 503, "store", STORE_DOWN)
+            await deny(socket, 503, "store", STORE_DOWN, 2)
             return None
         if found is None:
             await deny(socket, 401, "unauthorized", "this key is not known, or was revoked")
@@ -225,6 +225,6 @@ def number_of(text: str, what: str) -> int:
     return int(text)
 
 
-async def deny(socket: WebSocket, status: int, code: str, message: str) -> None:
-    """Send a socket away before the upgrade."""
-    await socket.send_denial_response(problem(status, code, message))
+async def deny(socket: WebSocket, status: int, code: str, message: str, retry_s: int = 0) -> None:
+    """Send a socket away before the upgrade; ``retry_s`` says when to come back."""
+    await socket.send_denial_response(problem(status, code, message, retry_s))

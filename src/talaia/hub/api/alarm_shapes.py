@@ -15,6 +15,7 @@ __all__ = [
     "AlarmPast",
     "AlarmPastList",
     "AlarmShape",
+    "EscalationShape",
     "PreviewAsk",
     "PreviewShape",
     "SpanShape",
@@ -25,11 +26,20 @@ _Words = Annotated[str, StringConstraints(max_length=1000, pattern=r"^[^\x00]*$"
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
+class EscalationShape(Shape):
+    """Who is told of an alarm that nobody has acknowledged, and how long after it was raised."""
+
+    who: _Name
+    after: _Number = 0.0
+
+
 class AlarmDefinition(Shape):
     """An alarm, in the words of the site description; see there what each key means."""
 
     name: _Name
-    kind: Literal["limit", "state", "stale", "anomaly", "detection", "expression"]
+    kind: Literal[
+        "limit", "state", "stale", "anomaly", "detection", "expression", "enclosure", "gateway"
+    ]
     signal: _Name = ""
     above: _Number | None = None
     below: _Number | None = None
@@ -43,10 +53,14 @@ class AlarmDefinition(Shape):
     count: int = Field(default=1, ge=1, le=1000)
     confidence: _Number = 0.5
     expression: _Words = ""
+    enclosure: _Name = ""
     severity: Literal["info", "warning", "critical"] = "warning"
     delay: _Number = 0.0
     clear_delay: _Number = 0.0
     unknown_after: _Number | None = None
+    repeat: _Number | None = None
+    remind: _Number | None = None
+    escalate: list[EscalationShape] = Field(default=[], max_length=50)
     record: bool = False
     advice: _Words = ""
 

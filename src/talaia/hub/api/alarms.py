@@ -185,6 +185,10 @@ class AlarmPages:
             return PreviewShape(
                 problem="what detectors say is not in the history of signals: no preview"
             )
+        if alarm.kind in {AlarmKind.ENCLOSURE, AlarmKind.GATEWAY}:
+            return PreviewShape(
+                problem="enclosures and links are not in the history of signals: no preview"
+            )
         condition = Condition(described, alarm)
         to_us = self._now_us()
         from_us = to_us - round(asked.hours * 3600 * 1e6)

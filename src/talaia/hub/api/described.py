@@ -27,6 +27,7 @@ from talaia.hub.api.shapes import (
 from talaia.hub.auth.permissions import Grants, Right, sees_device, sees_signal, sees_stream
 from talaia.model.seen import detect_of
 from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, parts_of
+from talaia.model.unguarded import unguarded_devices
 from talaia.model.unit import unit_of
 
 if TYPE_CHECKING:
@@ -156,6 +157,7 @@ def _device(site: Site, device_id: str, device: Device, grants: Grants) -> Devic
         public=device.visibility is Visibility.PUBLIC,
         link_loss=_link_loss(site, device) if views else "",
         pointing=describe_pointing(device.pointing) if device.pointing and views else None,
+        unguarded=device_id in unguarded_devices(site),
         rights=[str(right) for right in grants.rights(site.site, device_id)],
     )
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.observatory_shapes import (
+    CapabilitiesShape,
     ConditionShape,
+    EnclosurePartShape,
     EnclosureShape,
     LimitShape,
     PlaceShape,
@@ -15,12 +17,13 @@ from talaia.hub.api.observatory_shapes import (
     SlewShape,
 )
 from talaia.hub.auth.permissions import Right, sees_device, sees_signal
+from talaia.model.capabilities import capabilities_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from talaia.hub.auth.permissions import Grants
-    from talaia.model.enclosure import Pointing, Sighting
+    from talaia.model.enclosure import Enclosure, EnclosurePart, Pointing, Sighting
     from talaia.model.interlock import Condition
     from talaia.model.site import Site
 
@@ -55,7 +58,7 @@ def describe_rules(site: Site, grants: Grants) -> list[RuleShape]:
     """Say when each interlock is unsafe, by the signals that the person sees."""
     made = []
     for name, rule in site.interlocks.items():
-        seen = [each for each in rule.when if _sees_all(site, grants, _signals(each))]
+        seen = [each for each in rule.when if _sees_all(site, grants, each.signals())]
         targets = [each for each in rule.refuse if _sees(site, grants, each)]
         if not seen and not targets:
             continue
@@ -83,19 +86,37 @@ def describe_enclosures(site: Site, grants: Grants) -> list[EnclosureShape]:
             close=roof.close.command,
             stop=roof.stop,
             unsafe=list(roof.unsafe),
+            position=roof.position,
+            segments=[_part(key, each) for key, each in roof.segments.items()],
+            flap=None if roof.flap is None else _part("flap", roof.flap),
+            can=CapabilitiesShape(**capabilities_of(site, roof)._asdict()),
         )
         for name, roof in site.enclosures.items()
-        if _sees_all(site, grants, (each.signal for each in (*roof.closed, *roof.moving)))
+        if _sees_all(site, grants, _signals(roof))
     ]
 
 
+def _signals(roof: Enclosure) -> list[str]:
+    """Name all signals that say how a roof stands."""
+    found = [each.signal for each in (*roof.closed, *roof.moving)]
+    for part in roof.parts().values():
+        found += [each.signal for each in part.closed]
+        found += [part.position] if part.position else []
+    return [*found, *([roof.position] if roof.position else [])]
+
+
+def _part(key: str, part: EnclosurePart) -> EnclosurePartShape:
+    closed = [_sighting(each) for each in part.closed]
+    return EnclosurePartShape(id=key, name=part.name, closed=closed, position=part.position)
+
+
 def _sighting(sighting: Sighting) -> SightingShape:
-    return SightingShape(signal=sighting.signal, states=list(sighting.is_one_of))
-
-
-def _signals(condition: Condition) -> list[str]:
-    found = [condition.signal] if condition.signal else []
-    return [*found, *(name for each in condition.all_of for name in _signals(each))]
+    return SightingShape(
+        signal=sighting.signal,
+        states=list(sighting.is_one_of),
+        above=sighting.above,
+        below=sighting.below,
+    )
 
 
 def _sees_all(site: Site, grants: Grants, signals: Iterable[str]) -> bool:
@@ -108,17 +129,21 @@ def _sees(site: Site, grants: Grants, target: str) -> bool:
 
 
 def _condition(condition: Condition) -> ConditionShape:
-    limits = condition.all_of or ((condition,) if condition.signal else ())
+    alone = condition.signal or condition.sun is not None
+    limits = condition.all_of or ((condition,) if alone else ())
     return ConditionShape(
         limits=[_limit(each) for each in limits],
         lasting=condition.lasting,
         link_lost=condition.link_lost,
+        sun=condition.sun or "",
     )
 
 
 def _limit(condition: Condition) -> LimitShape:
     return LimitShape(
         signal=condition.signal,
+        minus=condition.minus,
+        humidity=condition.humidity,
         above=condition.above,
         until_below=condition.until_below,
         below=condition.below,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from typing import Annotated, Literal, Self
-from zoneinfo import available_timezones
 
 from pydantic import Field, StringConstraints, model_validator
 
 from talaia.hub.api.shapes import Shape
+from talaia.model.zones import known_zones
 
 __all__ = [
     "NoticeRuleShape",
@@ -123,7 +123,7 @@ class RuleAsk(Shape):
 
     @model_validator(mode="after")
     def _known(self) -> Self:
-        if self.zone not in available_timezones():
+        if self.zone not in known_zones():
             raise ValueError("zone: there is no such time zone")
         return self
 

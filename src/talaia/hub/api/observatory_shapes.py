@@ -9,7 +9,9 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict
 
 __all__ = [
+    "CapabilitiesShape",
     "ConditionShape",
+    "EnclosurePartShape",
     "EnclosureShape",
     "LimitShape",
     "PlaceShape",
@@ -55,9 +57,15 @@ class PointingShape(_Shape):
 
 
 class LimitShape(_Shape):
-    """When a signal is unsafe: out of these limits, in or out of these states, or unknown."""
+    """When a signal is unsafe: out of these limits, in or out of these states, or unknown.
+
+    With ``minus`` the limits are for ``signal`` less that one; with ``humidity`` for ``signal``,
+    a temperature, less the dew point at that humidity.
+    """
 
     signal: str
+    minus: str
+    humidity: str
     above: float | None
     until_below: float | None
     below: float | None
@@ -67,11 +75,15 @@ class LimitShape(_Shape):
 
 
 class ConditionShape(_Shape):
-    """Unsafe while all of these limits say so. ``link_lost``: without the hub for so long."""
+    """Unsafe while all of these limits say so. ``link_lost``: without the hub for so long.
+
+    With ``sun`` (``altitude``) the one limit is for the Sun (°), and its ``signal`` is empty.
+    """
 
     limits: list[LimitShape]
     lasting: float
     link_lost: float | None
+    sun: str
 
 
 class RuleShape(_Shape):
@@ -89,14 +101,38 @@ class RuleShape(_Shape):
 
 
 class SightingShape(_Shape):
-    """What a sensor says when something is so."""
+    """What a sensor says when something is so: in these states, or within these limits."""
 
     signal: str
     states: list[str]
+    above: float | None
+    below: float | None
+
+
+class EnclosurePartShape(_Shape):
+    """A segment or flap; ``position`` is the address of how far it is open (%), or empty."""
+
+    id: str
+    name: str
+    closed: list[SightingShape]
+    position: str
+
+
+class CapabilitiesShape(_Shape):
+    """What an enclosure can do."""
+
+    has_shutter: bool
+    can_rotate: bool
+    segments: int
+    can_partial: bool
+    has_flap: bool
 
 
 class EnclosureShape(_Shape):
-    """A roof: closed only when all of ``closed`` say so; kept closed by the rules of ``unsafe``."""
+    """A roof: closed only when all of ``closed`` say so; kept closed by the rules of ``unsafe``.
+
+    It is closed only when each of its ``segments`` and its ``flap`` is, too.
+    """
 
     id: str
     name: str
@@ -105,6 +141,10 @@ class EnclosureShape(_Shape):
     close: str
     stop: str
     unsafe: list[str]
+    position: str
+    segments: list[EnclosurePartShape]
+    flap: EnclosurePartShape | None
+    can: CapabilitiesShape
 
 
 class SkyObject(_Shape):

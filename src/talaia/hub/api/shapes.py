@@ -228,7 +228,8 @@ class DeviceShape(Shape):
     """A device as far as you may see it; ``rights`` are yours: view, use, admin.
 
     ``link_loss`` says what its gateway does with it when the hub is out of reach, ``pointing``
-    where a telescope may not point.
+    where a telescope may not point. ``unguarded``: a dome or telescope that nothing closes or
+    parks by itself.
     """
 
     id: str
@@ -242,6 +243,7 @@ class DeviceShape(Shape):
     link_loss: str
     pointing: PointingShape | None
     rights: list[str]
+    unguarded: bool
 
 
 class SiteShape(Shape):

@@ -89,14 +89,20 @@ class _Bracket:
             self.waiting += numbers.size
 
     def fold(self, rank: float) -> None:
-        """Sort in what waits, and let go what is far from ``rank``."""
+        """Sort in what waits, and let go what is far from ``rank``.
+
+        Where later numbers lie elsewhere than the first ones, the rank may be outside of what is
+        held. Then the nearest numbers are kept: still later ones may bring it back, and if not,
+        `at` does not find it.
+        """
         self._sort_in()
+        if not self._values.size:
+            return
         ranks = self._below + np.cumsum(self._times)
         half = self._kept // 2
+        rank = min(max(rank, self._below + half), int(ranks[-1]) - half)
         first = int(np.searchsorted(ranks, rank - half, "left"))
         past = int(np.searchsorted(ranks, rank + half, "right")) + 1
-        if past <= first:
-            return
         self._below += int(self._times[:first].sum())
         # An end at which nothing is let go stays where it was.
         if first > 0:

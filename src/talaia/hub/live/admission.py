@@ -27,11 +27,18 @@ class Admission:
     AT_ONCE = 3
     # Each is a socket in memory, and waits less long than the gateway's patience (5 s).
     MOST_WAITING = 1000
+    # What a turn takes, of those that are had at once (s).
+    TURN_S = 0.02
 
     def __init__(self) -> None:
         """Begin with nobody."""
         self._turns = asyncio.Semaphore(self.AT_ONCE)
         self._waiting = 0
+
+    @property
+    def after_s(self) -> float:
+        """When one that finds no turn is to come back (s): once those that wait have had theirs."""
+        return max(2.0, self._waiting * self.TURN_S)
 
     @asynccontextmanager
     async def turn(self) -> AsyncIterator[None]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from talaia.hub.alarms.machine import Phase, State, What
+from talaia.hub.alarms.reminding import Reminding
 from talaia.hub.alarms.watch import Watch
 from talaia.hub.store.notices import About
 from talaia.model.alarm import Alarm, AlarmKind
@@ -43,6 +44,7 @@ class LiveAlarm:
     problem: str = ""
     undelivered: str = ""
     shown_unknown: str = ""
+    reminding: Reminding = field(default_factory=lambda: Reminding(0))
 
 
 def device_of(addresses: Addresses, alarm: Alarm) -> str:
@@ -93,7 +95,7 @@ def event_news(each: LiveAlarm, happened: Happened) -> page.EventNews:
         message=f"{about.name}: {happened.message}".rstrip(": ")[:500],
         who=happened.who,
         time_us=happened.time_us,
-        good=happened.what not in {What.RAISED, What.UNSHELVED},
+        good=happened.what not in {What.RAISED, What.REMINDED, What.UNSHELVED},
     )
 
 

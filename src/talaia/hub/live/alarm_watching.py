@@ -13,6 +13,7 @@ import numpy as np
 from talaia.clock import SECOND
 from talaia.hub.alarms.conditions import Condition, Reading, Seen, Truth, Verdict
 from talaia.hub.alarms.machine import Clear, Raise, State, Unshelve
+from talaia.hub.alarms.reminding import first_told
 from talaia.hub.alarms.watch import Turn, Watch
 from talaia.hub.live.alarm import LiveAlarm, device_of
 from talaia.hub.live.conflate import conflate, pick
@@ -84,21 +85,26 @@ class SiteAlarms:
         self._index(live)
         return before
 
-    def take(self, live: LiveSite, columns: Columns) -> None:
-        """Hold live samples against the conditions that look at them."""
+    def take(
+        self, live: LiveSite, columns: Columns, heard_ns: NDArray[np.float64] | None = None
+    ) -> None:
+        """Hold live samples against the conditions that look at them; see `Alarms.take`."""
         if not self._lookers or not len(columns) or len(self._watched) != len(live.channels):
             return
         keep = self._watched[columns.channel]
         if not keep.any():
             return
         mine = pick(columns, keep)
-        if len(mine) > _MOST_AT_ONCE:
-            mine = conflate(mine)
         now = self._clock.monotonic_ns()
+        if heard_ns is not None:
+            heard = heard_ns[keep].astype(np.int64).tolist()
+        else:
+            mine = conflate(mine) if len(mine) > _MOST_AT_ONCE else mine
+            heard = [now] * len(mine)
         values = mine.value.tolist()
         for place, at in enumerate(mine.channel.tolist()):
             text = mine.texts.get(place, "")
-            self._values[self._addresses[at]] = (values[place], text, now)
+            self._values[self._addresses[at]] = (values[place], text, heard[place])
             for each in self._lookers[at]:
                 self._judge(live, each, now)
 
@@ -136,6 +142,10 @@ class SiteAlarms:
             until = each.state.shelved_until_us
             if until and until <= now_us:
                 self._put(each, Unshelve(now_us))
+            if each.alarm is not None:
+                again = each.reminding.look(each.alarm, each.state, now, now_us)
+                if again is not None:
+                    self._put(each, again)
 
     def _index(self, live: LiveSite) -> None:
         number = {channel.address: at for at, channel in enumerate(live.channels)}
@@ -159,8 +169,11 @@ class SiteAlarms:
     def _judge(self, live: LiveSite, each: LiveAlarm, now: int) -> None:
         edge = each.watch.take(self._verdict(live, each, now), now)
         if edge is not None:
-            kind = Raise if edge.turn is Turn.RAISE else Clear
-            self._put(each, kind(self._now_us(), edge.why))
+            event: Event = Clear(self._now_us(), edge.why)
+            if edge.turn is Turn.RAISE:
+                to = first_told(each.alarm) if each.alarm is not None else ()
+                event = Raise(self._now_us(), edge.why, to)
+            self._put(each, event)
         # Of what is not known, without its age, which grows by itself.
         unknown = "" if each.watch.known else each.watch.why.partition(" is ")[0]
         if unknown != each.shown_unknown:
@@ -181,7 +194,9 @@ class SiteAlarms:
         seen: tuple[Seen, ...] = ()
         if condition.happening is not None:
             seen = tuple(self._seen.get(condition.happening, {}).values())
-        return condition.judge(readings, seen, held=each.watch.on, online=live.online)
+        return condition.judge(
+            readings, seen, held=each.watch.on, online=live.online, enclosures=live.enclosures
+        )
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000

@@ -26,10 +26,14 @@ from talaia.hub.live.alarm import LiveAlarm, alarm_news, event_news, ghost
 from talaia.hub.live.alarm_watching import SiteAlarms
 from talaia.hub.store.alarms import Change, Made
 from talaia.model.alarm import Alarm
+from talaia.model.standard_alarms import standard_alarms
 from talaia.wire.frames import RecordAsk
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from talaia.clock import Clock
     from talaia.hub.alarms.machine import Happened
@@ -48,6 +52,8 @@ _LOG = logging.getLogger(__name__)
 _TICK_S = 0.5
 _TICK_NS = round(_TICK_S * SECOND)
 _RETRY_S = 1.0
+# Without a look for so long something is wrong with whoever looks.
+_LONGEST_LOOK_NS = 10 * SECOND
 # A batch of what happened is one transaction of at most so many.
 _MOST_A_COMMIT = 200
 
@@ -134,10 +140,11 @@ class Alarms:
         return known.alarms.get(alarm) if known else None
 
     def _definitions(self, site: Site) -> Iterator[tuple[str, Alarm, bool]]:
-        for name, alarm in site.alarms.items():
+        own = {**site.alarms, **standard_alarms(site)}
+        for name, alarm in own.items():
             yield name, alarm, False
         for name, made in self._made.get(site.site, {}).items():
-            if name in site.alarms:
+            if name in own:
                 continue
             try:
                 yield name, msgspec.json.decode(made.definition, type=Alarm), True
@@ -163,11 +170,16 @@ class Alarms:
 
     # ── what is true ────────────────────────────────────────────────────────────────────────
 
-    def take(self, live: LiveSite, columns: Columns) -> None:
-        """Hold live samples against the conditions that look at them; never waits."""
+    def take(
+        self, live: LiveSite, columns: Columns, heard_ns: NDArray[np.float64] | None = None
+    ) -> None:
+        """Hold live samples against the conditions that look at them; never waits.
+
+        ``heard_ns`` is when each was heard (monotonic), at most one of a channel; none: just now.
+        """
         known = self._of.get(live.name)
         if known is not None:
-            known.take(live, columns)
+            known.take(live, columns, heard_ns)
 
     def anomaly(self, news: AnomalyNews) -> None:
         """Take what a detector of anomalies says; see `talaia.hub.ports.AnomalySink`."""
@@ -258,6 +270,12 @@ class Alarms:
         if now - self._looked_ns >= _TICK_NS:
             self._looked_ns = now
             self.look()
+
+    @property
+    def judging(self) -> bool:
+        """Whether conditions are being looked at; a database that is slow may hold that up."""
+        waited = self._clock.monotonic_ns() - self._looked_ns
+        return waited < _LONGEST_LOOK_NS or bool(self._queue)
 
     def stop(self) -> None:
         """Let `run` end."""

@@ -1,4 +1,7 @@
-"""The connection of one browser, and all of them together."""
+"""The connection of one browser, and all of them together.
+
+Long, because all that one socket may wait for, and all that it is told, stands in one place.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.auth.tokens import new_token
+from talaia.hub.live.gate import STORE
 from talaia.hub.live.outbox import Outbox
 from talaia.hub.live.race import until_first
 from talaia.wire.browser import (
@@ -33,20 +37,22 @@ from talaia.wire.browser import (
     SiteNews,
     Stop,
     StopNews,
+    Subscribe,
     TickNews,
+    Unsubscribe,
 )
 from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterator
+    from collections.abc import Callable, Hashable, Iterable, Iterator
 
     from starlette.websockets import WebSocket
 
     from talaia.hub.auth.permissions import Who
     from talaia.hub.live.gate import Gate
     from talaia.hub.live.outbox import Frame
-    from talaia.wire.browser import FromBrowser, ToBrowser
+    from talaia.wire.browser import FromBrowser, ToBrowser, Values
     from talaia.wire.columns import Columns
 
 __all__ = ["SESSION_OVER", "Browser", "Browsers"]
@@ -56,6 +62,10 @@ SESSION_OVER = 4401
 # A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
 _SILENT_S = 150.0
 _FAREWELL_S = 0.3
+# While the hub cannot tell who may do what, this many subscriptions are kept for later, and it is
+# looked so often whether it can again (s).
+_MOST_WISHES = 256
+_WISH_S = 0.5
 
 
 class Browser:
@@ -73,11 +83,16 @@ class Browser:
         self.text = text
         self._socket = socket
         self._gate = gate
-        self._outbox = Outbox(self.encode)
+        # Asked for the newest values of a subscription's channels, by their places in its list.
+        self.known: Callable[[Browser, int, list[int]], list[Values]] = lambda *_: []
+        self._outbox = Outbox(self.encode, known=lambda sub, at: self.known(self, sub, at))
         self._wake = asyncio.Event()
         self._over = asyncio.Event()
         self._reason = ""
         self._used = False
+        # Subscriptions that could not be judged, by their number, in the order they were asked.
+        self._wishes: dict[int, Subscribe] = {}
+        self._wished = asyncio.Event()
 
     @property
     def waiting(self) -> int:
@@ -112,6 +127,12 @@ class Browser:
             self._outbox.values(sub, columns, frame)
             self._wake.set()
 
+    def owe(self, sub: int, places: Iterable[int], *, first: bool = False) -> None:
+        """Have the newest values of channels of a subscription told; see `Outbox.owe`."""
+        if not self._over.is_set():
+            self._outbox.owe(sub, places, first=first)
+            self._wake.set()
+
     def forget(self, sub: int) -> None:
         """Drop what waits of a subscription."""
         self._outbox.forget(sub)
@@ -134,7 +155,9 @@ class Browser:
         self, handle: Callable[[Browser, FromBrowser], None], left: Callable[[], None]
     ) -> None:
         """Read and write until either side ends it; ``left`` is called before any farewell."""
-        results = await until_first(self._read(handle), self._write(), self._over.wait())
+        results = await until_first(
+            self._read(handle), self._write(), self._grant(handle), self._over.wait()
+        )
         left()
         if self._over.is_set():
             await self._farewell(SESSION_OVER, Ended(reason=self._reason))
@@ -161,11 +184,41 @@ class Browser:
             if self._over.is_set():
                 return
             self._used = self._used or _by_hand(message)
-            problem = self._gate.refusal(self.who.grants, message)
-            if problem is not None:
-                self.tell(problem)
-            else:
-                handle(self, message)
+            self._judge(message, handle)
+
+    def _judge(self, message: FromBrowser, handle: Callable[[Browser, FromBrowser], None]) -> None:
+        """Do what may be done, and say why not; a subscription that must wait is kept."""
+        if isinstance(message, Subscribe | Unsubscribe):
+            self._wishes.pop(message.sub, None)
+        problem = self._gate.refusal(self.who.grants, message)
+        if problem is None:
+            handle(self, message)
+            return
+        self.tell(problem)
+        if (
+            isinstance(message, Subscribe)
+            and problem.code == STORE
+            and len(self._wishes) < _MOST_WISHES
+        ):
+            self._wishes[message.sub] = message
+            self._wished.set()
+
+    async def _grant(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
+        """Grant what was wished while nobody could tell whether it may be."""
+        while True:
+            await self._wished.wait()
+            await asyncio.sleep(_WISH_S)
+            for sub, message in list(self._wishes.items()):
+                problem = self._gate.refusal(self.who.grants, message)
+                if problem is not None and problem.code == STORE:
+                    break
+                del self._wishes[sub]
+                if problem is None:
+                    handle(self, message)
+                else:
+                    self.tell(problem)
+            if not self._wishes:
+                self._wished.clear()
 
     async def _write(self) -> None:
         while True:

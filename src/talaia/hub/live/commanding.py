@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.live.sites import Pending
 from talaia.model.arguments import fields_of, unit_problem
+from talaia.model.overriding import longest_override
 from talaia.wire import browser as page, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.browsers import Browser
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.store.audit import Audit
+    from talaia.model.interlock import Interlock
 
 __all__ = ["Commanding"]
 
@@ -124,20 +126,21 @@ class Commanding:
         if rule is None or live.link is None:
             self._refuse(browser, asked, "unknown", f"there is no interlock {asked.interlock!r}")
             return
-        if asked.seconds > rule.longest_override:
-            most = f"at most {rule.longest_override:g} s" if rule.longest_override else "never"
-            self._refuse(browser, asked, "invalid", f"{rule.name} may be overridden {most}")
-            return
-        if asked.seconds and not asked.reason.strip():
-            self._refuse(browser, asked, "invalid", "say why it is overridden")
+        if problem := _no_override(live, rule, asked):
+            self._refuse(browser, asked, "invalid", problem)
             return
         who = browser.who.name
         live.link.send(
             frames.OverrideAsk(
-                interlock=asked.interlock, who=who, reason=asked.reason, seconds=asked.seconds
+                interlock=asked.interlock,
+                who=who,
+                reason=asked.reason,
+                seconds=asked.seconds,
+                condition=asked.condition,
             )
         )
-        said = f"{asked.interlock} for {asked.seconds:g} s: {asked.reason}"
+        named = f" ({asked.condition})" if asked.condition else ""
+        said = f"{asked.interlock}{named} for {asked.seconds:g} s: {asked.reason}"
         self._note(live, "override asked", who, "", said)
 
     def _command(self, browser: Browser, live: LiveSite, asked: page.Command) -> None:
@@ -163,12 +166,15 @@ class Commanding:
                 command=asked.command,
                 args=asked.args,
                 units=asked.units,
+                over=asked.over,
                 ttl_ms=command.ttl * 1000,
                 who=who,
             )
         )
         said = ", ".join(f"{key}={value!r}" for key, value in asked.args.items())
-        self._note(live, "command asked", who, asked.device, f"{asked.command}({said}) {asked.id}")
+        over = f" over {asked.over}" if asked.over else ""
+        message = f"{asked.command}({said}) {asked.id}{over}"
+        self._note(live, "command asked", who, asked.device, message)
 
     def _refuse(self, browser: Browser, asked: Asked, code: str, message: str) -> None:
         about = str(type(asked).__struct_config__.tag)
@@ -201,3 +207,19 @@ class Commanding:
 
 def _lease_ask(browser: Browser, device: str, op: LeaseOp) -> frames.LeaseAsk:
     return frames.LeaseAsk(device=device, session=browser.key, who=browser.who.name, op=op)
+
+
+def _no_override(live: LiveSite, rule: Interlock, asked: page.Override) -> str:
+    """Say why an override is not even asked of the gateway, which judges it again."""
+    longest = longest_override(rule)
+    if asked.seconds > longest:
+        most = f"at most {longest:g} s" if longest else "never"
+        return f"{rule.name} may be overridden {most}"
+    if not asked.seconds:
+        return ""
+    if not asked.reason.strip():
+        return "say why it is overridden"
+    known = live.interlocks.get(asked.interlock)
+    if known is not None and not known[0].locked:
+        return f"{rule.name} locks nothing now, so there is nothing to override"
+    return "" if known is None else known[0].no_override

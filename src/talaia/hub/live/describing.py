@@ -121,6 +121,8 @@ class Describing:
         number: int,
     ) -> None:  # fmt: skip
         """Let pages follow: at one blow they are shown the new channels and devices."""
+        for name in [each for each in live.enclosures if each not in description.enclosures]:
+            del live.enclosures[name]
         for name in [each for each in live.interlocks if each not in description.interlocks]:
             # Pages that show it as locked are told while it is known by name.
             self._reporting.tell(live, frames.InterlockState(interlock=name, locked=False))

@@ -6,20 +6,25 @@ import asyncio
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import msgspec
+import numpy as np
+
 from talaia.clock import MS
 from talaia.hub.live.conflate import conflate, join
 from talaia.hub.live.outbox import values_of
 from talaia.hub.live.subscriptions import select_channels
-from talaia.wire.browser import Subscribed, Values
+from talaia.wire.browser import Subscribed
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from talaia.clock import Clock
     from talaia.hub.live.browsers import Browser
     from talaia.hub.live.outbox import Frame
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.live.subscriptions import Selection
-    from talaia.wire.browser import Subscribe
+    from talaia.wire.browser import Subscribe, Values
 
 __all__ = ["Fanout"]
 
@@ -64,7 +69,8 @@ class Fanout:
         group.members[browser, asked.sub] = asked
         self._of[browser, asked.sub] = group
         browser.tell(Subscribed(sub=asked.sub, refused=list(selection.refused)))
-        self._send_known(browser, asked.sub, live, selection)
+        browser.known = self.known
+        browser.owe(asked.sub, (selection.channels >= 0).nonzero()[0].tolist(), first=True)
 
     def unsubscribe(self, browser: Browser, sub: int) -> None:
         """End a subscription; one that is not there is no matter."""
@@ -142,28 +148,40 @@ class Fanout:
             group = of_site[key] = _Group(live.name, selection, every_ms)
         return group
 
-    def _send_known(self, browser: Browser, sub: int, live: LiveSite, selection: Selection) -> None:
-        granted = selection.channels >= 0
-        places = granted.nonzero()[0]
-        columns, ages = live.latest.of(selection.channels[places], self._clock.monotonic_ns())
+    def known(self, browser: Browser, sub: int, places: list[int]) -> list[Values]:
+        """Give the newest values of channels of a subscription (places in its list), and ages."""
+        group = self._of.get((browser, sub))
+        live = None if group is None else self._sites.get(group.site)
+        if group is None or live is None:
+            return []
+        at = np.array(places, np.int64)
+        numbers = group.selection.channels[at]
+        at, numbers = at[numbers >= 0], numbers[numbers >= 0]
+        columns, ages = live.latest.of(numbers, self._clock.monotonic_ns())
         columns = Columns(
-            places[columns.channel].astype("<u2"), columns.time_us, columns.value, columns.texts
+            at[columns.channel].astype("<u2"), columns.time_us, columns.value, columns.texts
         )
-        at = 0
+        told, begin = [], 0
         for message in values_of(sub, columns):
-            count = len(message.channel) // 2
-            browser.tell(
-                Values(
-                    sub=sub,
-                    base_us=message.base_us,
-                    channel=message.channel,
-                    offset=message.offset,
-                    value=message.value,
-                    texts=message.texts,
-                    age_ms=ages[at : at + count],
-                )
-            )
-            at += count
+            end = begin + len(message.channel) // 2
+            told.append(msgspec.structs.replace(message, age_ms=ages[begin:end]))
+            begin = end
+        return told
+
+    def publish_known(self, live: LiveSite, channels: NDArray[np.uint16]) -> None:
+        """Tell everyone who asked for any of these channels its newest value, and its age."""
+        for group in self._groups.get(live.name, {}).values():
+            places = group.selection.place[channels]
+            owed = places[places >= 0].tolist()
+            if not owed:
+                continue
+            if group.pieces:
+                # What gathered is older, and goes before it.
+                if group.timer is not None:
+                    group.timer.cancel()
+                self._flush(group)
+            for browser, sub in group.members:
+                browser.owe(sub, owed)
 
 
 def _send(group: _Group, columns: Columns) -> None:

@@ -12,7 +12,7 @@ from talaia.hub.policy import (
     allows,
     need_of_message,
 )
-from talaia.wire.browser import Lease, Problem, SightingNews, Stop
+from talaia.wire.browser import Lease, Problem, SightingNews, Stop, Subscribe
 from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
@@ -22,7 +22,12 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import Sites
     from talaia.wire.shape import Message
 
-__all__ = ["Gate"]
+__all__ = ["STORE", "Gate"]
+
+# Of a problem that ends by itself: who may do what is not known just now.
+STORE = "store"
+_UNSURE = "the hub's database does not answer; only STOP is passed on"
+_UNSURE_SUBSCRIBED = "the hub's database does not answer; values follow by themselves when it does"
 
 
 class Gate:
@@ -47,8 +52,8 @@ class Gate:
             if need is Need.SESSION or self._sure() or _makes_safe(message):
                 return None
             return Problem(
-                code="store",
-                message="the hub's database does not answer; only STOP is passed on",
+                code=STORE,
+                message=_UNSURE_SUBSCRIBED if isinstance(message, Subscribe) else _UNSURE,
                 about=tag,
             )
         if need is not Need.NEVER and not allows(Need.SEE, grants, described, device):

@@ -16,7 +16,7 @@ from talaia.errors import TalaiaError
 from talaia.hub.errors import HubBusy
 from talaia.hub.live.cameras import GatewayCamera
 from talaia.hub.live.describing import Redescription, source_of
-from talaia.hub.live.ingest import Ingest
+from talaia.hub.live.ingest import Batch, Ingest
 from talaia.hub.live.link import GONE, GatewayLink
 from talaia.hub.live.lists import ChannelLists
 from talaia.hub.live.race import until_first
@@ -30,6 +30,7 @@ from talaia.model.errors import DescriptionError
 from talaia.model.load import load_site
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
+from talaia.wire.newest import chosen_newest, runs_of
 from talaia.wire.shape import speaks
 
 if TYPE_CHECKING:
@@ -54,6 +55,8 @@ _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
 REFUSED = 4400
 REPLACED = 4409
 TRY_LATER = 1013
+# When a gateway is to come back whose hub has no database just now.
+STORE_AFTER_S = 2.0
 
 
 class Gateways:
@@ -113,11 +116,12 @@ class Gateways:
                 await self._describing.greeted(hello, description, source, key.id)
                 acked = await ingest.start(hello.boot)
         except HubBusy as error:
-            await link.farewell(str(error), TRY_LATER)
+            await link.farewell(str(error), TRY_LATER, self._admission.after_s)
             return
         except _STORE_FAILS as error:
             _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
-            await link.farewell("the hub cannot store anything now; try again later", TRY_LATER)
+            said = "the hub cannot store anything now; try again later"
+            await link.farewell(said, TRY_LATER, STORE_AFTER_S)
             return
         if self._rivals.keeps_out(self._sites.get(site), hello.boot):
             await link.farewell(KEPT_OUT, REPLACED)
@@ -127,7 +131,7 @@ class Gateways:
                 version=__version__,
                 acked=acked,
                 time_us=self._clock.wall_ns() // 1000,
-                takes=["seen"],
+                takes=["seen", "newest", "enclosure"],
             )
         )
         live = self._attach(link, hello, description)
@@ -225,6 +229,8 @@ class Gateways:
         live.why = ""
         live.stops.clear()
         live.recorder = None
+        # Not known before it is told at the start of this link.
+        live.enclosures.clear()
         if hello.time_us:
             live.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
         if changed:
@@ -292,11 +298,17 @@ class Gateways:
                     if not message.addresses:
                         shown = lists.live(batch)
                         if message.live:
-                            live.latest.update(shown, self._clock.monotonic_ns())
+                            now_ns, end = (
+                                self._clock.monotonic_ns(),
+                                batch.first + len(batch.columns),
+                            )
+                            live.latest.update(shown, now_ns, batch.boot, end)
                             self._fanout.publish(live, shown)
                             self._alarms.take(live, shown)
                         self._watching.put(live, shown)
                     ingest.put(batch)
+                case frames.Newest():
+                    self._tell_newest(live, message, lists, ingest)
                 case frames.Described():
                     redescription.put(message)
                 case frames.ChangeState():
@@ -325,6 +337,23 @@ class Gateways:
         # When a switch dies, hundreds go at one blow: one by one, and the loop's turn in between.
         async with self._parting:
             await asyncio.sleep(0)
+
+    def _tell_newest(
+        self, live: LiveSite, message: frames.Newest, lists: ChannelLists, ingest: Ingest
+    ) -> None:
+        """Take what was said while nobody heard it for what counts now, and keep it first."""
+        addresses, told = lists.newest(message)
+        shown, now_ns = lists.live_newest(addresses, told), self._clock.monotonic_ns()
+        current = message.boot == live.boot
+        newer = live.latest.newer(shown, message.boot, now_ns, current=current)
+        if newer.any():
+            fresh = chosen_newest(shown, newer)
+            live.latest.correct(fresh, message.boot, now_ns)
+            self._fanout.publish_known(live, fresh.columns.channel)
+            self._alarms.take(live, fresh.columns, now_ns - fresh.age_ms * 1e6)
+            self._watching.put(live, fresh.columns)
+        for first, columns in runs_of(told, ingest.below(message.boot)):
+            ingest.put(Batch(message.boot, first, addresses, columns))
 
     async def _beat(self, link: GatewayLink, live: LiveSite) -> None:
         sent = 0

@@ -32,6 +32,8 @@ _LOG = logging.getLogger(__name__)
 # Samples that may wait, and that one commit holds at the most.
 _MOST_WAITING = 500_000
 _MOST_A_COMMIT = 100_000
+# Pieces of it that do not follow each other.
+_MOST_PIECES = 1000
 # When so few wait, what is owed is asked for.
 _ROOM = _MOST_WAITING // 4
 _RETRY_S = 1.0
@@ -45,6 +47,11 @@ class Batch:
     first: int
     addresses: tuple[str, ...]
     columns: Columns
+
+    @property
+    def end(self) -> int:
+        """One past the last sequence number."""
+        return self.first + len(self.columns)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +83,11 @@ class Ingest:
     async def start(self, boot: str) -> int:
         """Give the first sequence number of ``boot`` that is not stored."""
         return (await self._run(boot)).below
+
+    def below(self, boot: str) -> int:
+        """Give the first sequence number of ``boot`` that is not known to be stored."""
+        run = self._runs.get(boot)
+        return 0 if run is None else run.below
 
     def put(self, item: Batch | Gap) -> None:
         """Take a batch or a gap; what finds no room will be asked for again."""
@@ -131,22 +143,26 @@ class Ingest:
             self._waiting.popleft()
             first.done.set()
             return
-        run = await self._run(first.boot)
         if isinstance(first, Gap):
             taken: list[Batch | Gap] = [first]
+            spans = [(first.boot, first.first, first.last + 1)]
             await self._history.record_gap(
                 self._site, first.boot, first.first, first.last, first.from_us, first.to_us,
                 first.reason,
             )  # fmt: skip
-            end = first.last + 1
         else:
-            batches = self._together(first)
+            pieces = self._pieces()
+            batches = [batch for piece in pieces for batch in piece]
             taken = [*batches]
-            columns = join([each.columns for each in batches])
-            await self._history.append(
-                self._site, first.boot, first.first, first.addresses, columns
+            spans = [(each.boot, each.first, each.end) for each in batches]
+            # Side by side: pieces that do not follow each other share a commit all the same.
+            stored = await asyncio.gather(
+                *(self._append(piece) for piece in pieces), return_exceptions=True
             )
-            end = first.first + len(columns)
+            for failure in stored:
+                if isinstance(failure, BaseException):
+                    raise failure
+        runs = {boot: await self._run(boot) for boot in dict.fromkeys(boot for boot, _, _ in spans)}
         for item in taken:
             self._waiting.popleft()
             self._samples -= len(item.columns) if isinstance(item, Batch) else 1
@@ -154,26 +170,39 @@ class Ingest:
             for boot, (owed, below) in self._owed.items():
                 self._tell(Again(boot=boot, first=owed, below=below))
             self._owed.clear()
-        run.add(first.first, end)
-        self._tell(Ack(boot=first.boot, below=run.below))
+        for boot, begin, end in spans:
+            runs[boot].add(begin, end)
+        for boot, run in runs.items():
+            self._tell(Ack(boot=boot, below=run.below))
 
-    def _together(self, first: Batch) -> list[Batch]:
-        """Take from the front the batches that follow each other without a hole."""
-        together: list[Batch] = []
-        expected, count = first.first, 0
+    async def _append(self, piece: list[Batch]) -> None:
+        first = piece[0]
+        columns = join([each.columns for each in piece])
+        await self._history.append(self._site, first.boot, first.first, first.addresses, columns)
+
+    def _pieces(self) -> list[list[Batch]]:
+        """Take from the front the batches of one commit, those together that follow each other."""
+        pieces: list[list[Batch]] = []
+        expected, count = -1, 0
         for item in self._waiting:
-            if (
-                not isinstance(item, Batch)
-                or item.boot != first.boot
-                or item.first != expected
-                or item.addresses != first.addresses
-                or (together and count + len(item.columns) > _MOST_A_COMMIT)
+            if not isinstance(item, Batch) or (
+                pieces and count + len(item.columns) > _MOST_A_COMMIT
             ):
                 break
-            together.append(item)
+            last = pieces[-1][-1] if pieces else None
+            if (
+                last is not None
+                and (item.boot, item.first) == (last.boot, expected)
+                and item.addresses == last.addresses
+            ):
+                pieces[-1].append(item)
+            elif len(pieces) >= _MOST_PIECES:
+                break
+            else:
+                pieces.append([item])
             count += len(item.columns)
-            expected += len(item.columns)
-        return together
+            expected = item.end
+        return pieces
 
     async def _run(self, boot: str) -> StoredRun:
         run = self._runs.get(boot)

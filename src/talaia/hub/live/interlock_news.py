@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import MS
 from talaia.hub.auth.permissions import Right, sees_device
+from talaia.model.overriding import longest_override
 from talaia.wire.browser import InterlockNews
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def interlock_news(
     state, heard_ns = live.interlocks[name]
     # Reasons name values and people: only for those who may view the whole site.
     views = grants.may(Right.VIEW, live.name)
+    admin = grants.may(Right.ADMIN, live.name)
     seen = [each for each in rule.refuse if _sees(live, grants, each)]
     slowed = [each for each in rule.slow if _sees(live, grants, each)]
     passed_ms = (mono_ns - heard_ns) // MS
@@ -55,11 +57,13 @@ def interlock_news(
             for each in slowed
         ],
         slowed=slowed,
-        overridable=rule.longest_override > 0,
+        overridable=longest_override(rule) > 0 and not state.no_override,
         overridden_by=state.overridden_by if views or not state.overridden_by else "an admin",
         reason=state.reason if views else "",
         override_ms=max(0, state.override_ms - passed_ms),
-        longest_s=rule.longest_override if grants.may(Right.ADMIN, live.name) else 0.0,
+        longest_s=longest_override(rule) if admin and not state.no_override else 0.0,
+        condition=state.condition if views else "",
+        no_override=state.no_override if views else "",
     )
 
 

@@ -60,7 +60,7 @@ class KnownSites:
             await self._remember_values(known.site, live)
 
     async def _remember_values(self, site: str, live: LiveSite) -> None:
-        addresses = [channel.address for channel in live.channels]
+        addresses = [channel.address for channel in live.every]
         wall, monotonic = self._clock.wall_ns(), self._clock.monotonic_ns()
         last = await self._history.last(site, addresses)
         for at, address in enumerate(addresses):

@@ -72,11 +72,16 @@ class GatewayLink:
         """Wait until somebody dismisses this link; give the reason."""
         return await asyncio.shield(self._over)
 
-    async def farewell(self, reason: str, code: int) -> None:
-        """Say one last thing and close, to a gateway that may not be listening."""
+    async def farewell(self, reason: str, code: int, after_s: float = 0.0) -> None:
+        """Say one last thing and close, to a gateway that may not be listening.
+
+        ``after_s`` is when it is to come back; 0 leaves that to it.
+        """
         try:
             async with asyncio.timeout(_FAREWELL_S):
-                await self._socket.send_bytes(LINK_FROM_HUB.encode(Bye(reason=reason[:2000])))
+                await self._socket.send_bytes(
+                    LINK_FROM_HUB.encode(Bye(reason=reason[:2000], after_s=after_s))
+                )
                 await self._socket.close(code)
         except GONE:
             return

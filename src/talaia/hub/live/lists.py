@@ -9,6 +9,7 @@ import numpy as np
 from talaia.hub.live.ingest import Batch
 from talaia.wire.columns import renumbered, unpack
 from talaia.wire.errors import PeerError
+from talaia.wire.newest import NewestSamples, newest_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.wire.columns import Columns
-    from talaia.wire.frames import Samples
+    from talaia.wire.frames import Newest, Samples
 
 __all__ = ["ChannelLists"]
 
@@ -67,6 +68,19 @@ class ChannelLists:
         columns = unpack(
             message.base_us, message.channel, message.offset, message.value, message.texts
         )
+        return Batch(message.boot, message.first, self._addresses(message, columns), columns)
+
+    def newest(self, message: Newest) -> tuple[tuple[str, ...], NewestSamples]:
+        """Read the newest samples that are told, and the addresses that they are numbered by.
+
+        Raises:
+            PeerError: see `batch`.
+
+        """
+        told = newest_of(message)
+        return self._addresses(message, told.columns), told
+
+    def _addresses(self, message: Samples | Newest, columns: Columns) -> tuple[str, ...]:
         if message.addresses:
             addresses = self._called_now(tuple(message.addresses))
         elif message.catalogue in self._lists:
@@ -75,18 +89,30 @@ class ChannelLists:
             raise PeerError(f"samples of the catalogue {message.catalogue!r} without its addresses")
         if len(columns) and int(np.max(columns.channel)) >= len(addresses):
             raise PeerError("a sample's channel is not in the catalogue")
-        return Batch(message.boot, message.first, addresses, columns)
+        return addresses
 
     def live(self, batch: Batch) -> Columns:
         """Give a batch's samples as pages are shown them, without those they are not shown yet."""
         if batch.addresses == self._shown:
             return batch.columns
-        order = self._order.get(batch.addresses)
+        return renumbered(batch.columns, self._order_of(batch.addresses))
+
+    def live_newest(self, addresses: tuple[str, ...], told: NewestSamples) -> NewestSamples:
+        """Give newest samples by the channels that pages are shown, without the others."""
+        if addresses == self._shown:
+            return told
+        order = self._order_of(addresses)
+        shown = order[told.columns.channel] >= 0
+        columns = renumbered(told.columns, order)
+        return NewestSamples(columns, told.sequence[shown], told.age_ms[shown])
+
+    def _order_of(self, addresses: tuple[str, ...]) -> NDArray[np.int64]:
+        order = self._order.get(addresses)
         if order is None:
             place = {address: at for at, address in enumerate(self._shown)}
-            order = np.array([place.get(each, -1) for each in batch.addresses], np.int64)
-            self._order[batch.addresses] = order
-        return renumbered(batch.columns, order)
+            order = np.array([place.get(each, -1) for each in addresses], np.int64)
+            self._order[addresses] = order
+        return order
 
     def _called_now(self, addresses: tuple[str, ...]) -> tuple[str, ...]:
         if not self._renamed:

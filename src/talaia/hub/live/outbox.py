@@ -1,12 +1,15 @@
 """What waits to be sent to one browser: bounded, and conflating when the browser is slow. Pure.
 
-Three kinds of things wait, each with its own policy:
+Four kinds of things wait, each with its own policy:
 
 - *notes*: short messages in order; the oldest gives way when there are too many;
 - *states*: messages of which only the newest counts (who holds the lease), by key;
+- *owed*: channels of a subscription whose newest value is to be told, with its age. What it is
+  is asked only when it goes out, so that it weighs nothing here and is never old;
 - *values*: samples by subscription. While the browser keeps up they go out as they came, with
   the bytes that other browsers get too. When it does not, they stay columns, and when these
-  weigh too much, each channel keeps its first, least, greatest and last sample; then its last.
+  weigh too much, each channel keeps its first, least, greatest and last sample; then its last;
+  and if even that is too much, the newest values are owed.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ from talaia.hub.live.conflate import conflate, frames_of, join, newest, weight
 from talaia.wire.browser import Values
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable
+    from collections.abc import Callable, Hashable, Iterable
 
     from talaia.wire.browser import ToBrowser
     from talaia.wire.columns import Columns
@@ -32,6 +35,8 @@ _NOTES_SHARE = 4
 _MOST_NOTES = 1024
 # A frame that is under way when another is built: the piece taken, and its bytes.
 _HEADROOM = 4
+# Channels whose newest values are asked for at a time: a text may be long.
+_OWED_AT_ONCE = 500
 
 
 @dataclass(slots=True)
@@ -47,9 +52,25 @@ class _Pending:
 class Outbox:
     """The bounded outbox of one browser."""
 
-    def __init__(self, encode: Callable[[ToBrowser], Frame], budget: int = BUDGET) -> None:
-        """Bound everything that waits to ``budget`` bytes; ``encode`` writes a message."""
+    def __init__(
+        self,
+        encode: Callable[[ToBrowser], Frame],
+        budget: int = BUDGET,
+        known: Callable[[int, list[int]], list[Values]] = lambda _sub, _places: [],
+    ) -> None:
+        """Bound everything that waits to ``budget`` bytes.
+
+        Args:
+            encode: writes a message.
+            budget: see above.
+            known: gives the newest values of channels (places in its list) of a subscription.
+
+        """
         self._encode = encode
+        self._known = known
+        # What is owed before the values that wait, and behind them.
+        self._owed_first: dict[int, set[int]] = {}
+        self._owed: dict[int, set[int]] = {}
         self._notes: list[Frame] = []
         self._states: dict[Hashable, Frame] = {}
         self._values: dict[int, _Pending] = {}
@@ -63,7 +84,8 @@ class Outbox:
 
     def __bool__(self) -> bool:
         """Tell whether anything waits."""
-        return bool(self._notes or self._states or self._values)
+        owed = self._owed_first or self._owed
+        return bool(self._notes or self._states or self._values or owed)
 
     @property
     def weight(self) -> int:
@@ -105,9 +127,18 @@ class Outbox:
 
     def forget(self, sub: int) -> None:
         """Drop what waits of a subscription."""
+        self._owed_first.pop(sub, None)
+        self._owed.pop(sub, None)
         pending = self._values.pop(sub, None)
         if pending is not None:
             self._values_weight -= pending.weight
+
+    def owe(self, sub: int, places: Iterable[int], *, first: bool = False) -> None:
+        """Note that the newest values of these channels are to be told.
+
+        They go behind what waits of the subscription, or with ``first`` before it.
+        """
+        (self._owed_first if first else self._owed).setdefault(sub, set()).update(places)
 
     def take(self) -> list[Frame]:
         """Take what goes out next: all notes and states, else the values of one subscription.
@@ -120,8 +151,10 @@ class Outbox:
             self._states.clear()
             self._notes_weight = self._states_weight = 0
             return frames
+        if self._owed_first:
+            return self._take_owed(self._owed_first)
         if not self._values:
-            return []
+            return self._take_owed(self._owed) if self._owed else []
         sub = next(iter(self._values))
         pending = self._values.pop(sub)
         self._values_weight -= pending.weight
@@ -130,6 +163,14 @@ class Outbox:
         if len(pending.pieces) > 1:
             self.conflated += 1
         return [self._encode(message) for message in values_of(sub, conflate(join(pending.pieces)))]
+
+    def _take_owed(self, owed: dict[int, set[int]]) -> list[Frame]:
+        sub, places = next(iter(owed.items()))
+        some = sorted(places)[:_OWED_AT_ONCE]
+        places.difference_update(some)
+        if not places:
+            del owed[sub]
+        return [self._encode(message) for message in self._known(sub, some)]
 
     def _thin(self) -> None:
         """Bring the values under their budget, gently first."""
@@ -145,7 +186,10 @@ class Outbox:
                 return
         # One sample of each channel is still too much: long texts of many channels.
         while self._values_weight > self._values_budget and len(self._values) > 1:
-            self.forget(next(iter(self._values)))
+            sub, pending = next(iter(self._values.items()))
+            self.owe(sub, {int(each) for piece in pending.pieces for each in piece.channel})
+            self._values_weight -= pending.weight
+            del self._values[sub]
 
 
 def values_of(sub: int, columns: Columns) -> list[Values]:

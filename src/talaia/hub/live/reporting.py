@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.clock import MS
+from talaia.clock import MS, SECOND
 from talaia.hub.auth.permissions import sees_signal
 from talaia.hub.live.interlock_news import interlock_news
 from talaia.wire import browser as page, frames
@@ -45,6 +45,7 @@ Told = (
     | frames.ResetToken
     | frames.CommandState
     | frames.InterlockState
+    | frames.EnclosureState
     | frames.RecordState
     | frames.DeviceState
     | frames.Event
@@ -77,6 +78,10 @@ class Reporting:
             self.greet_interlocks(live, browser)
             for device in live.unreached:
                 browser.tell(self._device_news(live, device))
+            now_ns = self._clock.monotonic_ns()
+            for state, heard_ns in live.acting.values():
+                later_s = (now_ns - heard_ns) / SECOND
+                browser.tell(_command_news(live, state, state.who, later_s))
         self._alarms.greet(browser)
 
     def greet_interlocks(self, live: LiveSite, browser: Browser) -> None:
@@ -117,6 +122,8 @@ class Reporting:
                 live.interlocks[told.interlock] = (told, self._clock.monotonic_ns())
                 for browser in self._browsers:
                     self._tell_interlock(live, told.interlock, browser)
+            case frames.EnclosureState():
+                live.enclosures[told.enclosure] = told.why
             case frames.RecordState():
                 live.recorder = told
             case frames.DeviceState():
@@ -210,6 +217,7 @@ class Reporting:
         live.leases.clear()
         live.drives.clear()
         live.interlocks.clear()
+        live.acting.clear()
         # A page takes all of a site that is away as not known anyway.
         live.unreached.clear()
         for pending in list(live.pending.values()):
@@ -299,18 +307,14 @@ class Reporting:
     def _command_state(self, live: LiveSite, state: frames.CommandState) -> None:
         pending = live.pending.get(state.id)
         who = state.who or (pending.who if pending else "")
-        self._browsers.tell(
-            page.CommandNews(
-                site=live.name,
-                device=state.device,
-                command=state.command,
-                id=state.id,
-                phase=state.phase,
-                message=state.message,
-                progress=state.progress,
-                who=who,
-            )
-        )
+        if state.acting and state.phase not in _FINAL:
+            live.acting[state.id] = state, self._clock.monotonic_ns()
+        else:
+            live.acting.pop(state.id, None)
+        self._browsers.tell(_command_news(live, state, who))
+        if state.over:
+            message = f"{state.command} {state.id} interrupts {state.over}"
+            self._note(live, "command interrupts", who, state.device, message)
         if state.phase in _FINAL:
             live.pending.pop(state.id, None)
             self._audit.note(
@@ -340,6 +344,25 @@ def site_news(live: LiveSite) -> page.SiteNews:
     )
 
 
+def _command_news(
+    live: LiveSite, state: frames.CommandState, who: str, later_s: float = 0.0
+) -> page.CommandNews:
+    """Give what pages are told; ``later_s`` after it was heard."""
+    return page.CommandNews(
+        site=live.name,
+        device=state.device,
+        command=state.command,
+        id=state.id,
+        phase=state.phase,
+        message=state.message,
+        progress=state.progress,
+        who=who,
+        blocked_by=state.blocked_by,
+        acting=state.acting,
+        acting_s=state.acting_s + later_s if state.acting else 0.0,
+    )
+
+
 def _stop_news(live: LiveSite, state: frames.StopState) -> page.StopNews:
     return page.StopNews(
         site=live.name,
@@ -363,4 +386,5 @@ def _drive_news(live: LiveSite, state: frames.DriveState) -> page.DriveNews:
         accepted=state.accepted,
         refused=state.refused,
         why=state.why,
+        sent=state.sent,
     )

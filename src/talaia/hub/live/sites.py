@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Channel, Site
     from talaia.wire.frames import (
         ChangeState,
+        CommandState,
         DriveState,
         FromHub,
         InterlockState,
@@ -71,6 +72,10 @@ class LiveSite:
         gateway: the number of the gateway that is or was linked; 0 before the first.
         renamed: channels that have another address now, by former ones.
         problem: what is wrong with the description's file at the gateway, if anything.
+        enclosures: what the gateway has told of each on this link: why it should be closed and
+            cannot be shown to be; empty: all is well.
+        acting: commands by which somebody acts on a device, by id, with the moment each was heard
+            (monotonic ns).
         unreached: devices that the gateway does not reach: why, and since when (µs, UTC).
 
     """
@@ -94,8 +99,10 @@ class LiveSite:
     stops: dict[str, StopState] = field(default_factory=dict)
     drives: dict[str, DriveState] = field(default_factory=dict)
     interlocks: dict[str, tuple[InterlockState, int]] = field(default_factory=dict)
+    enclosures: dict[str, str] = field(default_factory=dict)
     unreached: dict[str, tuple[str, int]] = field(default_factory=dict)
     pending: dict[str, Pending] = field(default_factory=dict)
+    acting: dict[str, tuple[CommandState, int]] = field(default_factory=dict)
     recorder: RecordState | None = None
     source: str = ""
     accepts: str = ""
@@ -170,9 +177,5 @@ def _moved(
     for at, channel in enumerate(channels):
         was = number.get(channel.address)
         if was is not None:
-            moved.value[at] = latest.value[was]
-            moved.time_us[at] = latest.time_us[was]
-            moved.arrived_ns[at] = latest.arrived_ns[was]
-            if was in latest.texts:
-                moved.texts[at] = latest.texts[was]
+            latest.moved_to(moved, was, at)
     return moved

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["Message", "compose", "trial"]
 
 _ALARMS = "/alarms"
-_WORDS = {What.CLEARED: "over: "}
+_WORDS = {What.CLEARED: "over: ", What.REMINDED: "still: "}
 
 
 class Message(NamedTuple):

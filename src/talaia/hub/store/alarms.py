@@ -159,5 +159,5 @@ def _entry(about: About, happened: Happened) -> Entry:
         about.site,
         about.device,
         visible(f"{about.name}: {happened.message}".rstrip(": "), _SENTENCE),
-        happened.what not in {What.RAISED, What.UNSHELVED},
+        happened.what not in {What.RAISED, What.REMINDED, What.UNSHELVED},
     )

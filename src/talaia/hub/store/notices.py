@@ -13,7 +13,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import TYPE_CHECKING, NamedTuple
 
-from sqlalchemy import and_, func, insert, or_, select, update
+from sqlalchemy import and_, func, insert, or_, select, true, update
 
 from talaia.hub.alarms.machine import What
 from talaia.hub.alarms.rules import Rule, due_us, wants
@@ -106,6 +106,7 @@ async def add_notices(
         select(notify_rules, users.c.role_id)
         .join(users, users.c.id == notify_rules.c.user_id)
         .where(notify_rules.c.site.in_((ANY, about.site)), users.c.disabled.is_(False))
+        .where(users.c.name.in_(happened.to) if happened.to else true())
     )
     wanted = [
         (rule, row.role_id)

@@ -23,6 +23,7 @@ class Capabilities(NamedTuple):
         shutter_s: from closed to open (s).
         flap_s: the same for the flap (s).
         rate: of turning (°/s).
+        segments: names of the parts it opens in, where each has an end switch of its own.
 
     """
 
@@ -31,6 +32,7 @@ class Capabilities(NamedTuple):
     shutter_s: float = 12.0
     flap_s: float = 5.0
     rate: float = 6.0
+    segments: tuple[str, ...] = ()
 
 
 class Enclosure:
@@ -94,6 +96,18 @@ class Enclosure:
         if self.closed:
             return "closed"
         return "opened" if self.opened else "stopped"
+
+    @property
+    def truth(self) -> str:
+        """Give what is so, whatever its sensors say: closed, opening, open, closing or partly."""
+        if self.wanted is not None and not self.stuck:
+            if self.wanted and self.position < 1.0:
+                return "opening"
+            if not self.wanted and (self.position > 0.0 or self.flap > 0.0):
+                return "closing"
+        if self.position <= 0.0 and self.flap <= 0.0:
+            return "closed"
+        return "open" if self.position >= 1.0 else "partly"
 
     @property
     def word(self) -> str:

@@ -3,6 +3,8 @@
 ROS 1 has no standard service with numbers. A request with numbers is a Trigger whose values stand
 on the parameter server (``/telescope/goto/ra``), as the command-line client writes them; or a
 topic, for those who cannot set parameters: one number as Float64, two as the x and y of a Point.
+
+Long, because one node's topics, services, requests and clock stand together.
 """
 
 from __future__ import annotations
@@ -22,12 +24,22 @@ from urllib.parse import urlsplit
 import rosgraph
 import rospy
 from geometry_msgs.msg import Point
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import Image, Temperature
 from std_msgs.msg import Bool, Float64, String, UInt8, UInt8MultiArray
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
 from talaia.sim.observatory.ledger import Ledger
-from talaia.sim.observatory.servers import DEVICES, MONTSEC, Ask, Server, Value, make
+from talaia.sim.observatory.orders import Orders, act_on
+from talaia.sim.observatory.servers import (
+    DEVICES,
+    ENCLOSURES,
+    MONTSEC,
+    Ask,
+    Server,
+    Stamped,
+    Value,
+    make,
+)
 from talaia.sim.observatory.ticket import Ticket
 
 if TYPE_CHECKING:
@@ -35,7 +47,7 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-KINDS = {bool: Bool, int: UInt8, float: Float64, str: String}
+KINDS = {bool: Bool, int: UInt8, float: Float64, str: String, Stamped: Temperature}
 STEP_S = 0.05
 PUBLISH_EVERY = 10
 
@@ -47,8 +59,10 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--only", action="append", choices=DEVICES)
     parser.add_argument("--fits", type=Path)
     parser.add_argument("--log", type=Path)
+    parser.add_argument("--orders", type=Path)
     parser.add_argument("--speed", type=float, default=1.0)
     parser.add_argument("--longitude", type=float, default=MONTSEC.longitude)
+    parser.add_argument("--enclosure", choices=ENCLOSURES, default=ENCLOSURES[0])
     options = parser.parse_args(argv)
     place = MONTSEC._replace(longitude=options.longitude)
     began = time.monotonic()
@@ -65,7 +79,14 @@ def main(argv: list[str]) -> int:
         ledger = Ledger(options.log)
         shells = [
             _Shell(
-                make(each, seed=options.seed, unix_s=time.time(), call=_call, place=place),
+                make(
+                    each,
+                    seed=options.seed,
+                    unix_s=time.time(),
+                    call=_call,
+                    place=place,
+                    roof=options.enclosure,
+                ),
                 options,
                 ledger,
             )
@@ -79,7 +100,9 @@ def main(argv: list[str]) -> int:
             "seconds": round(time.monotonic() - began, 2),
         }
         print(json.dumps(line), flush=True)  # noqa: T201 - the one line whoever started us reads
-        _run(shells, options.speed, ended)
+        orders = Orders(options.orders)
+        _run(shells, options.speed, ended, orders)
+        orders.close()
         rospy.signal_shutdown("ended")
         ledger.close()
     finally:
@@ -110,10 +133,21 @@ def _master() -> subprocess.Popen[bytes] | None:
     return master
 
 
-def _run(shells: list[_Shell], speed: float, ended: threading.Event) -> None:
+def _message(value: Value) -> Any:  # noqa: ANN401 - rospy ships no types
+    if not isinstance(value, Stamped):
+        return KINDS[type(value)](value)
+    message = Temperature(temperature=value.value)
+    message.header.stamp = rospy.Time.from_sec(value.unix_s)
+    return message
+
+
+def _run(shells: list[_Shell], speed: float, ended: threading.Event, orders: Orders) -> None:
     tick, before = 0, time.monotonic()
     while not ended.wait(STEP_S):
         now = time.monotonic()
+        for device, words in orders.read():
+            for shell in shells:
+                shell.obey(device, words)
         for shell in shells:
             shell.step(min(now - before, 1.0) * speed, publish=tick % PUBLISH_EVERY == 0)
         before, tick = now, tick + 1
@@ -143,6 +177,7 @@ class _Shell:
         self._lock = threading.RLock()
         self._moved = threading.Condition(self._lock)
         self._said: dict[str, Value] = {}
+        self._truth = ""
         name = server.name
         self._publishers = {
             each: rospy.Publisher(f"/{name}/{each}", KINDS[type(value)], queue_size=10)
@@ -193,13 +228,25 @@ class _Shell:
                 problem = self._server.fault(word)
             self._ledger.write(device, word, "fault", problem)
 
+    def obey(self, device: str, words: str) -> None:
+        """Do what an order says, if it is this server's; see `orders`."""
+        if device != self._server.name:
+            return
+        with self._lock:
+            ticket = act_on(self._server, words)
+        if ticket is None:
+            self._fault(f"{device} {words}")
+            return
+        said = ticket.message or "by hand"
+        self._ledger.write(device, words.partition(" ")[2], "by hand", said, good=ticket.good)
+
     def _end_of(self, asked: str, act: Callable[[], Ticket]) -> Ticket:
         """Ask the model and wait until what was asked has ended. Each request has its thread."""
         name = self._server.name
         with self._moved:
             while self._server.hanging:
                 self._moved.wait(0.2)
-            ticket = act()
+            ticket = self._server.without_power() or act()
             phase = "answered" if ticket.ended else "asked"
             self._ledger.write(name, asked, phase, ticket.message, good=ticket.good)
             if phase == "answered":
@@ -259,9 +306,12 @@ class _Shell:
     def step(self, seconds: float, *, publish: bool) -> None:
         """Let time pass, wake those who wait, publish what is new."""
         with self._moved:
-            self._server.step(seconds, time.time())
+            self._server.pass_time(seconds, time.time())
+            if self._server.truth != self._truth:
+                self._truth = self._server.truth
+                self._ledger.write(self._server.name, "truth", "truth", self._truth)
             self._moved.notify_all()
-            if self._server.hanging:
+            if self._server.silent:
                 return
             topics = dict(self._server.topics())
             watched = self._pictures is not None and self._pictures.get_num_connections() > 0
@@ -270,7 +320,7 @@ class _Shell:
             quick = not isinstance(value, float) and value != self._said.get(name)
             if publish or quick:
                 self._said[name] = value
-                self._publishers[name].publish(value)
+                self._publishers[name].publish(_message(value))
         if frame is None or self._pictures is None:
             return
         image = Image(

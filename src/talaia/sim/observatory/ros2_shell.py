@@ -17,10 +17,12 @@ import rclpy
 from rcl_interfaces.msg import ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParametersAtomically
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import Image, Temperature
 from std_msgs.msg import Bool, Float64, String, UInt8, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
 
+from talaia.sim.observatory.orders import Orders, act_on
+from talaia.sim.observatory.servers import Stamped
 from talaia.sim.observatory.ticket import Ticket
 
 if TYPE_CHECKING:
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Shells", "kind_of", "message_of", "values_of"]
 
-KINDS = {bool: Bool, int: UInt8, float: Float64, str: String}
+KINDS = {bool: Bool, int: UInt8, float: Float64, str: String, Stamped: Temperature}
 # A late subscriber gets the newest picture at once. Not so values: one that is kept for those who
 # come later would look fresh to them however old it is.
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -59,6 +61,11 @@ def kind_of(value: Value) -> Any:  # noqa: ANN401 - ROS's packages are untyped
 
 def message_of(value: Value) -> Any:  # noqa: ANN401
     """Give a value as its message."""
+    if isinstance(value, Stamped):
+        message = Temperature(temperature=value.value)
+        message.header.stamp.sec = int(value.unix_s)
+        message.header.stamp.nanosec = int(value.unix_s % 1.0 * 1e9)
+        return message
     return kind_of(value)(data=value)
 
 
@@ -102,9 +109,16 @@ class Shells:
     come, twenty times a second, which costs a tenth of that.
     """
 
-    def __init__(self, fits: Path | None, ledger: Ledger, speed: float = 1.0) -> None:
-        """Take where FITS files are kept, where it writes down, and how fast time goes."""
+    def __init__(
+        self,
+        fits: Path | None,
+        ledger: Ledger,
+        speed: float = 1.0,
+        orders: Orders | None = None,
+    ) -> None:
+        """Take where FITS files are kept, where it writes down, how fast time goes, and orders."""
         self._speed = speed
+        self._orders = orders or Orders(None)
         self._fits = fits
         self._ledger = ledger
         self._shells: list[_Shell] = []
@@ -137,6 +151,9 @@ class Shells:
             now = time.monotonic()
             passed = min(now - before, 1.0) * self._speed
             self._hear_answers()
+            for device, words in self._orders.read():
+                for shell in self._shells:
+                    shell.obey(device, words)
             for shell in self._shells:
                 shell.listen()
                 shell.step(passed, publish=tick % PUBLISH_EVERY == 0)
@@ -183,6 +200,7 @@ class _Shell:
         )
         self._waiting: list[_Waiting] = []
         self._said: dict[str, Value] = {}
+        self._truth = ""
         self._publishers = {
             name: self.node.create_publisher(kind_of(value), f"/{server.name}/{name}", 10)
             for name, value in server.topics().items()
@@ -253,7 +271,7 @@ class _Shell:
             ticket = Ticket.refused(values)
         else:
             asked = " ".join([name, *(f"{each}" for each in values.values())])
-            ticket = act(values)
+            ticket = self._server.without_power() or act(values)
         device = self._server.name
         self._ledger.write(
             device, asked, "answered" if ticket.ended else "asked", ticket.message, good=ticket.good
@@ -273,6 +291,18 @@ class _Shell:
             problem = self._server.fault(word)
             self._ledger.write(device, word, "fault", problem)
 
+    def obey(self, device: str, words: str) -> None:
+        """Do what an order says, if it is this server's; see `orders`."""
+        if device != self._server.name:
+            return
+        ticket = act_on(self._server, words)
+        if ticket is None:
+            self._fault(f"{device} {words}")
+            return
+        asked = words.partition(" ")[2]
+        said = ticket.message or "by hand"
+        self._ledger.write(device, asked, "by hand", said, good=ticket.good)
+
     def listen(self) -> None:
         """Take what has come. A server that hangs leaves requests lying, and acts on them later."""
         for ear, kind, take in self._ears:
@@ -289,7 +319,14 @@ class _Shell:
 
     def step(self, seconds: float, *, publish: bool) -> None:
         """Let time pass, answer what has ended, publish what is new."""
-        self._server.step(seconds, time.time())
+        self._server.pass_time(seconds, time.time())
+        if self._server.truth != self._truth:
+            self._truth = self._server.truth
+            self._ledger.write(self._server.name, "truth", "truth", self._truth)
+        for asked, ticket in self._server.own_acts:
+            self._ledger.write(self._server.name, asked, "asked", "by itself: no heartbeat")
+            self._waiting.append(_Waiting(ticket, asked, lambda _ticket: None))
+        self._server.own_acts.clear()
         if self._server.hanging:
             return
         for each in [each for each in self._waiting if each.ticket.ended]:
@@ -300,6 +337,8 @@ class _Shell:
                 self._server.name, each.asked, phase, ticket.message, good=ticket.good
             )
             each.answer(ticket)
+        if self._server.silent:
+            return
         self._publish(everything=publish)
         self._show()
 

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.sim.observatory.ledger import Ledger
-from talaia.sim.observatory.servers import DEVICES, MONTSEC, make
+from talaia.sim.observatory.orders import Orders
+from talaia.sim.observatory.servers import DEVICES, ENCLOSURES, MONTSEC, make
 from talaia.sim.starting import Start, join_ros, needing_ros, run_robot
 
 if TYPE_CHECKING:
@@ -41,8 +42,16 @@ def arguments() -> argparse.ArgumentParser:
         "--longitude", type=float, default=MONTSEC.longitude, metavar="DEG",
         help=f"where it stands, -180 to 180 (default {MONTSEC.longitude})",
     )  # fmt: skip
+    parser.add_argument(
+        "--enclosure", choices=ENCLOSURES, default=ENCLOSURES[0],
+        help="a dome that turns, or a clamshell of two shells that does not (default dome)",
+    )  # fmt: skip
     parser.add_argument("--fits", type=Path, metavar="DIR", help="keep the pictures here")
     parser.add_argument("--log", type=Path, metavar="FILE", help="write what is asked (JSON lines)")
+    parser.add_argument(
+        "--orders", type=Path, metavar="PIPE",
+        help="a named pipe that brings faults and foreign hands, a line each; for tests",
+    )  # fmt: skip
     return parser
 
 
@@ -79,10 +88,15 @@ def _run(options: argparse.Namespace, start: Start) -> None:
     ledger = Ledger(options.log)
     start.stack.callback(ledger.close)
     join_ros(start.stack)
-    shells = Shells(options.fits, ledger, options.speed)
+    orders = Orders(options.orders)
+    start.stack.callback(orders.close)
+    shells = Shells(options.fits, ledger, options.speed, orders)
     start.stack.callback(shells.close)
     place = MONTSEC._replace(longitude=options.longitude)
     for name in names:
-        server = make(name, seed=options.seed, unix_s=time.time(), call=shells.call, place=place)
+        server = make(
+            name, seed=options.seed, unix_s=time.time(), call=shells.call, place=place,
+            roof=options.enclosure,
+        )  # fmt: skip
         shells.add(server)
     shells.run(start.ended, lambda: start.say_ready(servers=names))

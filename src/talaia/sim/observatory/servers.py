@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from talaia.model.sky import Place, altaz, julian_day, sun
 from talaia.sim.observatory import camera, cctv, enclosure, telescope
 from talaia.sim.observatory.camera import Camera, Scene
+from talaia.sim.observatory.clamshell import Clamshell
 from talaia.sim.observatory.enclosure import Enclosure
+from talaia.sim.observatory.heartbeat import ControllerWatchdog
 from talaia.sim.observatory.power import OUTLETS, Power
 from talaia.sim.observatory.telescope import Telescope
 from talaia.sim.observatory.ticket import Ticket
@@ -22,12 +24,24 @@ from talaia.sim.observatory.weather import FORCES, Weather
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["DEVICES", "MONTSEC", "Ask", "Frame", "Server", "Value", "make"]
+__all__ = ["DEVICES", "ENCLOSURES", "MONTSEC", "Ask", "Frame", "Server", "Stamped", "Value", "make"]
 
 MONTSEC = Place(42.0517, 0.7297, 1568.0)
-# A bool goes as Bool, an int as UInt8, a float as Float64, a str as String.
-Value = bool | int | float | str
+# Kinds of roof: a dome with a slit, which turns, and a clamshell, which does not.
+ENCLOSURES = ("dome", "clamshell")
 DEVICES = ("dome", "telescope", "weather", "camera", "pdu", "cctv", "observatory")
+
+
+class Stamped(NamedTuple):
+    """A temperature (°C) with the time at which it was measured (s, UTC)."""
+
+    value: float
+    unix_s: float
+
+
+# A bool goes as Bool, an int as UInt8, a float as Float64, a str as String, what has a time of its
+# own as sensor_msgs/Temperature.
+Value = bool | int | float | str | Stamped
 
 
 class Ask(NamedTuple):
@@ -66,10 +80,14 @@ class Server:
         hears: topics of other servers, absolute, with what is done with their values.
         pictures: it has a topic for them.
         hanging: it neither answers nor publishes, as a process that is stuck.
+        own_acts: what it has begun by itself, for the ledger.
+        outlet: of the power distribution unit, counted from 1, that it hangs on; 0 for none.
+        powered: it has power. Without it publishes nothing, moves nothing and refuses all.
 
     """
 
     name = ""
+    outlet = 0
     pictures = False
 
     def __init__(self) -> None:
@@ -79,6 +97,40 @@ class Server:
         self.asks: dict[str, Ask] = {}
         self.hears: dict[str, tuple[type, Callable[[Any], None]]] = {}
         self.hanging = False
+        self.own_acts: list[tuple[str, Ticket]] = []
+        self.powered = True
+        if self.outlet:
+            self.hears[f"/pdu/on{self.outlet}"] = (bool, self.feed)
+
+    @property
+    def silent(self) -> bool:
+        """Tell whether nothing is published."""
+        return self.hanging or not self.powered
+
+    def feed(self, on: bool) -> None:  # noqa: FBT001 - a topic's value
+        """Take power, or lose it: what moved stands, and nothing goes on when power is back."""
+        if self.powered and not on:
+            self.lose_power()
+        self.powered = on
+
+    def lose_power(self) -> None:
+        """End what is under way, as a controller does that goes dark."""
+
+    def pass_time(self, seconds: float, unix_s: float) -> None:
+        """Let time pass; nothing moves without power."""
+        if self.powered:
+            self.step(seconds, unix_s)
+
+    def without_power(self) -> Ticket | None:
+        """Give the answer to whatever is asked while there is no power; none while there is."""
+        if self.powered:
+            return None
+        return Ticket.refused(f"the {self.name} does not answer; it has no power")
+
+    @property
+    def truth(self) -> str:
+        """Give how its hardware really stands, for the ledger; empty when nobody wants to know."""
+        return ""
 
     def topics(self) -> Mapping[str, Value]:
         """Give what is published now, by the topic's name below the server's."""
@@ -104,39 +156,58 @@ class Server:
 
 
 class DomeServer(Server):
-    """Shutter and rotation."""
+    """The roof's controller: its shutter, and rotation where it turns."""
 
     name = "dome"
+    outlet = OUTLETS.index("Dome") + 1
 
     def __init__(self, model: Enclosure) -> None:
         """Offer what a dome does."""
         super().__init__()
         self.model = model
+        self.watchdog = ControllerWatchdog()
+        self._stepped_s: float | None = None
         self.triggers = {
             "status": lambda: Ticket.done(model.word),
             "open": model.open,
             "close": model.close,
             "stop": model.stop,
-            "park": model.park,
+            "heartbeat": self.watchdog.hear_heartbeat,
         }
-        self.asks = {"goto": Ask({"azimuth": 0.0}, model.turn)}
+        if model.can.can_rotate:
+            self.triggers["park"] = model.park
+            self.asks = {"goto": Ask({"azimuth": 0.0}, model.turn)}
+
+    def lose_power(self) -> None:
+        """Stand wherever it is."""
+        self.model.stop()
+
+    @property
+    def truth(self) -> str:
+        """Give where shutter and flap are."""
+        return self.model.truth
 
     def topics(self) -> Mapping[str, Value]:
         """Give its sensors."""
         dome = self.model
-        return {
+        values: dict[str, Value] = {
             "status": dome.word,
             "state": enclosure.STATES.index(dome.state),
             "closed": dome.closed,
             "opened": dome.opened,
             "position": round(dome.position * 100.0, 1),
-            "azimuth": dome.shown_azimuth,
-            "turning": dome.turning,
             "local": dome.local,
         }
+        if dome.can.can_rotate:
+            values |= {"azimuth": dome.shown_azimuth, "turning": dome.turning}
+        return values
 
     def step(self, seconds: float, unix_s: float) -> None:
-        """Let time pass."""
+        """Let time pass. Heartbeats come in real time, whatever the simulation's speed."""
+        before, self._stepped_s = self._stepped_s, unix_s
+        real_s = 0.0 if before is None else min(1.0, max(0.0, unix_s - before))
+        if self.watchdog.step(real_s):
+            self.own_acts.append(("close", self.model.close()))
         self.model.step(seconds)
 
     def fault(self, word: str) -> str:
@@ -144,7 +215,7 @@ class DomeServer(Server):
         dome = self.model
         if word == "stuck":
             dome.stuck = True
-        elif word == "encoder":
+        elif word == "encoder" and dome.can.can_rotate:
             dome.lost = True
         elif word in ("lying closed", "lying opened"):
             dome.lying = word.split()[1]
@@ -158,10 +229,46 @@ class DomeServer(Server):
         return ""
 
 
+class ClamshellServer(DomeServer):
+    """The controller of a clamshell: an end switch and an encoder for each shell, no azimuth."""
+
+    model: Clamshell
+
+    def __init__(self, model: Clamshell) -> None:
+        """Offer what a clamshell does."""
+        super().__init__(model)
+
+    def topics(self) -> Mapping[str, Value]:
+        """Give its sensors, then those of each shell."""
+        values = dict(super().topics())
+        for name, shell in self.model.shells.items():
+            values[f"{name}_closed"] = shell.closed
+            values[f"{name}_position"] = round(shell.position * 100.0, 1)
+        return values
+
+    def fault(self, word: str) -> str:
+        """See `Server.fault`: what a dome may suffer, and of one shell ``west stuck`` and such."""
+        name, _, what = word.partition(" ")
+        shell = self.model.shells.get(name)
+        if shell is None:
+            if word == "ok":
+                for each in self.model.shells.values():
+                    each.stuck, each.lying = False, ""
+            return super().fault(word)
+        if what == "stuck":
+            shell.stuck = True
+        elif what in ("lying closed", "lying opened"):
+            shell.lying = what.split()[1]
+        else:
+            return f"{self.name}: a shell has no fault {what!r}"
+        return ""
+
+
 class TelescopeServer(Server):
     """The mount."""
 
     name = "telescope"
+    outlet = OUTLETS.index("Telescope") + 1
 
     def __init__(self, model: Telescope) -> None:
         """Offer what a mount does."""
@@ -179,6 +286,10 @@ class TelescopeServer(Server):
             "goto": Ask({"ra": 0.0, "dec": 0.0}, model.goto),
             "goto_altaz": Ask({"alt": 0.0, "az": 0.0}, model.goto_altaz),
         }
+
+    def lose_power(self) -> None:
+        """Stand wherever it is."""
+        self.model.stop()
 
     def topics(self) -> Mapping[str, Value]:
         """Give its encoders."""
@@ -225,26 +336,59 @@ class WeatherServer(Server):
         """Offer what a station does."""
         super().__init__()
         self.model = model
+        self._said_instead: dict[str, Value] = {}
+        self._stamps_stand = False
+        self._stamp_s = 0.0
         self.triggers = {"info": lambda: Ticket.done(model.info())}
 
     def topics(self) -> Mapping[str, Value]:
         """Give its sensors."""
         values: dict[str, Value] = {each: float(getattr(self.model, each)) for each in self.VALUES}
-        return {**values, "raining": self.model.rain > 0.0, "description": self.model.words()[1]}
+        return {
+            **values,
+            "stamped": Stamped(self.model.temperature, self._stamp_s),
+            "raining": self.model.rain > 0.0,
+            "description": self.model.words()[1],
+            **self._said_instead,
+        }
 
     def step(self, seconds: float, unix_s: float) -> None:
         """Let time pass."""
         self.model.step(seconds, unix_s)
+        if not self._stamps_stand:
+            self._stamp_s = unix_s
+
+    def _say_instead(self, name: str, number: str) -> str:
+        if name not in self.VALUES:
+            return f"{name!r}: expected one of {', '.join(self.VALUES)}"
+        try:
+            self._said_instead[name] = float(number)
+        except ValueError:
+            return f"{number!r} is not a number"
+        return ""
 
     def fault(self, word: str) -> str:
-        """See `Server.fault`: lying, and the weathers that can be forced."""
+        """See `Server.fault`: lying, and the weathers that can be forced.
+
+        ``set wind -999`` says that number instead of what is measured, ``freeze`` goes on with
+        the same numbers bit for bit, ``old stamps`` with the same time of measuring.
+        """
+        if word.startswith("set ") and word.count(" ") == 2:
+            return self._say_instead(*word.split()[1:])
+        if word == "freeze":
+            self._said_instead = {each: float(getattr(self.model, each)) for each in self.VALUES}
+            return ""
+        if word == "old stamps":
+            self._stamps_stand = True
+            return ""
         if word == "lying":
             self.model.lying = True
             return ""
         if word in FORCES:
             return self.model.force(word)
         if word == "ok":
-            self.model.lying = False
+            self.model.lying = self._stamps_stand = False
+            self._said_instead.clear()
             self.model.force("")
         return super().fault(word)
 
@@ -254,6 +398,7 @@ class CameraServer(Server):
 
     name = "camera"
     pictures = True
+    outlet = OUTLETS.index("Camera") + 1
 
     def __init__(self, model: Camera) -> None:
         """Offer what a camera does."""
@@ -271,7 +416,7 @@ class CameraServer(Server):
             "cool": Ask({"celsius": 0.0}, model.cool),
         }
         scene = model.scene
-        self.hears = {
+        self.hears |= {
             "/telescope/ra": (float, lambda value: setattr(scene, "ra", value)),
             "/telescope/dec": (float, lambda value: setattr(scene, "dec", value)),
             "/dome/closed": (bool, lambda value: setattr(scene, "dome_open", not value)),
@@ -281,6 +426,11 @@ class CameraServer(Server):
 
     def _weather(self, name: str) -> Callable[[float], None]:
         return lambda value: self.model.scene.weather.__setitem__(name, value)
+
+    def lose_power(self) -> None:
+        """Lose the exposure, and the cold."""
+        self.model.abort()
+        self.model.cooler(False)  # noqa: FBT003 - a switch, as the service has it
 
     def topics(self) -> Mapping[str, Value]:
         """Give its state."""
@@ -344,6 +494,7 @@ class CctvServer(Server):
 
     name = "cctv"
     pictures = True
+    outlet = OUTLETS.index("CCTV") + 1
     EVERY_S = 1.0
 
     def __init__(self, place: Place) -> None:
@@ -355,7 +506,7 @@ class CctvServer(Server):
         self._lamp = False
         self._since = self.EVERY_S
         self.triggers = {"status": lambda: Ticket.done("live")}
-        self.hears = {
+        self.hears |= {
             "/dome/position": (float, self._see("position")),
             "/dome/azimuth": (float, self._see("slit")),
             "/telescope/altitude": (float, self._see("alt")),
@@ -403,8 +554,8 @@ class GlobalServer(Server):
     # A step that takes longer is left behind: a dome closes even if the telescope does not park.
     WITHIN_S = 60.0
 
-    def __init__(self, call: Callable[[str, str], Ticket]) -> None:
-        """Take how another server is asked: its name and its service."""
+    def __init__(self, call: Callable[[str, str], Ticket], *, dome_turns: bool = True) -> None:
+        """Take how another server is asked (its name, its service); one that turns is parked."""
         super().__init__()
         self._call = call
         self._ticket = Ticket.done("")
@@ -421,9 +572,8 @@ class GlobalServer(Server):
             ),
             "stop": self._stop,
         }
-        self.triggers["park"] = lambda: self._begin(
-            "parking", ("camera", "abort"), ("telescope", "park"), ("dome", "park")
-        )
+        park = [("camera", "abort"), ("telescope", "park"), *[("dome", "park")] * dome_turns]
+        self.triggers["park"] = lambda: self._begin("parking", *park)
 
     def _begin(self, name: str, *steps: tuple[str, str]) -> Ticket:
         self._ticket.end("another command came", good=False)
@@ -472,6 +622,7 @@ def make(
     unix_s: float,
     call: Callable[[str, str], Ticket],
     place: Place = MONTSEC,
+    roof: str = "dome",
 ) -> Server:
     """Make the server of a device.
 
@@ -481,11 +632,13 @@ def make(
         unix_s: now.
         call: how the global server asks the others.
         place: where the observatory stands.
+        roof: one of `ENCLOSURES`.
 
     """
+    turns = roof == "dome"
     match name:
         case "dome":
-            return DomeServer(Enclosure())
+            return DomeServer(Enclosure()) if turns else ClamshellServer(Clamshell())
         case "telescope":
             return TelescopeServer(Telescope(place, unix_s))
         case "weather":
@@ -497,4 +650,4 @@ def make(
         case "cctv":
             return CctvServer(place)
         case _:
-            return GlobalServer(call)
+            return GlobalServer(call, dome_turns=turns)

@@ -1,7 +1,7 @@
 /** One-shot commands of a site over the connection. */
 
 import { Store } from "../../state/store.js";
-import { CommandDesk } from "./commands.js";
+import { CommandDesk, type Asked } from "./commands.js";
 import { freshId } from "./id.js";
 import type { Line } from "./seat.js";
 
@@ -13,6 +13,7 @@ const BEAT_MS = 500;
 
 export class CommandLine extends Store {
   readonly desk = new CommandDesk();
+  private readonly given = new Map<string, { args: Arguments; units: Readonly<Record<string, string>> }>();
   private stops: (() => void)[] = [];
   private timer: ReturnType<typeof setInterval> | undefined;
 
@@ -59,12 +60,32 @@ export class CommandLine extends Store {
    * Asks once. Without a connection it is not kept for later: it is offline, at once.
    *
    * @param units - those that were shown beside the arguments; in others it is refused
+   * @param over - the id of somebody else's command that it may interrupt
    */
-  ask(device: string, command: string, args: Arguments, units: Readonly<Record<string, string>> = {}): void {
+  ask(
+    device: string,
+    command: string,
+    args: Arguments,
+    units: Readonly<Record<string, string>> = {},
+    over = "",
+  ): void {
     const id = freshId();
+    this.given.set(`${device}/${command}`, { args, units });
     this.desk.ask(id, device, command, TTL_MS, this.now());
-    const sent = this.line.send({ t: "command", site: this.site, device, command, id, args, units });
+    const sent = this.line.send({ t: "command", site: this.site, device, command, id, args, units, over });
     if (!sent) this.desk.unsent(id);
+    this.changed();
+  }
+
+  /** What was asked for last was refused because somebody else acts: ask for it all the same. */
+  interrupt(asked: Asked): void {
+    const given = this.given.get(`${asked.device}/${asked.command}`);
+    if (given !== undefined) this.ask(asked.device, asked.command, given.args, given.units, asked.blockedBy);
+  }
+
+  /** Leave the other one to it. */
+  leave(asked: Asked): void {
+    this.desk.answered(asked.id);
     this.changed();
   }
 

@@ -35,6 +35,8 @@ export interface Asked {
   /** 0 to 1 */
   readonly progress: number;
   readonly since: number;
+  /** Refused because of this command (its id) of somebody else; it may be interrupted by `over`. */
+  readonly blockedBy: string;
 }
 
 /** The fields of `CommandNews` that decide. */
@@ -43,6 +45,7 @@ export interface CommandWord {
   readonly phase: Exclude<CommandPhase, "sent" | "offline">;
   readonly message: string;
   readonly progress: number;
+  readonly blocked_by?: string;
 }
 
 const MESSAGE_UNHEARD =
@@ -66,7 +69,7 @@ export class CommandDesk {
   /** @param ttlMs - not accepted within this time, it is refused */
   ask(id: string, device: string, command: string, ttlMs: number, now: number): void {
     const asked: Asked = {
-      id, device, command, phase: "sent", message: "", progress: 0, since: now,
+      id, device, command, phase: "sent", message: "", progress: 0, since: now, blockedBy: "",
     };
     this.newest.set(`${device}/${command}`, asked);
     this.limits.set(id, ttlMs);
@@ -90,8 +93,16 @@ export class CommandDesk {
     return found;
   }
 
+  /** It was seen that somebody else acts; the question is answered. */
+  answered(id: string): void {
+    for (const [key, asked] of this.newest) {
+      if (asked.id === id) this.newest.set(key, { ...asked, blockedBy: "" });
+    }
+  }
+
   news(word: CommandWord): void {
-    this.change(word.id, { phase: word.phase, message: word.message, progress: word.progress });
+    const { phase, message, progress, blocked_by: blockedBy = "" } = word;
+    this.change(word.id, { phase, message, progress, blockedBy });
   }
 
   /** The link is away: of what was under way, nobody knows the end. */

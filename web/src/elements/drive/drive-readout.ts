@@ -62,6 +62,8 @@ export class DriveReadout extends LitElement {
   /** What the gateway tells the robot, after its own limits. */
   @property({ attribute: false }) told: Motion = NONE;
   @property({ attribute: false }) measured: Motion = NONE;
+  /** The characters since the last `s`, to a robot that is driven by them; empty for others. */
+  @property() sent = "";
   /** Why the speed is capped; empty when it is not. */
   @property() cap = "";
   /** Why the gateway refuses frames; empty when it does not. */
@@ -81,6 +83,14 @@ export class DriveReadout extends LitElement {
         <tbody>
           ${row("Speed, m/s", this.asked.linear, this.told.linear, this.measured.linear)}
           ${row("Turn, rad/s", this.asked.angular, this.told.angular, this.measured.angular)}
+          ${this.sent === ""
+            ? nothing
+            : html`<tr>
+                <th scope="row">Characters sent</th>
+                <td></td>
+                <td>${this.sent}</td>
+                <td></td>
+              </tr>`}
         </tbody>
       </table>
       ${this.cap === "" ? nothing : html`<p class="cap" role="status"><t-icon name="warn"></t-icon>${this.cap}</p>`}

@@ -21,6 +21,8 @@ const WORDS: Readonly<Record<RoofState, string>> = {
   error: "in error",
   unknown: "of unknown state",
 };
+/** Degrees that a shell of a clamshell folds down. */
+const FOLD = 100;
 const WINDS = [["N", 0], ["E", 90], ["S", 180], ["W", 270]] as const;
 
 @customElement("t-dome-drawing")
@@ -130,6 +132,8 @@ export class DomeDrawing extends LitElement {
   @property() roof: RoofState = "unknown";
   /** It turns; otherwise it is a roof that slides away. */
   @property({ type: Boolean }) turns = true;
+  /** How far each shell of a clamshell is open, 0 to 1, the left one first; empty for another roof. */
+  @property({ attribute: false }) segments: readonly number[] = [];
   /** Where it looks is not open to the person: it is drawn with the slit in front, and without a compass. */
   @property({ type: Boolean }) blind = false;
   @property({ type: Boolean }) turning = false;
@@ -156,7 +160,7 @@ export class DomeDrawing extends LitElement {
     const unknown = this.roof === "unknown" || this.stale || (this.turns && !this.blind && Number.isNaN(this.azimuth));
     const moving = !this.stale && (this.turning || this.roof === "opening" || this.roof === "closing");
     return html`<svg
-      viewBox=${this.turns ? "-205 -124 410 194" : "-170 -110 340 160"}
+      viewBox=${this.turns ? "-205 -124 410 194" : this.segments.length > 0 ? "-195 -110 390 160" : "-170 -110 340 160"}
       role="img"
       aria-label=${this.words()}
       class=${[moving ? "moving" : "", this.roof === "error" ? "error" : ""].join(" ")}
@@ -166,7 +170,7 @@ export class DomeDrawing extends LitElement {
           <path class="hatch" d="M0 0V9"></path>
         </pattern>
       </defs>
-      ${this.turns ? this.dome(unknown) : this.slidingRoof(unknown)} ${unknown ? this.question() : nothing}
+      ${this.turns ? this.dome(unknown) : this.segments.length > 0 ? this.clamshell(unknown) : this.slidingRoof(unknown)} ${unknown ? this.question() : nothing}
     </svg>`;
   }
 
@@ -257,6 +261,20 @@ export class DomeDrawing extends LitElement {
         <path class="shell" d="M-78 -20L-5 -70L68 -20Z"></path>
         ${unknown ? svg`<path class="veil" d="M-78 -20L-5 -70L68 -20Z"></path>` : nothing}
       </g>`;
+  }
+
+  /** Shells that fold down to both sides, each as far as it says itself; one that does not say is hatched. */
+  private clamshell(unknown: boolean): SVGTemplateResult {
+    const shells = this.segments.map((opening, index) => {
+      const left = index < this.segments.length / 2;
+      const silent = unknown || Number.isNaN(opening);
+      const turn = (left ? -1 : 1) * FOLD * (silent ? 0 : Math.min(1, Math.max(0, opening)));
+      const shape = left ? "M-80 0A80 80 0 0 1 0 -80V0Z" : "M80 0A80 80 0 0 0 0 -80V0Z";
+      return svg`<g transform="rotate(${turn.toFixed(1)} ${left ? -80 : 80} 0)">
+        <path class="shell" d=${shape}></path>${silent ? svg`<path class="veil" d=${shape}></path>` : nothing}
+      </g>`;
+    });
+    return svg`<path class="inside" d="M-76 0A76 76 0 0 1 76 0Z"></path>${shells}<path class="wall" d="M-84 0H84V40H-84Z"></path>`;
   }
 
   private question(): SVGTemplateResult {

@@ -12,6 +12,8 @@ export const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = 
   { kind: "expression", name: "Expression" },
   { kind: "anomaly", name: "Anomaly" },
   { kind: "detection", name: "Something a camera sees" },
+  { kind: "enclosure", name: "Enclosure not closed" },
+  { kind: "gateway", name: "Gateway silent" },
 ];
 
 /** Texts of the form's fields, by name; a ticked box is "on". */
@@ -22,7 +24,7 @@ export interface Field {
   readonly label: string;
   readonly hint?: string;
   readonly kinds: readonly Kind[];
-  readonly sort: "number" | "text" | "words" | "signal" | "stream";
+  readonly sort: "number" | "text" | "words" | "signal" | "stream" | "people";
 }
 
 const ALL = KINDS.map(({ kind }) => kind);
@@ -35,6 +37,7 @@ export const FIELDS: readonly Field[] = [
   { name: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
   { name: "confidence", label: "At least so sure (0 to 1)", kinds: ["detection"], sort: "number" },
   { name: "expression", label: "Condition", hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
+  { name: "enclosure", label: "Enclosure", hint: "Its short name; empty: any", kinds: ["enclosure"], sort: "text" },
   { name: "above", label: "Raised above", kinds: ["limit"], sort: "number" },
   { name: "below", label: "Raised below", kinds: ["limit"], sort: "number" },
   { name: "hysteresis", label: "Lets go so far on the safe side", kinds: ["limit"], sort: "number" },
@@ -45,6 +48,9 @@ export const FIELDS: readonly Field[] = [
   { name: "clear_delay", label: "Over after it was not so for (s)", kinds: ALL, sort: "number" },
   { name: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly"], sort: "number" },
   { name: "unknown_after", label: "Raised also when it cannot be judged for (s)", hint: "Empty: never", kinds: ALL, sort: "number" },
+  { name: "repeat", label: "Told again every (s), until acknowledged", hint: "Empty: told once", kinds: ALL, sort: "number" },
+  { name: "escalate", label: "Who is told, one after the other", hint: "Names and seconds: anna 0, ben 300. Empty: all who want to", kinds: ALL, sort: "people" },
+  { name: "remind", label: "Reminded every (s), while acknowledged and still so", hint: "Empty: never", kinds: ALL, sort: "number" },
   { name: "advice", label: "What to do", kinds: ALL, sort: "text" },
 ];
 
@@ -64,7 +70,7 @@ export function fits(kind: Kind, type: SignalInfo["type"]): boolean {
 }
 
 /** Numbers that may be left empty; the others are their default then. */
-const OPTIONAL = ["above", "below", "max_age", "unknown_after"];
+const OPTIONAL = ["above", "below", "max_age", "unknown_after", "repeat", "remind"];
 const FIRST: Readonly<Record<string, number>> = { count: 1, confidence: 0.5 };
 
 /** The form's texts for a definition. */
@@ -72,7 +78,7 @@ export function fieldsOf(definition: AlarmDefinition): Fields {
   const said: Record<string, string> = {};
   for (const [name, value] of Object.entries(definition)) {
     if (value === null || value === undefined) said[name] = "";
-    else if (Array.isArray(value)) said[name] = value.join(", ");
+    else if (Array.isArray(value)) said[name] = value.map((one: string | Step) => (typeof one === "string" ? one : `${one.who} ${String(one.after)}`)).join(", ");
     else if (typeof value === "boolean") said[name] = value ? "on" : "";
     else said[name] = String(value);
   }
@@ -91,7 +97,11 @@ export function definitionOf(fields: Fields): { readonly definition: AlarmDefini
   for (const { name, kinds, sort } of FIELDS) {
     const text = (fields[name] ?? "").trim();
     if (!kinds.includes(kind)) continue;
-    if (sort === "words") said[name] = text.split(",").map((word) => word.trim()).filter(Boolean);
+    if (sort === "people") {
+      const steps = stepsOf(text);
+      if (steps === null) return { wrong: name };
+      said[name] = steps;
+    } else if (sort === "words") said[name] = text.split(",").map((word) => word.trim()).filter(Boolean);
     else if (sort !== "number") said[name] = text;
     else if (text === "") said[name] = OPTIONAL.includes(name) ? null : (FIRST[name] ?? 0);
     else {
@@ -101,6 +111,22 @@ export function definitionOf(fields: Fields): { readonly definition: AlarmDefini
     }
   }
   return { definition: said as unknown as AlarmDefinition };
+}
+
+interface Step {
+  readonly who: string;
+  readonly after: number;
+}
+
+/** `anna 0, ben 300` as steps; null when it is not of this form. */
+function stepsOf(text: string): readonly Step[] | null {
+  const steps: Step[] = [];
+  for (const word of text.split(",").map((one) => one.trim()).filter(Boolean)) {
+    const [, who, after] = /^(\S+)(?:\s+(\d+(?:\.\d+)?))?$/.exec(word) ?? [];
+    if (who === undefined) return null;
+    steps.push({ who, after: Number(after ?? 0) });
+  }
+  return steps;
 }
 
 /** A short name of a name: what the hub takes. */

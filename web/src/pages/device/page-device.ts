@@ -30,6 +30,7 @@ import "../../elements/status.js";
 import "../../tiles/camera/camera.js";
 import "../../tiles/chart/chart-tile.js";
 import "../../tiles/command/commands.js";
+import "../../tiles/command/device-holder.js";
 
 /** What the small charts show. */
 const LENGTH_US = MINUTE_US;
@@ -136,6 +137,7 @@ export class PageDevice extends LitElement {
             ${this.standing(detail, device)}
             <t-clock zone=${detail.zone}></t-clock>
             <span class="muted">${rightsWords(device)}</span>
+            <t-device-holder .site=${this.site} .device=${this.device}></t-device-holder>
           </div>
         </div>
         <nav class="ways" aria-label=${device.name}>
@@ -150,8 +152,18 @@ export class PageDevice extends LitElement {
           <a href=${this.historyPath(device)}><t-icon name="history"></t-icon>History</a>
         </nav>
       </div>
-      ${this.trouble()} ${this.drawn(device, detail)} ${this.cameras(device, detail)} ${this.deeds(device, detail)}
+      ${this.trouble()} ${this.unguarded(device)} ${this.drawn(device, detail)} ${this.cameras(device, detail)} ${this.deeds(device, detail)}
       ${this.signals(device, detail)}`;
+  }
+
+  /** A roof or telescope that nothing closes or parks by itself says so, calmly. */
+  private unguarded(device: DeviceInfo): unknown {
+    if (!device.unguarded) return nothing;
+    return html`<p class="muted" role="note">
+      <t-icon name="info"></t-icon> Nothing closes or parks by itself here: no enclosure rule is about it, so rain,
+      wind or a lost weather station change nothing. Whoever keeps its description adds interlocks and an enclosure
+      to it (docs: <em>Make a robot safe by itself</em>).
+    </p>`;
   }
 
   private standing(detail: SiteDetail, device: DeviceInfo): TemplateResult {

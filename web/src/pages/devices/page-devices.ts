@@ -178,6 +178,7 @@ export class PageDevices extends LitElement {
     return [...sites].map(
       ([site, name]) => html`<section aria-labelledby=${`site-${site}`}>
         <h2 id=${`site-${site}`}>${name}</h2>
+        ${this.unguarded(site)}
         <ul>
           ${repeat(
             shown.filter((row) => row.site === site),
@@ -187,6 +188,17 @@ export class PageDevices extends LitElement {
         </ul>
       </section>`,
     );
+  }
+
+  /** Domes and telescopes that nothing closes or parks by itself, said once for their site. */
+  private unguarded(site: string): unknown {
+    const detail = this.details.value?.find((each) => each.site === site);
+    const names = detail?.devices.filter((each) => each.unguarded).map((each) => each.name) ?? [];
+    if (names.length === 0) return nothing;
+    return html`<p class="muted" role="note">
+      <t-icon name="info"></t-icon> ${names.join(", ")}: nothing closes or parks by itself. Rain, wind or a lost weather
+      station change nothing there (docs: <em>Make a robot safe by itself</em>).
+    </p>`;
   }
 
   private away(row: DeviceRow): boolean {

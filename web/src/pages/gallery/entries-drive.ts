@@ -82,9 +82,17 @@ const LOCK: InterlockNews = {
   overridden_by: "",
   reason: "",
   override_ms: 0,
-  longest_s: 3600,
+  longest_s: 1800,
+  condition: "weather/wind",
+  no_override: "",
 };
-const WAITING: InterlockNews = { ...LOCK, unsafe: false, longest_s: 0 };
+const WAITING: InterlockNews = {
+  ...LOCK,
+  unsafe: false,
+  longest_s: 0,
+  overridable: false,
+  no_override: "Rain: rain is never overridden",
+};
 const OVERRIDDEN: InterlockNews = { ...LOCK, overridden_by: "Grace", reason: "Testing the shutter" };
 
 const WANDER: CommandInfo = {
@@ -230,6 +238,15 @@ export const entries: readonly GalleryEntry[] = [
     tag: "t-drive-readout",
     states: [
       { name: "nothing known", show: () => html`<t-drive-readout></t-drive-readout>` },
+      {
+        name: "driven by characters",
+        show: () => html`<t-drive-readout
+          .asked=${{ linear: 0.5, angular: 0 }}
+          .told=${{ linear: 0.3, angular: 0 }}
+          .measured=${{ linear: 0.28, angular: 0 }}
+          sent="w × 3"
+        ></t-drive-readout>`,
+      },
       {
         name: "driving",
         show: () => html`<t-drive-readout

@@ -8,6 +8,7 @@ import {
   alarmSoundContext,
   apiContext,
   connectionContext,
+  deviceHoldersContext,
   interlocksContext,
   liveContext,
   reachContext,
@@ -19,6 +20,7 @@ import {
 } from "../../state/contexts.js";
 import { AlarmSound } from "../../state/alarm-sound.js";
 import { Alarms } from "../../state/alarms.js";
+import { DeviceHolders } from "../../state/device-holders.js";
 import { Interlocks } from "../../state/interlocks.js";
 import { LiveValues } from "../../state/live.js";
 import { Reach } from "../../state/reach.js";
@@ -50,6 +52,7 @@ export class App extends LitElement {
   });
   private readonly alarms = new Alarms(this.connection);
   private readonly alarmSound = new AlarmSound(storage());
+  private readonly deviceHolders = new DeviceHolders(this.connection);
   private readonly interlocks = new Interlocks(this.connection);
   private readonly live = new LiveValues(this.connection);
   private readonly reach = new Reach(this.connection);
@@ -69,6 +72,7 @@ export class App extends LitElement {
     new ContextProvider(this, { context: alarmSoundContext, initialValue: this.alarmSound });
     new ContextProvider(this, { context: apiContext, initialValue: this.api });
     new ContextProvider(this, { context: connectionContext, initialValue: this.connection });
+    new ContextProvider(this, { context: deviceHoldersContext, initialValue: this.deviceHolders });
     new ContextProvider(this, { context: interlocksContext, initialValue: this.interlocks });
     new ContextProvider(this, { context: liveContext, initialValue: this.live });
     new ContextProvider(this, { context: reachContext, initialValue: this.reach });

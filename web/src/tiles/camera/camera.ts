@@ -11,6 +11,7 @@ import "../../elements/camera/camera-view.js";
 import type { CameraLink, CameraView } from "../../elements/camera/camera-view.js";
 import type { Shot } from "../../generated/wire.js";
 import { MediaSocket, mediaPath, socketUrl } from "../../wire/media.js";
+import { ContrastCheck } from "./contrast.js";
 import "./film-button.js";
 import { Film, playsFilms } from "./film.js";
 import { InStep, type Seen } from "./in-step.js";
@@ -84,6 +85,7 @@ export class Camera extends LitElement {
   private readonly link = new LinkController(this);
   private socket: MediaSocket | null = null;
   private newest: Newest | null = null;
+  private readonly contrast = new ContrastCheck();
   private film: Film | null = null;
   private forms: readonly string[] | null = null;
   private last: Shot | null = null;
@@ -282,6 +284,13 @@ export class Camera extends LitElement {
 
   private draw(picture: Picture, shot: Shot): void {
     const now = performance.now();
+    if (!this.contrast.shows(picture, now)) {
+      // The last good one stays and grows old: it turns grey, and the vehicle slows down.
+      picture.close();
+      this.media = "bad";
+      this.why = "The picture shows nothing: no contrast at all. Is the lens covered, or the line too narrow?";
+      return;
+    }
     this.view.draw(picture);
     this.seen = this.inStep.seen(now);
     if (this.media === "bad") {

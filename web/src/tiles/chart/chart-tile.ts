@@ -20,7 +20,7 @@ import type { ValueState } from "../../elements/value.js";
 import { formatAge } from "../../format/duration.js";
 import { levelOf } from "../../format/level.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
-import { stateWord } from "../../format/reading.js";
+import { outOfRange, stateWord } from "../../format/reading.js";
 import { formatClock } from "../../format/time.js";
 import type { AlarmMark } from "../../series/alarm-marks.js";
 import { outlierWords } from "../../series/outlier-words.js";
@@ -129,7 +129,9 @@ export class ChartTile extends LitElement {
     if (this.reach.store?.of(this.feed?.site ?? "", deviceOf(this.signal?.address ?? "")) !== undefined) return "unreached";
     const age = this.feed?.ageOf(this.signal?.channels[0] ?? "") ?? NaN;
     if (Number.isNaN(age)) return "unknown";
-    return this.cut || age > (this.signal?.max_age ?? 0) ? "stale" : "live";
+    if (this.cut || age > (this.signal?.max_age ?? 0)) return "stale";
+    const newest = this.feed?.channel(this.signal?.channels[0] ?? "").trace.newest ?? NaN;
+    return this.signal !== null && outOfRange(this.signal, newest) ? "outside" : "live";
   }
 
   private status(): TemplateResult {
@@ -137,6 +139,8 @@ export class ChartTile extends LitElement {
     switch (this.freshness()) {
       case "live":
         return html`<t-status kind="online" word="live"></t-status>`;
+      case "outside":
+        return html`<t-status kind="warn" word="out of range"></t-status>`;
       case "stale":
         return html`<t-status kind="stale" word="stale, ${formatAge(age)}"></t-status>`;
       case "unknown":

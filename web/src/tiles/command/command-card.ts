@@ -9,6 +9,7 @@ import "../../elements/command/command.js";
 import { lockWords } from "../../format/interlock.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { CommandInfo, DeviceInfo } from "../../wire/api.js";
+import { interruptDialog } from "./interrupt.js";
 
 @customElement("t-command-card")
 export class CommandCard extends LitElement {
@@ -43,15 +44,17 @@ export class CommandCard extends LitElement {
     const cancel = (): void => {
       this.line?.cancel(device.id, command.id);
     };
+    const asked = this.line?.desk.latest(device.id, command.id) ?? null;
     return html`<t-command
       .command=${command}
-      .asked=${this.line?.desk.latest(device.id, command.id) ?? null}
+      .asked=${asked}
       .online=${this.online}
       .locked=${lock === null ? "" : lockWords(lock)}
       .allowed=${device.rights.includes("use")}
       @t-ask=${ask}
       @t-cancel=${cancel}
-    ></t-command>`;
+      ></t-command
+      >${interruptDialog([asked], this.line)}`;
   }
 }
 

@@ -13,6 +13,7 @@ import { PHASES } from "../../elements/command/phases.js";
 import { lockWords } from "../../format/interlock.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { DeviceInfo } from "../../wire/api.js";
+import { interruptDialog } from "./interrupt.js";
 import type { Deed } from "../observatory/roles.js";
 import "../../elements/button.js";
 import "../../elements/dialog.js";
@@ -95,7 +96,7 @@ export class Deeds extends LitElement {
         this.locks(),
         ([why, names]) => html`<div class="locked"><t-icon name="lock"></t-icon><span>${names.join(", ")}: ${why}</span></div>`,
       )}
-      ${this.dialog()}`;
+      ${this.dialog()}${interruptDialog(this.news(), this.line)}`;
   }
 
   private button(deed: Deed): TemplateResult {

@@ -146,6 +146,7 @@ export class DrivePad extends LitElement {
       <t-drive-readout
         .asked=${machine.asked}
         .told=${told ?? NO_MOTION}
+        .sent=${told?.sent ?? ""}
         .measured=${this.measured()}
         .cap=${this.cap()}
         .refusal=${state.kind === "mine" && !this.stopped ? (told?.why ?? "") : ""}

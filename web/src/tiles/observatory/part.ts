@@ -4,14 +4,14 @@ import { css, html, LitElement, nothing } from "lit";
 import { property } from "lit/decorators.js";
 import type { CommandLine } from "../../controllers/drive/command-line.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
-import { stateWord } from "../../format/reading.js";
+import { outOfRange, stateWord } from "../../format/reading.js";
 import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api.js";
 import type { Known } from "./verdict.js";
 
 /** Stands in before the page has handed a device over. */
 export const NO_DEVICE: DeviceInfo = {
   id: "", name: "", kind: "other", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "",
-  pointing: null, rights: [],
+  pointing: null, unguarded: false, rights: [],
 };
 
 export const partStyle = css`
@@ -69,13 +69,13 @@ export abstract class Part extends LitElement {
     this.live.observe(this.site, signals.flatMap((signal) => signal?.channels.slice(0, 1) ?? []));
   }
 
-  /** A value that is old, or whose link is down, is not fresh, and its number is not to be believed. */
+  /** A value that is old or impossible, or whose link is down, is not fresh: its number is not to be believed. */
   protected known(signal: SignalInfo | undefined): Known {
     const channel = signal?.channels[0];
     if (signal === undefined || channel === undefined) return { fresh: false, value: Number.NaN, word: "" };
     const reading = this.live.reading(channel);
-    const fresh = this.online && this.live.freshness(channel, signal.max_age) === "live";
     const value = reading?.value ?? Number.NaN;
+    const fresh = this.online && this.live.freshness(channel, signal.max_age) === "live" && !outOfRange(signal, value);
     const word = signal.type === "state" ? stateWord(signal.states, value) : (reading?.text ?? "");
     return { fresh, value, word };
   }

@@ -74,11 +74,13 @@ export function limitLines(
         .flatMap((limit) => {
           const signal = signals.find(({ address }) => address === limit.signal);
           if (signal === undefined) return [];
-          const now = known(signal);
+          const other = signals.find(({ address }) => address === (limit.minus || limit.humidity));
+          const now = limit.minus + limit.humidity === "" ? known(signal) : apart(known(signal), other && known(other), limit.humidity !== "");
+          const less = limit.humidity !== "" ? "dew point" : other?.name;
           return [
             {
               rule: rule.name,
-              name: signal.name,
+              name: less === undefined ? signal.name : `${signal.name} minus ${less}`,
               signal: signal.address,
               stands: standsOf(limit, now),
               now: now.fresh ? (signal.type === "state" ? now.word : formatWithUnit(now.value, signal.unit, signal.decimals)) : "unknown",
@@ -91,6 +93,19 @@ export function limitLines(
   );
   const rank = { beyond: 0, unknown: 1, returning: 2, fine: 3 } as const;
   return [...lines].sort((a, b) => rank[a.stands] - rank[b.stands]);
+}
+
+/** How far two values are apart, or a temperature (°C) from the dew point at a humidity (%). */
+function apart(one: Known, other: Known | undefined, humid: boolean): Known {
+  const value = one.value - (humid ? dewPoint(one.value, other?.value ?? Number.NaN) : (other?.value ?? Number.NaN));
+  return { fresh: one.fresh && other?.fresh === true && !Number.isNaN(value), value, word: "" };
+}
+
+/** As the gateway computes it: the Magnus form with the coefficients of Alduchov and Eskridge (1996). */
+function dewPoint(temperature: number, humidity: number): number {
+  if (!(humidity > 0)) return Number.NaN;
+  const gamma = Math.log(Math.min(humidity, 100) / 100) + (17.625 * temperature) / (243.04 + temperature);
+  return (243.04 * gamma) / (17.625 - gamma);
 }
 
 function standsOf(limit: LimitInfo, { fresh, value, word }: Known): LimitLine["stands"] {

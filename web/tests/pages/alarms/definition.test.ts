@@ -9,13 +9,14 @@ test("a form says a definition, with only the keys of its kind", () => {
     definition: {
       name: "Low", kind: "limit", severity: "critical", record: true, signal: "power/voltage", above: null, below: 11.2,
       hysteresis: 0, delay: 0, clear_delay: 0, max_age: null, unknown_after: null, advice: "",
+      repeat: null, escalate: [], remind: null,
     },
   });
   expect(definitionOf({ kind: "limit", above: "eleven" })).toEqual({ wrong: "above" });
 });
 
 test("a definition fills the form, and comes back as it was", () => {
-  const definition = { name: "Door", kind: "state", severity: "info", record: false, signal: "a/door", is_one_of: ["open", "ajar"], is_not: [], delay: 2, clear_delay: 0, max_age: null, unknown_after: 60, advice: "Shut it." } as const;
+  const definition = { name: "Door", kind: "state", severity: "info", record: false, signal: "a/door", is_one_of: ["open", "ajar"], is_not: [], delay: 2, clear_delay: 0, max_age: null, unknown_after: 60, advice: "Shut it.", repeat: 60, escalate: [{ who: "eve", after: 300 }], remind: null } as const;
   expect(definitionOf(fieldsOf(definition))).toEqual({ definition });
 });
 

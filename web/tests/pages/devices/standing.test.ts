@@ -27,7 +27,7 @@ test("of a site only what is public stands on the public page, for an operator t
     states: [], frame: "local", max_age: 5, primary: true, public: open, channels: [`base/${id}`],
   });
   const device = (id: string, signals: SignalInfo[]): DeviceInfo => ({
-    id, name: id, kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, rights: ["use"],
+    id, name: id, kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, unguarded: false, rights: ["use"],
   });
   const detail: SiteDetail = {
     site: "agv", name: "A", zone: "UTC", online: true, since_us: 0, last_seen_us: 0, catalogue: "",

@@ -52,7 +52,7 @@ const DETAIL: SiteDetail = {
   site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, place: null, rules: [], enclosures: [], last_seen_us: 0,
   devices: [
     {
-      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, rights: [],
+      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, unguarded: false, rights: [],
       signals: [
         signal("left"),
         signal("volt", { unit: "V", primary: false }),

@@ -25,7 +25,7 @@ export function device(
   kind: DeviceInfo["kind"], signals: readonly SignalInfo[], commands: readonly CommandInfo[] = [], more: Partial<DeviceInfo> = {},
 ): DeviceInfo {
   return {
-    id: "it", name: "Anything", kind, signals, streams: [], commands, drive: null, public: false, link_loss: "", pointing: null,
+    id: "it", name: "Anything", kind, signals, streams: [], commands, drive: null, public: false, link_loss: "", pointing: null, unguarded: false,
     rights: ["view", "use"], ...more,
   };
 }

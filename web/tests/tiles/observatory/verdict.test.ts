@@ -5,16 +5,17 @@ import type { LimitInfo, RuleInfo } from "../../../src/wire/api.js";
 import { signal, state } from "./described.js";
 
 const limit = (more: Partial<LimitInfo>): LimitInfo => ({
-  signal: "it/wind", above: null, until_below: null, below: null, until_above: null, states: [], safe_states: [], ...more,
+  signal: "it/wind", minus: "", humidity: "", above: null, until_below: null, below: null, until_above: null, states: [], safe_states: [], ...more,
 });
 const rule = (limits: readonly LimitInfo[], lasting = 0): RuleInfo => ({
-  id: "weather", name: "Weather", conditions: [{ limits, lasting, link_lost: null }], hidden: 0, targets: [], dwell: 60,
+  id: "weather", name: "Weather", conditions: [{ limits, lasting, link_lost: null, sun: "" }], hidden: 0, targets: [], dwell: 60,
 });
 const WIND = rule([limit({ above: 45, until_below: 35 })], 2);
 const SIGNALS = [signal("wind", { unit: "km/h" }), state("rain", ["dry", "wet"])];
 const said = (more: Partial<InterlockNews> = {}): InterlockNews => ({
   t: "interlock_news", site: "s", interlock: "weather", name: "Weather", locked: false, unsafe: false, why: "", since_us: 0,
-  clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0, ...more,
+  clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0,
+  condition: "", no_override: "", ...more,
 });
 const wind = (value: number, fresh = true): ((of: { id: string }) => Known) => ({ id }) =>
   id === "wind" ? { fresh, value, word: "" } : { fresh, value: 0, word: "dry" };
@@ -83,4 +84,16 @@ test("a state that is none of the safe ones is beyond", () => {
   const safety = rule([limit({ signal: "it/rain", safe_states: ["dry"] })]);
   const lines = limitLines([safety], "it", SIGNALS, () => ({ fresh: true, value: 1, word: "wet" }));
   expect(lines[0]).toMatchObject({ stands: "beyond", limit: "unless dry" });
+});
+
+test("a temperature is judged by how far it is from the dew point, given or computed", () => {
+  const air = [signal("temperature", { unit: "°C" }), signal("dew_point", { unit: "°C" }), signal("humidity", { unit: "%" })];
+  const values: Readonly<Record<string, number>> = { temperature: 15, dew_point: 13, humidity: 85 };
+  const known = (silent: string) => ({ id }: { id: string }): Known => ({ fresh: id !== silent, value: values[id] ?? 0, word: "" });
+  for (const other of [{ minus: "it/dew_point" }, { humidity: "it/humidity" }]) {
+    const one = rule([limit({ signal: "it/temperature", below: 3, until_above: 4, ...other })]);
+    expect(limitLines([one], "it", air, known(""))[0]).toMatchObject({ stands: "beyond" });
+    const silent = Object.values(other)[0]?.slice(3) ?? "";
+    expect(limitLines([one], "it", air, known(silent))[0]).toMatchObject({ stands: "unknown", now: "unknown" });
+  }
 });

@@ -1,0 +1,74 @@
+"""Who is acting on a device, so that nobody else acts against them unasked. Pure.
+
+A holder is a person whose command is under way, or a safety sequence of the gateway's own. Whoever
+else has a hold that lasts longer than a command (a night's executor) takes one with `hold`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ["DeviceHolders", "Holder"]
+
+
+class Holder(NamedTuple):
+    """One who acts on a device.
+
+    Attributes:
+        id: of what is under way: the command's.
+        device: on which it acts.
+        doing: what, in words for people.
+        who: asked for it.
+        since_ns: monotonic.
+        safety: of the gateway itself, to make things safe: nobody may go over it.
+
+    """
+
+    id: str
+    device: str
+    doing: str
+    who: str
+    since_ns: int
+    safety: bool = False
+
+    @property
+    def words(self) -> str:
+        """Who acts on what, for people."""
+        who = "the gateway itself" if self.safety else self.who
+        return f"{who} is acting on {self.doing}"
+
+
+class DeviceHolders:
+    """All who act now."""
+
+    def __init__(self) -> None:
+        """Begin with nobody."""
+        self._holders: dict[str, Holder] = {}
+
+    def hold(self, holder: Holder) -> None:
+        """Take in that somebody acts from now on."""
+        self._holders[holder.id] = holder
+
+    def release(self, holder_id: str) -> None:
+        """Take in that it has ended."""
+        self._holders.pop(holder_id, None)
+
+    def all(self) -> list[Holder]:
+        """Give all who act, in the order in which they began."""
+        return list(self._holders.values())
+
+    def get(self, holder_id: str) -> Holder | None:
+        """Give one who acts, by the id."""
+        return self._holders.get(holder_id)
+
+    def against(self, device: str, who: str) -> Holder | None:
+        """Give the one whom a command of ``who`` would act against; the gateway itself first.
+
+        What the same person asks for replaces what they asked for before.
+        """
+        found = [
+            each
+            for each in self._holders.values()
+            if each.device == device and (each.safety or each.who != who)
+        ]
+        return max(found, key=lambda each: (each.safety, each.since_ns), default=None)

@@ -1,0 +1,46 @@
+"""Says once that a file cannot be written, and once that it can be again."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from talaia.gateway.ports import Mouth
+
+__all__ = ["DiskTrouble"]
+
+log = logging.getLogger(__name__)
+
+
+class DiskTrouble:
+    """What the gateway's disk does not take now, by what is written. Event loop only."""
+
+    def __init__(self, mouth: Mouth | None = None) -> None:
+        """Start with a disk that works; without a ``mouth`` only the log hears of trouble."""
+        self._mouth = mouth
+        self._failing: set[str] = set()
+
+    def failing(self, what: str) -> bool:
+        """Tell whether the last write of it failed."""
+        return what in self._failing
+
+    def failed(self, what: str, error: OSError) -> None:
+        """Tell of a write that failed; ``what`` names what was written, as *journal*."""
+        if what in self._failing:
+            return
+        self._failing.add(what)
+        message = f"the gateway's {what} cannot be written: {error}"
+        log.warning("%s", message)
+        if self._mouth is not None:
+            self._mouth.note("disk_failed", "", message, "", good=False)
+
+    def worked(self, what: str) -> None:
+        """Tell of a write that came through."""
+        if what not in self._failing:
+            return
+        self._failing.discard(what)
+        message = f"the gateway's {what} is written again"
+        log.warning("%s", message)
+        if self._mouth is not None:
+            self._mouth.note("disk_recovered", "", message, "", good=True)

@@ -1,0 +1,70 @@
+"""The newest sample of each channel of this run: what counts when a link comes up. Pure."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray  # noqa: TC002 - kept with the other columns
+
+from talaia.wire.columns import Columns
+from talaia.wire.newest import NewestSamples
+
+__all__ = ["RunNewest"]
+
+# As many as fit the samples' column of channels.
+_CHANNELS = 65_536
+
+
+class RunNewest:
+    """One place for each channel, by its number in the `Roster`."""
+
+    def __init__(self) -> None:
+        """Begin with nothing known."""
+        self._sequence = np.full(_CHANNELS, -1, np.int64)
+        self._time_us = np.zeros(_CHANNELS, np.int64)
+        self._heard_ns = np.zeros(_CHANNELS, np.int64)
+        self._value = np.zeros(_CHANNELS, np.float64)
+        self._texts: dict[int, str] = {}
+
+    def update(
+        self, numbers: NDArray[np.uint16], columns: Columns, first: int, now_ns: int
+    ) -> None:
+        """Take a batch; of several samples of a channel the last counts.
+
+        Args:
+            numbers: of the samples' channels, in the roster.
+            columns: the samples; their own channels are not looked at.
+            first: sequence number of the first.
+            now_ns: when they were heard (monotonic).
+
+        """
+        self._sequence[numbers] = first + np.arange(len(columns))
+        self._time_us[numbers] = columns.time_us
+        self._heard_ns[numbers] = now_ns
+        self._value[numbers] = columns.value
+        for at, text in columns.texts.items():
+            self._texts[int(numbers[at])] = text
+
+    def known(self, order: NDArray[np.int64] | None, now_ns: int) -> NewestSamples:
+        """Give all that is known, by the channel list that counts now, in order of sequence.
+
+        Args:
+            order: see `Roster.order`; none where numbers are places.
+            now_ns: now (monotonic).
+
+        """
+        numbers = np.flatnonzero(self._sequence >= 0)
+        if order is not None:
+            numbers = numbers[numbers < order.size]
+            numbers = numbers[order[numbers] >= 0]
+        numbers = numbers[np.argsort(self._sequence[numbers])]
+        places = numbers if order is None else order[numbers]
+        texts = {
+            at: self._texts[number]
+            for at, number in enumerate(numbers.tolist())
+            if number in self._texts
+        }
+        return NewestSamples(
+            Columns(places.astype(np.uint16), self._time_us[numbers], self._value[numbers], texts),
+            self._sequence[numbers],
+            (now_ns - self._heard_ns[numbers]) / 1e6,
+        )

@@ -1,0 +1,140 @@
+"""Sends notices: mail, webhook, a command. Each by itself, so that one that hangs holds up none."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import datetime as dt
+import json
+import smtplib
+import ssl
+import urllib.request
+from email.message import EmailMessage
+from email.utils import formatdate, make_msgid
+from typing import TYPE_CHECKING
+
+from talaia.errors import TalaiaError
+from talaia.gateway.notice_settings import secret_of
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable
+
+    from talaia.gateway.notice_settings import CommandWay, MailWay, NoticeSettings, WebhookWay
+    from talaia.gateway.notices.standing import Notice
+
+__all__ = ["send_notice"]
+
+WITHIN_S = 20.0
+
+
+async def send_notice(settings: NoticeSettings, site: str, notice: Notice) -> dict[str, str]:
+    """Send by every way at once; give by way what went wrong, empty where it arrived."""
+    ways: dict[str, Awaitable[None]] = {}
+    for index, mail in enumerate(settings.mail):
+        name = f"mail {index + 1} ({mail.server})"
+        ways[name] = asyncio.to_thread(_send_mail, mail, site, notice)
+    for index, hook in enumerate(settings.webhook):
+        ways[f"webhook {index + 1}"] = asyncio.to_thread(_post, hook, site, notice)
+    for index, command in enumerate(settings.command):
+        name = f"command {index + 1} ({command.words[0]})"
+        ways[name] = _run_command(command, site, notice)
+    outcomes = await asyncio.gather(*ways.values(), return_exceptions=True)
+    said: dict[str, str] = {}
+    for name, outcome in zip(ways, outcomes, strict=True):
+        if isinstance(outcome, BaseException) and not isinstance(outcome, Exception):
+            raise outcome
+        said[name] = f"{type(outcome).__name__}: {outcome}" if outcome is not None else ""
+    return said
+
+
+def _title(site: str, notice: Notice) -> str:
+    return f"{site}: {'over: ' if notice.over else ''}{notice.message}".replace("\n", " ")[:200]
+
+
+def _body(site: str, notice: Notice) -> str:
+    moment = dt.datetime.fromtimestamp(notice.time_us / 1e6, dt.UTC)
+    return (
+        f"{moment:%Y-%m-%d %H:%M:%S} UTC  {_title(site, notice)}\n\n"
+        "Told by the site's gateway itself, for its hub is away."
+    )
+
+
+def _json(site: str, notice: Notice) -> bytes:
+    return json.dumps(
+        {
+            "key": notice.key,
+            "title": _title(site, notice),
+            "body": _body(site, notice),
+            "severity": "critical",
+            "sites": [site],
+            "time_us": notice.time_us,
+            "over": notice.over,
+        }
+    ).encode()
+
+
+def _send_mail(way: MailWay, site: str, notice: Notice) -> None:
+    message = EmailMessage()
+    message["From"], message["To"] = way.sender, ", ".join(way.to)
+    message["Subject"] = _title(site, notice)
+    message["Date"], message["Message-ID"] = formatdate(), make_msgid(domain="talaia.invalid")
+    message.set_content(_body(site, notice))
+    password = secret_of(way.password_file, way.password_env)
+    context = ssl.create_default_context()
+    with contextlib.ExitStack() as stack:
+        if way.security == "tls":
+            server: smtplib.SMTP = smtplib.SMTP_SSL(
+                way.server, way.port, timeout=WITHIN_S, context=context
+            )
+        else:
+            server = smtplib.SMTP(way.server, way.port, timeout=WITHIN_S)
+        stack.enter_context(server)
+        if way.security == "starttls":
+            server.starttls(context=context)
+        if way.user:
+            server.login(way.user, password)
+        server.send_message(message)
+
+
+class _NoRedirect(urllib.request.HTTPRedirectHandler):
+    """A token goes where it was meant to go, and nowhere else."""
+
+    def redirect_request(self, *_: object) -> None:
+        return None
+
+
+def _post(way: WebhookWay, site: str, notice: Notice) -> None:
+    headers = {"Content-Type": "application/json", "Idempotency-Key": notice.key}
+    if token := secret_of(way.token_file, way.token_env):
+        headers["Authorization"] = f"Bearer {token}"
+    # The settings take http and https only.
+    request = urllib.request.Request(way.url, _json(site, notice), headers, method="POST")  # noqa: S310
+    with urllib.request.build_opener(_NoRedirect).open(request, timeout=WITHIN_S):
+        pass
+
+
+async def _run_command(way: CommandWay, site: str, notice: Notice) -> None:
+    process = await asyncio.create_subprocess_exec(
+        *way.words, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.DEVNULL
+    )
+    try:
+        async with asyncio.timeout(WITHIN_S):
+            await process.communicate(_json(site, notice))
+    finally:
+        if process.returncode is None:
+            process.kill()
+            await process.wait()
+    if process.returncode:
+        raise CommandFailed(process.returncode)
+
+
+class CommandFailed(TalaiaError):
+    """A command that should have told people ended badly."""
+
+    def __init__(self, status: int) -> None:
+        """Take its exit status."""
+        super().__init__(status)
+        self.status = status
+
+    def __str__(self) -> str:
+        return f"it ended with {self.status}"

@@ -1,0 +1,106 @@
+"""The newest samples that former runs left in the spool. Reads files; changes nothing.
+
+After the gateway was killed, what its former run heard last may be nowhere but here, behind hours
+of older samples. So segments are read from the newest back, and only what is not known yet is
+looked for.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from talaia.gateway.spool.packing import unpacked
+from talaia.gateway.spool.segment import Kind, records
+from talaia.wire.columns import Columns, unpack
+from talaia.wire.errors import PeerError
+from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.newest import NewestSamples
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.gateway.spool.segment import Record
+
+__all__ = ["FormerNewest", "newest_in"]
+
+
+class FormerNewest(NamedTuple):
+    """The newest samples of one former run; channels are places in ``addresses``."""
+
+    boot: str
+    catalogue: str
+    addresses: list[str]
+    known: NewestSamples
+
+
+class _Found(NamedTuple):
+    sequence: int
+    time_us: int
+    value: float
+    text: str
+
+
+def newest_in(
+    data: bytes, boot: str, catalogue: str, addresses: list[str], known: set[str], now_us: int
+) -> FormerNewest | None:
+    """Give the newest sample in a segment of each channel that is not ``known``; none of none.
+
+    Args:
+        data: the segment's bytes.
+        boot: whose it is.
+        catalogue: its channel list's name.
+        addresses: its channel list.
+        known: addresses that are not looked for; those that are found are added.
+        now_us: the wall clock (UTC), for their age.
+
+    """
+    found: dict[str, _Found] = {}
+    for record in _batches(data):
+        frame = LINK_FROM_GATEWAY.decode(record.body)
+        if not isinstance(frame, Samples):
+            continue
+        columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+        named = frame.addresses or addresses
+        # The first of the reversed column is the last.
+        channels, at = np.unique(columns.channel[::-1], return_index=True)
+        for channel, back in zip(channels.tolist(), at.tolist(), strict=True):
+            place = len(columns) - 1 - back
+            if channel < len(named) and named[channel] not in known:
+                found[named[channel]] = _Found(
+                    record.first + place,
+                    int(columns.time_us[place]),
+                    float(columns.value[place]),
+                    columns.texts.get(place, ""),
+                )
+    known.update(found)
+    return _as_told(boot, catalogue, found, now_us) if found else None
+
+
+def _batches(data: bytes) -> Iterator[Record]:
+    for _, record in records(data):
+        if record.kind == Kind.SEGMENT:
+            continue
+        try:
+            yield from unpacked(record)
+        except PeerError:
+            # It is told as a gap when it is its turn to be sent.
+            continue
+
+
+def _as_told(boot: str, catalogue: str, found: dict[str, _Found], now_us: int) -> FormerNewest:
+    rows = sorted(found.items(), key=lambda row: row[1].sequence)
+    times = np.array([each.time_us for _, each in rows], np.int64)
+    columns = Columns(
+        np.arange(len(rows), dtype=np.uint16),
+        times,
+        np.array([each.value for _, each in rows], np.float64),
+        {at: each.text for at, (_, each) in enumerate(rows) if each.text},
+    )
+    sequence = np.array([each.sequence for _, each in rows], np.int64)
+    ages = np.maximum(0, now_us - times) / 1e3
+    return FormerNewest(
+        boot, catalogue, [address for address, _ in rows],
+        NewestSamples(columns, sequence, ages),
+    )  # fmt: skip

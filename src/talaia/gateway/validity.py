@@ -1,0 +1,148 @@
+"""What makes a value unknown although it arrives: out of range, frozen, or with an old stamp. Pure.
+
+A station's error codes (-999 km/h), a sensor whose driver repeats its last word for ever, and a
+relay that passes on old messages all look fresh. Unknown is unsafe, so whatever is judged for
+safety is asked here first.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import SECOND
+from talaia.model.site import SignalType
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.ports import Reading, Readings
+    from talaia.model.enclosure import Sighting
+    from talaia.model.site import Signal, Site
+
+__all__ = ["Validity", "range_problem", "span_of", "within_sighting", "word_of"]
+
+
+class _Same(NamedTuple):
+    """The bits of a value, and since when they are the same (ns, monotonic)."""
+
+    bits: bytes
+    since_ns: int
+
+
+class Validity:
+    """Judges the newest readings of a site by what is described of their signals."""
+
+    def __init__(self, readings: Readings, wall_ns: Callable[[], int]) -> None:
+        """Know nothing yet.
+
+        Args:
+            readings: the newest values.
+            wall_ns: the gateway's clock (UTC), for stamps of robots whose clocks agree with it.
+
+        """
+        self._readings = readings
+        self._wall_ns = wall_ns
+        self._same: dict[str, _Same] = {}
+
+    def observe(self, site: Site, now_ns: int) -> None:
+        """Note which values have changed since the last look; wants to be called often."""
+        for address in site.guarded():
+            signal = site.signal(address)
+            if signal is None or signal.frozen_after <= 0:
+                self._same.pop(address, None)
+            elif (reading := self._readings.latest(address)) is not None:
+                self._observe(address, reading.value, now_ns)
+
+    def _observe(self, address: str, value: float, now_ns: int) -> _Same:
+        bits = struct.pack("<d", value)
+        same = self._same.get(address)
+        if same is None or same.bits != bits:
+            same = self._same[address] = _Same(bits, now_ns)
+        return same
+
+    def problem(
+        self,
+        address: str,
+        signal: Signal,
+        reading: Reading,
+        max_age: float,
+        now_ns: int,
+    ) -> str:
+        """Say why a reading is unknown, whether or not it is fresh; empty when it counts.
+
+        Args:
+            address: ``device/signal``.
+            signal: its description.
+            reading: its newest.
+            max_age: what is older counts for nothing (s).
+            now_ns: monotonic.
+
+        """
+        return (
+            range_problem(signal, reading.value)
+            or self._stamp_problem(signal, reading, max_age, now_ns)
+            or self._frozen_problem(address, signal, reading, now_ns)
+        )
+
+    def _stamp_problem(self, signal: Signal, reading: Reading, max_age: float, now_ns: int) -> str:
+        if not signal.source.stamp:
+            return ""
+        limit_ns = round(max_age * SECOND)
+        if now_ns - reading.arrived_ns <= limit_ns < now_ns - reading.mono_ns:
+            still = span_of((now_ns - reading.mono_ns) / SECOND)
+            return f"{signal.name}: its own time stamp has stood still for {still}"
+        if not signal.source.synchronized:
+            return ""
+        lag_ns = self._wall_ns() - reading.stamp_ns
+        if abs(lag_ns) <= limit_ns:
+            return ""
+        side = "behind" if lag_ns > 0 else "ahead of"
+        away = span_of(abs(lag_ns) / SECOND)
+        return f"{signal.name}: its own time stamp is {away} {side} the gateway's clock"
+
+    def _frozen_problem(self, address: str, signal: Signal, reading: Reading, now_ns: int) -> str:
+        if signal.frozen_after <= 0:
+            return ""
+        still_ns = now_ns - self._observe(address, reading.value, now_ns).since_ns
+        if still_ns < round(signal.frozen_after * SECOND):
+            return ""
+        shown = f"{reading.value:g}{_unit(signal)}"
+        return f"{signal.name}: exactly {shown} for {span_of(still_ns / SECOND)}, so it is frozen"
+
+
+def range_problem(signal: Signal, value: float) -> str:
+    """Say that a number is outside its signal's own minimum and maximum; empty when it is not."""
+    low, high, unit = signal.minimum, signal.maximum, _unit(signal)
+    if signal.type is not SignalType.NUMBER:
+        return ""
+    if (low is None or value >= low) and (high is None or value <= high):
+        return ""
+    if low is not None and high is not None:
+        return f"{signal.name}: {value:g}{unit} is outside {low:g} … {high:g}{unit}"
+    limit, side = (low, "below its minimum") if high is None else (high, "above its maximum")
+    return f"{signal.name}: {value:g}{unit} is {side}, {limit:g}{unit}"
+
+
+def within_sighting(sighting: Sighting, value: float) -> bool:
+    """Tell whether a number is as a sighting wants it."""
+    high = sighting.above is None or value > sighting.above
+    return high and (sighting.below is None or value < sighting.below)
+
+
+def word_of(signal: Signal, value: float) -> str:
+    """Give a value as people say it: ``100 %``, ``closed``."""
+    if signal.type is SignalType.STATE and value == int(value) and 0 <= value < len(signal.states):
+        return signal.states[int(value)]
+    return f"{value:g}{_unit(signal)}"
+
+
+def span_of(seconds: float) -> str:
+    """Give a time as people say it: ``12 s``, ``10 min``, ``3 h``."""
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.0f} h"
+
+
+def _unit(signal: Signal) -> str:
+    return f" {signal.unit}" if signal.unit else ""

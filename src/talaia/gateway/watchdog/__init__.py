@@ -1,0 +1,1 @@
+"""An independent process that closes enclosures when the gateway is dead or stands still."""

@@ -1,0 +1,283 @@
+"""Closes enclosures without a gateway: ``python -m talaia.gateway.watchdog.closing``.
+
+It reads one line, a `Job`, from its input, joins the connections that the enclosures need and no
+others, and keeps them closed by the gateway's own rules (order, deadlines, retries, sensors). It
+ends with 0 when the sensors have said *closed* for a while, and when its input ends.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+import sys
+import threading
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.clock import SECOND, SystemClock
+from talaia.errors import TalaiaError
+from talaia.gateway.adapters.catalog import adapter_of
+from talaia.gateway.adapters.many import Many, Post
+from talaia.gateway.interlocks import Interlocks
+from talaia.gateway.ports import Filming, Outlets
+from talaia.gateway.reach import Reach
+from talaia.gateway.share import shares_of
+from talaia.gateway.watchdog.needed import closing_site
+from talaia.model.arguments import fields_of
+from talaia.model.load import load_site
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from talaia.clock import Clock
+    from talaia.gateway.ports import Adapter, Outcome
+    from talaia.gateway.share import Share
+    from talaia.model.interlock import Step
+    from talaia.wire.columns import Columns
+    from talaia.wire.frames import FromGateway, Picture
+
+__all__ = ["Job", "Record", "main"]
+
+log = logging.getLogger("talaia.watchdog")
+LOOK_S = 0.1
+# To join the robot's protocol and hear every sensor; then it closes by what it has.
+JOIN_S = 5.0
+# The sensors must say *closed* for so long: one good reading may be a bouncing switch.
+STEADY_S = 3.0
+
+
+class Job(msgspec.Struct, frozen=True, kw_only=True):
+    """What is to be closed.
+
+    Attributes:
+        description: the site's, as YAML.
+        folder: where it stands: relative paths in it begin there.
+        domain: a ROS domain that overrides the description's.
+        record: file to which what was done is added, one JSON object a line; empty: nowhere.
+
+    """
+
+    description: str
+    folder: str
+    domain: int | None = None
+    record: str = ""
+
+
+class Record(msgspec.Struct, frozen=True, kw_only=True):
+    """What was done, for the gateway that comes back. Time: µs since the epoch (UTC)."""
+
+    time_us: int
+    kind: str
+    message: str
+    good: bool
+
+
+class _Recorder:
+    """A `Mouth` and an `EventSink`: to the log and to the record."""
+
+    def __init__(self, path: str, clock: Clock) -> None:
+        self._path = path
+        self._clock = clock
+
+    def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+        log.info("%s %s %s %s", kind, device, message, who)
+        if not self._path:
+            return
+        time_us = self._clock.wall_ns() // 1000
+        said = Record(time_us=time_us, kind=kind, message=f"watchdog: {message}", good=good)
+        try:
+            with Path(self._path).open("ab") as file:
+                file.write(msgspec.json.encode(said) + b"\n")
+        except OSError as error:
+            # It closes first; a disk that is full or broken keeps nothing open.
+            log.warning("what was done cannot be written down: %s", error)
+
+    def tell(
+        self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
+    ) -> None:
+        log.info("%s %s %s %s", kind, device, message, who)
+
+    def send(self, message: FromGateway) -> None:
+        """Tell no hub."""
+
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+        """Drive nothing."""
+
+    def stop(self, device: str, *, stopped: bool) -> None:
+        """Stop nothing."""
+
+
+class _NoSamples:
+    """A `SampleSink` and a `PictureSink` that take nothing."""
+
+    def put(self, columns: Columns) -> None:
+        pass
+
+    def asked(self, stream: str) -> Collection[str]:
+        return ()
+
+    def key_due(self, stream: str, form: str) -> bool:
+        return False
+
+    def room(self) -> float:
+        return 0.0
+
+    def look(
+        self,
+        stream: str,
+        stamp: tuple[int, int, int],
+        decode: Callable[[], NDArray[np.uint8] | None],
+    ) -> None:
+        pass
+
+    def offer(self, picture: Picture) -> None:
+        pass
+
+    def filming(self, stream: str, time_us: int) -> Filming:
+        return Filming.NO
+
+    def film(self, picture: Picture) -> None:
+        pass
+
+    def trouble(self, stream: str, why: str) -> None:
+        pass
+
+
+class Closing:
+    """Keeps enclosures closed. Event loop only."""
+
+    def __init__(self, job: Job, clock: Clock) -> None:
+        """Join what is needed.
+
+        Raises:
+            TalaiaError: the description cannot be read, or a connection cannot be used here.
+
+        """
+        self._clock = clock
+        self._site = site = closing_site(load_site(job.description))
+        self._recorder = _Recorder(job.record, clock)
+        loop = asyncio.get_running_loop()
+        of = {name: site.connection_of(name) for name in site.devices}
+        reach = Reach(of, clock, lambda _state: None)
+        nothing = _NoSamples()
+        outlets = Outlets(
+            clock, nothing, nothing, self._recorder, Path(job.folder), job.domain, site=site.name
+        )
+        adapters: dict[str, tuple[Adapter, Post]] = {}
+        for share in shares_of(site):
+            if share.devices:
+                adapters[share.name] = self._joined(share, outlets, Post(share.name, loop, reach))
+        self._adapter = Many(
+            of, adapters, reach, self._recorder, lambda _devices: None, lambda _devices: None
+        )
+        self._interlocks = Interlocks(
+            site,
+            self._adapter,
+            self._recorder,
+            self._run_steps,
+            clock.monotonic_ns(),
+            clock.wall_ns,
+        )
+        self._closed_ns: int | None = None
+
+    @staticmethod
+    def _joined(share: Share, outlets: Outlets, post: Post) -> tuple[Adapter, Post]:
+        return adapter_of(share, outlets, post), post
+
+    async def run(self) -> None:
+        """Close, and keep closed until the sensors have said so for a while."""
+        self._recorder.note(
+            "watchdog_closes", "", "the gateway is dead or stands still", "", good=False
+        )
+        joining = asyncio.ensure_future(self._adapter.run())
+        # What is asked before anything is reached is refused, and time goes by until it is again.
+        until_ns = self._clock.monotonic_ns() + round(JOIN_S * SECOND)
+        try:
+            while not joining.done():
+                now = self._clock.monotonic_ns()
+                if now >= until_ns or self._reached():
+                    until_ns = now
+                    self._interlocks.step(now)
+                    if self._settled(now):
+                        self._recorder.note("watchdog_closed", "", "all is closed", "", good=True)
+                        return
+                await asyncio.sleep(LOOK_S)
+            joining.result()
+        finally:
+            joining.cancel()
+            await asyncio.gather(joining, return_exceptions=True)
+
+    def _reached(self) -> bool:
+        return all(self._adapter.latest(each) is not None for each in self._site.guarded())
+
+    def _settled(self, now_ns: int) -> bool:
+        """Tell whether all is closed, and the telescopes are parked or had their time."""
+        rules = self._site.enclosures
+        states = [self._interlocks.enclosure_seen(name, now_ns) for name in rules]
+        if not all(seen.closed is True and not seen.moving for seen in states):
+            self._closed_ns = None
+            return False
+        if self._closed_ns is None:
+            self._closed_ns = now_ns
+        waited = (now_ns - self._closed_ns) / SECOND
+        patience = max(each.mount_within for each in rules.values())
+        parked = all(
+            each.park is None or seen.parked
+            for each, seen in zip(rules.values(), states, strict=True)
+        )
+        return waited >= STEADY_S and (parked or waited >= patience)
+
+    def _run_steps(self, label: str, steps: tuple[Step, ...]) -> None:
+        """See `Runner`. Each is sent at once: what waits for what is the enclosure guard's rule."""
+        for step in steps:
+            device, _, name = step.command.partition("/")
+            command = self._site.devices[device].commands[name]
+            fields = fields_of(command, step.args)
+            if isinstance(fields, str):
+                self._recorder.note("watchdog_failed", device, fields, "", good=False)
+                continue
+            self._recorder.note(
+                "watchdog_command", device, f"{label}: {step.command}", "", good=True
+            )
+            self._adapter.act(device, name, fields, partial(self._ended, step.command))
+
+    def _ended(self, command: str, outcome: Outcome) -> None:
+        log.info("%s %s %s", command, outcome.phase, outcome.message)
+
+
+def _end_with_input() -> None:
+    """End when the watchdog has ended, however it did."""
+    # Not by `sys.stdin`: a thread that waits in there keeps the interpreter from ending cleanly.
+    while os.read(0, 1):
+        pass
+    os._exit(0)
+
+
+async def _run(job: Job) -> None:
+    await Closing(job, SystemClock()).run()
+
+
+def main() -> int:
+    """Close; 0 when all is closed, 1 when that failed and is to be tried again."""
+    logging.basicConfig(
+        level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s"
+    )
+    job = msgspec.json.decode(sys.stdin.buffer.readline(), type=Job)
+    threading.Thread(target=_end_with_input, daemon=True).start()
+    try:
+        asyncio.run(_run(job))
+    except TalaiaError as error:
+        log.critical("%s", error)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

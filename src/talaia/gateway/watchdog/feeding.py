@@ -1,0 +1,244 @@
+"""The gateway's side of its watchdog: starts the process, feeds it, and dismisses it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import json
+import logging
+import os
+import select
+import signal
+import socket
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.gateway.watchdog.child import ALREADY
+from talaia.gateway.watchdog.closing import Job, Record
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from talaia.model.site import Site
+
+__all__ = ["Watchdog", "dismiss", "taken_records"]
+
+log = logging.getLogger(__name__)
+# A watchdog that is asked to leave ends what it has begun; after this it is killed.
+LEAVE_S = 5.0
+START_S = 10.0
+# One that died is begun anew, no sooner than this.
+AGAIN_S = 5.0
+# Kept unread on the line at the most; a watchdog that stands still must not hold up the gateway.
+MOST_UNSENT = 16 * 1024 * 1024
+
+
+def dismiss(lock: Path) -> bool:
+    """End the watchdog that an earlier run of this gateway left, and what it is doing.
+
+    Blocks until it has ended. Gives whether there was one.
+    """
+    try:
+        file = os.open(lock, os.O_RDWR | os.O_CLOEXEC)
+    except OSError:
+        return False
+    try:
+        if _acquire(file):
+            return False
+        pid = _holder(file)
+        if not pid:
+            return False
+        with contextlib.suppress(ProcessLookupError):
+            process = os.pidfd_open(pid)
+            try:
+                if _acquire(file):
+                    return True
+                for number in (signal.SIGTERM, signal.SIGKILL):
+                    signal.pidfd_send_signal(process, number)
+                    # A frozen one hears nothing else.
+                    signal.pidfd_send_signal(process, signal.SIGCONT)
+                    if select.select([process], [], [], LEAVE_S)[0]:
+                        break
+            finally:
+                os.close(process)
+    except (OSError, ValueError) as error:
+        log.warning("an older watchdog cannot be ended: %s", error)
+        return False
+    finally:
+        os.close(file)
+    return True
+
+
+def _holder(file: int) -> int:
+    """Give the number of the process that holds the lock; 0 when it has just let go."""
+    for _ in range(100):
+        # It writes its number a moment after it has the lock, and blanks before that.
+        if number := os.pread(file, 20, 0).strip():
+            return int(number)
+        if _acquire(file):
+            return 0
+        time.sleep(0.02)
+    raise ValueError("it has left no process number")
+
+
+def _acquire(file: int) -> bool:
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def taken_records(path: Path) -> list[Record]:
+    """Give what a watchdog has written down, once."""
+    try:
+        lines = path.read_bytes().splitlines()
+        path.unlink()
+    except OSError:
+        return []
+    records = []
+    for line in lines:
+        with contextlib.suppress(msgspec.DecodeError):
+            records.append(msgspec.json.decode(line, type=Record))
+    return records
+
+
+class Watchdog:
+    """One gateway's watchdog. Event loop only."""
+
+    def __init__(
+        self, data: Path, folder: Path, domain: int | None, trouble: Callable[[str], None]
+    ) -> None:
+        """Start nothing yet.
+
+        Args:
+            data: the gateway's data folder.
+            folder: where the description stands.
+            domain: a ROS domain that overrides the description's.
+            trouble: told in words when there is no watchdog though there should be one.
+
+        """
+        self._lock = data / "watchdog.lock"
+        self._record = data / "watchdog.jsonl"
+        self._folder = folder
+        self._domain = domain
+        self._trouble = trouble
+        self._said_trouble = False
+        self._line: socket.socket | None = None
+        self._unsent = b""
+        self._setting = b""
+        self._after_s = 0.0
+        self._begin_s = 0.0
+        self._starting = False
+
+    @property
+    def wanted(self) -> bool:
+        """Whether the description has an enclosure that it may close."""
+        return self._after_s > 0
+
+    def describe(self, site: Site, said: str) -> None:
+        """Watch for this description (and its text) from here on."""
+        times = [each.watchdog_after for each in site.enclosures.values() if each.watchdog_after]
+        self._after_s = min(times, default=0.0)
+        job = Job(
+            description=said,
+            folder=str(self._folder.resolve()),
+            domain=self._domain,
+            record=str(self._record.resolve()),
+        )
+        setting = {"after": self._after_s, "job": msgspec.to_builtins(job)}
+        self._setting = json.dumps(setting).encode() + b"\n"
+        if self._line is not None:
+            self._send(self._setting)
+
+    async def take_over(self) -> list[Record]:
+        """End the watchdog of an earlier run; give what it has done."""
+        if await asyncio.to_thread(dismiss, self._lock):
+            log.warning("the watchdog of an earlier run has been dismissed")
+        return self.records()
+
+    def records(self) -> list[Record]:
+        """Give what watchdogs have done since this was last asked."""
+        return taken_records(self._record)
+
+    async def keep(self, now_s: float) -> None:
+        """Start the process if there should be one and is none (``now_s``: monotonic)."""
+        if not self.wanted or self._line is not None or self._starting or now_s < self._begin_s:
+            return
+        self._starting, self._begin_s = True, now_s + AGAIN_S
+        try:
+            problem = await self._start()
+        finally:
+            self._starting = False
+        if problem and not self._said_trouble:
+            self._said_trouble = True
+            self._trouble(problem)
+
+    async def _start(self) -> str:
+        ours, theirs = socket.socketpair()
+        words = [sys.executable, "-m", "talaia.gateway.watchdog.child", str(self._lock)]
+        try:
+            status = await asyncio.to_thread(
+                subprocess.call,
+                words,
+                stdin=theirs.fileno(),
+                stdout=subprocess.DEVNULL,
+                timeout=START_S,
+            )
+        except (OSError, subprocess.TimeoutExpired) as error:
+            ours.close()
+            return f"the watchdog process cannot be started: {error}"
+        except asyncio.CancelledError:
+            ours.close()
+            raise
+        finally:
+            theirs.close()
+        if status:
+            ours.close()
+            why = "another one runs" if status == ALREADY else f"it ended with {status}"
+            return f"the watchdog process cannot be started: {why}"
+        ours.settimeout(0)
+        self._line, self._unsent, self._said_trouble = ours, b"", False
+        self._send(self._setting)
+        return ""
+
+    def beat(self) -> None:
+        """Give a sign of life; only after the interlocks have really been judged."""
+        # What is under way says as much; a line that is full is not filled further.
+        self._send(b"" if self._unsent else b'"beat"\n')
+
+    def _send(self, data: bytes) -> None:
+        if self._line is None:
+            return
+        self._unsent += data
+        try:
+            while self._unsent:
+                sent = self._line.send(self._unsent)
+                self._unsent = self._unsent[sent:]
+        except BlockingIOError:
+            if len(self._unsent) > MOST_UNSENT:
+                self._lose("it does not read")
+        except OSError as error:
+            self._lose(str(error))
+
+    def _lose(self, why: str) -> None:
+        if self._line is not None:
+            self._line.close()
+            self._line = None
+        log.warning("the watchdog process was lost (%s); it is begun anew", why)
+
+    async def goodbye(self) -> None:
+        """End the process: this gateway ends as it was asked to."""
+        if self._line is None:
+            return
+        self._send(b'"goodbye"\n')
+        if self._line is not None:
+            self._line.close()
+            self._line = None
+        await asyncio.to_thread(dismiss, self._lock)

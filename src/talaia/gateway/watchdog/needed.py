@@ -1,0 +1,86 @@
+"""The part of a site that closing its enclosures needs. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.model.connection import Ros1Connection, Ros2Connection
+from talaia.model.interlock import Condition, Interlock
+
+if TYPE_CHECKING:
+    from talaia.model.connection import Connection
+    from talaia.model.enclosure import Enclosure
+    from talaia.model.interlock import Step
+    from talaia.model.site import Site
+
+__all__ = ["closing_site"]
+
+GONE = "gateway_gone"
+
+
+def closing_site(site: Site) -> Site:
+    """Give the part of a site that closing needs, with one interlock: the gateway is gone."""
+    enclosures = {
+        name: msgspec.structs.replace(each, unsafe=(GONE,), follow=None)
+        for name, each in site.enclosures.items()
+        if each.watchdog_after
+    }
+    gone = Interlock(name="The gateway is gone", when=(Condition(link_lost=0.0),))
+    site = msgspec.structs.replace(
+        site,
+        interlocks={GONE: gone},
+        enclosures=enclosures,
+        recording=None,
+        alarms={},
+        services=None,
+        ros2=None,
+        connections={name: _under_own_name(each) for name, each in site.links().items()},
+        devices={
+            name: msgspec.structs.replace(
+                device,
+                connection=site.connection_of(name),
+                drive=None,
+                link_loss=None,
+                pointing=None,
+                streams={},
+                frames=None,
+            )
+            for name, device in site.devices.items()
+        },
+    )
+    steps = [step for each in enclosures.values() for step in _steps(each)]
+    commands = {step.command for step in steps} | {each.stop for each in enclosures.values()}
+    wanted = {each.partition("/")[0] for each in (*site.guarded(), *commands) if each}
+    return msgspec.structs.replace(
+        site,
+        devices={
+            name: msgspec.structs.replace(
+                device,
+                signals={
+                    key: each
+                    for key, each in device.signals.items()
+                    if f"{name}/{key}" in site.guarded()
+                },
+                commands={
+                    key: each
+                    for key, each in device.commands.items()
+                    if f"{name}/{key}" in commands
+                },
+            )
+            for name, device in site.devices.items()
+            if name in wanted
+        },
+    )
+
+
+def _steps(rule: Enclosure) -> list[Step]:
+    return [rule.close, *rule.abort, *([rule.park] if rule.park is not None else [])]
+
+
+def _under_own_name(connection: Connection) -> Connection:
+    """Join ROS as a node of another name: a master ends the older of two with the same one."""
+    if isinstance(connection, Ros1Connection | Ros2Connection):
+        return msgspec.structs.replace(connection, node=f"{connection.node}_watchdog")
+    return connection

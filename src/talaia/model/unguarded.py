@@ -1,0 +1,52 @@
+"""Says plainly which roofs and telescopes nothing keeps safe. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.model.site import DeviceKind
+
+if TYPE_CHECKING:
+    from talaia.model.site import Site
+
+__all__ = ["unguarded_devices", "unguarded_notice"]
+
+_UNDER_THE_SKY = frozenset({DeviceKind.DOME, DeviceKind.TELESCOPE})
+
+
+def unguarded_devices(site: Site) -> tuple[str, ...]:
+    """Give the domes and telescopes, by short name, that nothing closes or parks by itself.
+
+    Each is judged by itself: it needs an enclosure that closes or parks it, or an interlock that
+    runs a command of it.
+    """
+    guarded: set[str] = set()
+    for roof in site.enclosures.values():
+        steps = [roof.close, *([] if roof.park is None else [roof.park])]
+        steps += [part.close for part in roof.parts().values() if part.close is not None]
+        guarded |= {step.command.partition("/")[0] for step in steps}
+    for rule in site.interlocks.values():
+        guarded |= {step.command.partition("/")[0] for step in rule.run}
+    return tuple(
+        name
+        for name, device in site.devices.items()
+        if device.kind in _UNDER_THE_SKY and name not in guarded
+    )
+
+
+def unguarded_notice(site: Site) -> str:
+    """Say which domes and telescopes nothing keeps safe, and how to change it; empty if none."""
+    names = [site.devices[name].name for name in unguarded_devices(site)]
+    if not names:
+        return ""
+    if site.enclosures:
+        lacks = "no enclosure is about it"
+    elif site.interlocks:
+        lacks = "its interlocks close no roof, no enclosure"
+    else:
+        lacks = "there are no interlocks, no enclosure"
+    return (
+        f"{', '.join(names)}: nothing closes or parks by itself ({lacks}): "
+        "rain, wind or a lost weather station change nothing; docs/how-to/interlocks.md says how "
+        "to add them"
+    )

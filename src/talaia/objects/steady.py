@@ -1,0 +1,94 @@
+"""Counts for interlocks: steady while somebody is in view, though the detector wavers. Pure.
+
+A small detector sees a person in one picture and misses them in the next. Judged picture by
+picture an interlock would lock and let go every few seconds. So it keeps what it has seen in two
+ways, as a comparator with hysteresis does: a box is believed at a lower score where a sure one has
+just been, and a count falls only after it has been lower for a while. What rises counts at once.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.objects.eyes import counts_as
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from talaia.model.detection import Detect
+    from talaia.model.site import Source
+    from talaia.objects.things import Thing
+
+__all__ = ["SteadyCounts"]
+
+# A box that is this share as sure as must be, and lies where a counted one lay, counts on.
+KEPT_AT = 0.7
+# Without a sure box for so long, a weak one is a coat on a chair, and not a person.
+WEAK_US = 10_000_000
+# Area that both share, of the area that either covers.
+SAME_PLACE = 0.2
+
+
+class SteadyCounts:
+    """What interlocks are told of one camera."""
+
+    def __init__(self, detect: Detect) -> None:
+        """Have seen nothing yet."""
+        self._confidence = detect.confidence
+        self._hold_us = round(detect.hold * 1e6)
+        # What counted within the hold time, with when (µs).
+        self._counted: list[tuple[int, Thing]] = []
+        # By class: when a box was last sure enough by itself (µs).
+        self._sure_us: dict[str, int] = {}
+        # By signal: counts of the pictures within the hold time, with when (µs).
+        self._past: dict[str, list[tuple[int, int]]] = {}
+
+    def count(
+        self, things: Sequence[Thing], sources: Mapping[str, Source], at_us: int
+    ) -> dict[str, int]:
+        """Give the count for each signal after one more picture.
+
+        Args:
+            things: what the detector told of it.
+            sources: by signal; see `Eyes.count`.
+            at_us: when it was taken; a time before the last one begins anew.
+
+        """
+        if self._counted and at_us < self._counted[-1][0]:
+            self._counted, self._past, self._sure_us = [], {}, {}
+        for each in things:
+            if each.score >= self._confidence:
+                self._sure_us[each.label] = at_us
+        since_us = at_us - self._hold_us
+        before = [(when, each) for when, each in self._counted if when >= since_us]
+        believed = [each for each in things if self._believes(each, before, at_us)]
+        self._counted = [*before, *((at_us, each) for each in believed)]
+        counts = {}
+        for name, source in sources.items():
+            now = sum(counts_as(source, each) for each in believed)
+            past = [each for each in self._past.get(name, []) if each[0] >= since_us]
+            # Only what could still be the greatest is kept.
+            kept = [each for each in past if each[1] > now]
+            self._past[name] = [*kept, (at_us, now)]
+            counts[name] = max(many for _, many in self._past[name])
+        return counts
+
+    def _believes(self, thing: Thing, before: Sequence[tuple[int, Thing]], at_us: int) -> bool:
+        if thing.score >= self._confidence:
+            return True
+        if at_us - self._sure_us.get(thing.label, at_us) > WEAK_US:
+            return False
+        return thing.score >= self._confidence * KEPT_AT and any(
+            each.label == thing.label and _overlap(each, thing) >= SAME_PLACE for _, each in before
+        )
+
+
+def _overlap(one: Thing, other: Thing) -> float:
+    """Give the intersection over the union of two boxes, 0 to 1."""
+    width = min(one.right, other.right) - max(one.left, other.left)
+    height = min(one.bottom, other.bottom) - max(one.top, other.top)
+    if width <= 0 or height <= 0:
+        return 0.0
+    shared = width * height
+    both = sum((each.right - each.left) * (each.bottom - each.top) for each in (one, other))
+    return shared / (both - shared)

@@ -1,0 +1,162 @@
+"""A gateway knows the newest sample of every channel, of this run and of one that was killed."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from talaia.clock import HandClock
+from talaia.gateway.batching import Batcher, records_of
+from talaia.gateway.spool import journal
+from talaia.gateway.spool.journal import Head, Spool
+from talaia.gateway.spool.keeper import Keeper
+from talaia.gateway.uplink.catchup import CatchUp
+from talaia.gateway.uplink.lanes import Lanes
+from talaia.gateway.uplink.newest import NewestTeller
+from talaia.wire.columns import Columns
+from talaia.wire.frames import LINK_FROM_GATEWAY, Newest, Samples
+from talaia.wire.newest import newest_of
+
+pytestmark = pytest.mark.pure
+
+ADDRESSES = ["a/x", "a/y", "a/z"]
+
+
+def columns(*rows: tuple[int, int, float], texts: dict[int, str] | None = None) -> Columns:
+    return Columns(
+        np.array([row[0] for row in rows], np.uint16),
+        np.array([row[1] for row in rows], np.int64),
+        np.array([row[2] for row in rows], np.float64),
+        texts or {},
+    )
+
+
+def read(data: bytes | None) -> dict[int, tuple[int, float]]:
+    """Give what is told, by channel: number and value."""
+    assert data is not None
+    message = LINK_FROM_GATEWAY.decode(data)
+    assert isinstance(message, Newest)
+    told = newest_of(message)
+    rows = zip(
+        told.columns.channel.tolist(), told.sequence.tolist(), told.columns.value.tolist(),
+        strict=True,
+    )  # fmt: skip
+    return {channel: (number, value) for channel, number, value in rows}
+
+
+async def test_newest_of_this_run_goes_by_the_channel_list_that_counts_now() -> None:
+    batcher = Batcher(asyncio.get_running_loop(), "b", "c", 60.0, lambda _: None, lambda *_: None)
+    batcher.put(columns((0, 1, 1.0), (1, 2, 2.0), (0, 3, 3.0)))
+    batcher.put(columns((2, 4, np.nan), texts={0: "open"}))
+    batcher.flush()
+    told = batcher.newest()
+    assert told.columns.channel.tolist() == [1, 0, 2]
+    assert told.sequence.tolist() == [1, 2, 3]
+    assert told.columns.texts == {2: "open"}
+    assert (told.age_ms >= 0).all()
+    # The second is described no more, and the third has become the first.
+    batcher.redescribe("d", np.array([1, -1, 0], np.int64))
+    told = batcher.newest()
+    assert told.columns.channel.tolist() == [1, 0]
+    assert told.columns.texts == {1: "open"}
+
+
+def killed(folder: Path, runs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave what runs of a gateway leave that were killed: the first said all, the later ones x."""
+    monkeypatch.setattr(journal, "SEGMENT_BYTES", 1200)
+    for run in range(runs):
+        boot = f"boot-{run}"
+        spool = Spool(folder, Head(boot, "c", ADDRESSES), 1 << 30)
+        for number in range(30):
+            rows = [(0, number, run * 100.0 + number)]
+            if run == 0 and number == 3:
+                rows.append((2, number, 11.0))
+            (record,) = records_of(columns(*rows), boot, "c", spool_end(number, run))
+            spool.append(record)
+
+
+def spool_end(number: int, run: int) -> int:
+    """One sample a batch, and one more in the fourth of the first run."""
+    return number + (1 if run == 0 and number > 3 else 0)
+
+
+async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    killed(tmp_path, 2, monkeypatch)
+    batcher = Batcher(
+        asyncio.get_running_loop(), "boot-9", "c", 60.0, lambda _: None, lambda *_: None
+    )
+    keeper, lanes = (
+        Keeper(Spool(tmp_path, Head("boot-9", "c", ADDRESSES), 1 << 30)),
+        Lanes(lambda: None),
+    )
+    lanes.link_up()
+    teller = NewestTeller(batcher.newest, keeper, lanes, HandClock(), "boot-9")
+    for _ in range(2):  # the second time from memory
+        await teller.tell_former(lambda: ADDRESSES)
+        told = [LINK_FROM_GATEWAY.decode(data) for data in iter(lanes.next, None)]
+        found = {
+            message.addresses[channel]: (message.boot, number, value)
+            for message in told
+            if isinstance(message, Newest)
+            for channel, number, value in zip(
+                newest_of(message).columns.channel.tolist(),
+                newest_of(message).sequence.tolist(),
+                newest_of(message).columns.value.tolist(),
+                strict=True,
+            )
+        }
+        assert found == {"a/x": ("boot-1", 29, 129.0), "a/z": ("boot-0", 4, 11.0)}
+    # What this run has heard itself is not asked of former ones.
+    batcher.put(columns((2, 50, 12.0)))
+    batcher.flush()
+    await teller.tell_former(lambda: ADDRESSES)
+    (message,) = [LINK_FROM_GATEWAY.decode(data) for data in iter(lanes.next, None)]
+    assert isinstance(message, Newest)
+    assert [message.addresses[at] for at in newest_of(message).columns.channel] == ["a/x"]
+    await keeper.close()
+
+
+async def test_newest_goes_before_what_is_heard_after_it_and_is_told_again_when_live_ones_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Lanes, "MAX_LIVE", 600)
+    lanes = Lanes(lambda: None)
+    keeper = Keeper(Spool(tmp_path, Head("b", "c", ADDRESSES), 1 << 30))
+    batcher = Batcher(
+        asyncio.get_running_loop(), "b", "c", 60.0,
+        lambda record: lanes.live(record.body, record.first, record.end), lambda *_: None,
+    )  # fmt: skip
+    teller = NewestTeller(batcher.newest, keeper, lanes, HandClock(), "b")
+    batcher.put(columns((2, 1, 11.0)))
+    batcher.flush()
+    lanes.link_up()
+    teller.tell_run("c")
+    batcher.put(columns((0, 2, 1.0)))
+    batcher.flush()
+    assert read(lanes.next()) == {2: (0, 11.0)}
+    data = lanes.next()
+    assert data is not None
+    assert isinstance(LINK_FROM_GATEWAY.decode(data), Samples)
+    # Said once, and then so much of others that the lane is emptied.
+    batcher.put(columns((1, 3, 5.0)))
+    batcher.flush()
+    for at in range(20):
+        batcher.put(columns((0, 10 + at, 1.0 * at)))
+        batcher.flush()
+    assert lanes.overflowed is not None
+    catchup = CatchUp(keeper, lanes, "b", lambda: "c", 10**6, dropped=lambda: teller.tell_run("c"))
+    running = asyncio.ensure_future(catchup.run(batcher.next))
+    async with asyncio.timeout(10):
+        while lanes.overflowed is not None:  # noqa: ASYNC110 - looked at once a second
+            await asyncio.sleep(0.01)
+    told = [LINK_FROM_GATEWAY.decode(data) for data in iter(lanes.next, None)]
+    (message,) = [each for each in told if isinstance(each, Newest)]
+    assert newest_of(message).columns.value.tolist() == [11.0, 5.0, 19.0]
+    running.cancel()
+    await asyncio.gather(running, return_exceptions=True)
+    await keeper.close()

@@ -1,0 +1,185 @@
+"""Do the rows of the enclosure's table, and write it.
+
+    PYTHONPATH=src:tests python -m system.enclosure [--table FILE] [--minutes N] [--rows NAME …]
+
+Goes on where it was: what has passed for this state of the code is kept in build/enclosure.jsonl.
+Worlds run side by side, each a process of its own. The exit code is 1 when a run has found a
+violation, or not all has been run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import importlib.util
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+from pathlib import Path
+
+from ..conftest import absent_ros1
+from .results import PROTOCOLS, SEEDS, Results, Trial, table
+from .rows import ROWS, Row, Run, run_trial
+from .world import World
+
+ROOT = Path(__file__).resolve().parents[3]
+# A row that takes longer hangs.
+TRIAL_S = 180.0
+# A world is begun anew after so many trials: what a long life brings is the soak's matter.
+LIFE = 60
+LANES = {"ROS 2": 3, "ROS 1": 1, "INDI": 1}
+
+
+def code_state() -> str:
+    """Name the state of the code as `tools/proofs.py` does."""
+    spec = importlib.util.spec_from_file_location("proofs", ROOT / "tools" / "proofs.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["proofs"] = module
+    spec.loader.exec_module(module)
+    return str(module.code_state())
+
+
+def wanted(options: argparse.Namespace, protocol: str) -> list[tuple[Row, int]]:
+    """Give rows and seeds of a protocol: each row once before any row twice."""
+    rows = [row for row in ROWS if protocol in row.protocols]
+    if options.rows:
+        rows = [row for row in rows if row.name in options.rows]
+    if options.short and protocol != "ROS 2":
+        rows = [row for row in rows if row.short]
+    seeds = 1 if options.short else options.seeds or SEEDS[protocol]
+    return [(row, seed) for seed in range(1, seeds + 1) for row in rows]
+
+
+async def lane(options: argparse.Namespace) -> None:
+    """Do this process's share, in a world that is begun anew when something breaks."""
+    results = Results(options.results)
+    done = results.passed(options.state)
+    mine = [
+        (row, seed)
+        for row, seed in wanted(options, options.lane)
+        if (options.lane, row.name, seed) not in done
+    ][options.number :: options.of]
+    ends = time.monotonic() + options.minutes * 60
+    world: World | None = None
+    lived = 0
+    try:
+        for row, seed in mine:
+            if time.monotonic() > ends:
+                break
+            for attempt in range(2 if options.short else 1):
+                if world is not None and lived >= LIFE:
+                    await world.aclose()
+                    world = None
+                run = Run(None, random.Random(0), options.lane)  # type: ignore[arg-type] # noqa: S311
+                try:
+                    if world is None:
+                        world, lived = await begin(options.lane), 0
+                    async with asyncio.timeout(TRIAL_S):
+                        run = await run_trial(world, row, seed, options.lane)
+                    lived += 1
+                except Exception as error:  # noqa: BLE001 - what broke is a violation of the row
+                    run.breach(f"run: {type(error).__name__}: {error}"[:300])
+                    traceback.print_exc()
+                    if world is not None:
+                        await world.aclose()
+                    world = None
+                # A product's fault shows again; a stall of a machine that others use does not.
+                if not run.violations or attempt or not options.short:
+                    results.add(options.state, row, seed, run)
+                    break
+            told = f"closed {run.closed_s} told {run.told_s} {run.violations} {run.counted}"
+            print(f"{options.lane} {row.name} {seed}: {told}", flush=True)
+    finally:
+        if world is not None:
+            await world.aclose()
+
+
+async def begin(protocol: str) -> World:
+    """Start a world in a folder that goes with it."""
+    world = World(Path(tempfile.mkdtemp(prefix="enclosure-")), protocol)
+    try:
+        await world.open()
+    except BaseException:
+        await world.aclose()
+        raise
+    return world
+
+
+def there() -> list[str]:
+    """Give the protocols that this machine has."""
+    found = ["ROS 2"] if importlib.util.find_spec("rclpy") else []
+    found += [] if absent_ros1() else ["ROS 1"]
+    return [*found, *(["INDI"] if shutil.which("indiserver") else [])]
+
+
+def main() -> int:
+    """Run until all is done, or the time is over."""
+    parser = argparse.ArgumentParser("system.enclosure")
+    parser.add_argument("--table", type=Path)
+    parser.add_argument("--results", type=Path, default=ROOT / "build" / "enclosure.jsonl")
+    parser.add_argument("--minutes", type=float, default=1e6)
+    parser.add_argument("--seeds", type=int)
+    parser.add_argument("--rows", nargs="*")
+    parser.add_argument("--protocols", nargs="*", choices=PROTOCOLS)
+    parser.add_argument("--lanes", type=int, help="worlds of ROS 2 side by side")
+    parser.add_argument("--short", action="store_true", help="each row once")
+    parser.add_argument("--state")
+    parser.add_argument("--lane", choices=PROTOCOLS, help=argparse.SUPPRESS)
+    parser.add_argument("--number", type=int, default=0, help=argparse.SUPPRESS)
+    parser.add_argument("--of", type=int, default=1, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    options.state = options.state or code_state()
+    if options.lane:
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+        asyncio.run(lane(options))
+        return 0
+    protocols = options.protocols or there()
+    _run_lanes(options, protocols)
+    trials: list[Trial] = Results(options.results).trials(options.state)
+    text = table(trials)
+    sys.stdout.write("\n" + text)
+    if options.table:
+        options.table.write_text(text)
+    passed = Results(options.results).passed(options.state)
+    left = [
+        (protocol, row.name, seed)
+        for protocol in protocols
+        for row, seed in wanted(options, protocol)
+        if (protocol, row.name, seed) not in passed
+    ]
+    return 1 if left else 0
+
+
+def _run_lanes(options: argparse.Namespace, protocols: list[str]) -> None:
+    running = []
+    for protocol in protocols:
+        lanes = (options.lanes or LANES[protocol]) if protocol == "ROS 2" else LANES[protocol]
+        for number in range(lanes):
+            words = [sys.executable, "-m", "system.enclosure", "--lane", protocol]
+            words += ["--number", str(number), "--of", str(lanes), "--state", options.state]
+            words += ["--results", str(options.results), "--minutes", str(options.minutes)]
+            words += ["--seeds", str(options.seeds)] if options.seeds else []
+            words += ["--rows", *options.rows] if options.rows else []
+            words += ["--short"] if options.short else []
+            running.append(subprocess.Popen(words))
+    try:
+        for each in running:
+            each.wait()
+    finally:
+        for each in running:
+            if each.poll() is None:
+                each.terminate()
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    each.wait(30)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
