@@ -49,10 +49,13 @@ def test_a_signal_of_ros_is_not_asked_for_what_indi_needs() -> None:
     keys = {row.key for row in rows_at(agv, ("devices", "base", "signals", "wandering"))}
     assert "states" in keys
     assert "unit" not in keys
-    device, found = next((k, d) for k, d in indi.devices.items() if d.signals)
-    keys = {
-        row.key for row in rows_at(indi, ("devices", device, "signals", next(iter(found.signals))))
-    }
+    device, signal = next(
+        (device, signal)
+        for device, described in indi.devices.items()
+        for signal, source in described.signals.items()
+        if source.source.property is not None
+    )
+    keys = {row.key for row in rows_at(indi, ("devices", device, "signals", signal))}
     assert "source.property" in keys
     assert "source.topic" not in keys
 
