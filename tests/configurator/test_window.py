@@ -313,7 +313,7 @@ def test_nothing_is_cut_off_on_a_small_laptop(window: Any) -> None:
 def test_colours_follow_the_machine_and_the_pages_tokens(window: Any) -> None:
     from talaia.configurator.qt.palette import DARK, LIGHT, colours_now
 
-    tokens = (Path(__file__).parents[2] / "web/src/elements/tokens.css").read_text()
+    tokens = (Path(__file__).parents[2] / "web/src/elements/base/tokens.css").read_text()
     _, light, dark, *_ = tokens.split("/* theme ")
     for colours, theme in ((LIGHT, light), (DARK, dark)):
         for name, value in colours._asdict().items():

@@ -1,7 +1,7 @@
 /** Does one thing after the other for an element, and keeps what went wrong. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import { actionAdvice, type Advice } from "../format/problem.js";
+import { actionAdvice, type Advice } from "../format/error-advice.js";
 
 export class ActionController implements ReactiveController {
   private current = "";

@@ -3,9 +3,9 @@
 import { ContextConsumer } from "@lit/context";
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import { liveContext, reachContext } from "../state/contexts.js";
-import type { LiveValues, Reading } from "../state/live.js";
-import type { Reach } from "../state/reach.js";
-import { StoreController } from "./store.js";
+import type { LiveValues, Reading } from "../state/live-values.js";
+import type { Reach } from "../state/device-reachability.js";
+import { StoreController } from "./context-store.js";
 
 /** How a value stands: nothing has come, it is fresh, older than its limit, or its device is not reached. */
 export type Freshness = "unknown" | "live" | "stale" | "unreached";

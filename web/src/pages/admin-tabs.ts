@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../elements/base.js";
+import { base } from "../elements/base/base-style.js";
 import type { PageName } from "../state/router.js";
 
 const TABS: readonly (readonly [PageName, string])[] = [

@@ -2,7 +2,7 @@
 
 import { seesOnlyPublic } from "../state/rights.js";
 import { ADMIN_PAGES, type PageName } from "../state/router.js";
-import type { Person } from "../wire/api.js";
+import type { Person } from "../wire/api-types.js";
 
 export interface PageEntry {
   readonly tag: string;
@@ -39,7 +39,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   alarms: { tag: "t-page-alarms", title: "Alarms", load: () => import("./alarms/page-alarms.js") },
   logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
   sightings: { tag: "t-page-sightings", title: "Sightings", load: () => import("./sightings/page-sightings.js") },
-  ways: { tag: "t-page-ways", title: "Notification", load: () => import("./ways/page-ways.js") },
+  ways: { tag: "t-page-ways", title: "Notification", load: () => import("./notification-channels/page-notification-channels.js") },
   drive: { tag: "t-page-drive", title: "Actuate", load: () => import("./drive/page-drive.js") },
   archive: { tag: "t-page-archive", title: "Archive", load: () => import("./archive/page-archive.js") },
   cameras: { tag: "t-page-cameras", title: "Cameras", load: () => import("./cameras/page-cameras.js") },

@@ -4,7 +4,7 @@
  * Columns are anchored to the epoch, not to the window: while a chart scrolls, a sample stays in
  * its column and the picture moves without shimmering; and a new sample touches the last one only.
  */
-import { firstFrom } from "./search.js";
+import { firstFrom } from "./binary-search.js";
 
 const SMALLEST = 128;
 

@@ -3,7 +3,7 @@
  * below the first or above the third. With `k` 1.5 these are Tukey's fences.
  */
 
-import type { Span } from "./window.js";
+import type { Span } from "./time-window.js";
 
 /** Tukey's. */
 export const USUAL_K = 1.5;

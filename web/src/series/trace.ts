@@ -2,7 +2,7 @@
 
 import { Columns } from "./columns.js";
 import { IntervalWatch, pauseAllowed, typicalInterval } from "./gaps.js";
-import { Ring } from "./ring.js";
+import { Ring } from "./ring-buffer.js";
 
 export class Trace {
   private ring: Ring;

@@ -2,14 +2,14 @@
 
 import { createContext } from "@lit/context";
 import type { Connection } from "../wire/connection.js";
-import type { HubApi } from "../wire/http.js";
+import type { HubApi } from "../wire/hub-api.js";
 import type { AlarmSound } from "./alarm-sound.js";
 import type { Alarms } from "./alarms.js";
 import type { DeviceHolders } from "./device-holders.js";
 import type { Interlocks } from "./interlocks.js";
-import type { LiveValues } from "./live.js";
-import type { Reach } from "./reach.js";
-import type { RobotNews } from "./robot-news.js";
+import type { LiveValues } from "./live-values.js";
+import type { Reach } from "./device-reachability.js";
+import type { RobotNews } from "./robot-state.js";
 import type { Router } from "./router.js";
 import type { Session } from "./session.js";
 import type { Sites } from "./sites.js";

@@ -1,6 +1,6 @@
 /** Which few signals say most about a site. */
 
-import type { DeviceInfo, SignalInfo } from "../wire/api.js";
+import type { DeviceInfo, SignalInfo } from "../wire/api-types.js";
 
 export interface DeviceSignals {
   readonly device: DeviceInfo;

@@ -1,6 +1,6 @@
 /** What a role or a person may do, as one level for each site and device. Pure. */
 
-import type { Permission, Right } from "../wire/api.js";
+import type { Permission, Right } from "../wire/api-types.js";
 
 /** Stands for every site, or every device of a site. */
 export const ANY = "*";

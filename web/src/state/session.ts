@@ -1,7 +1,7 @@
 /** Who is signed in. */
 
-import type { Person } from "../wire/api.js";
-import type { HubApi } from "../wire/http.js";
+import type { Person } from "../wire/api-types.js";
+import type { HubApi } from "../wire/hub-api.js";
 import { Store } from "./store.js";
 
 /**

@@ -1,8 +1,8 @@
 /** The sites this person may see, kept up to date by the hub's news. */
 
 import type { SiteNews } from "../generated/wire.js";
-import type { SiteDetail, SiteRow } from "../wire/api.js";
-import type { HubApi } from "../wire/http.js";
+import type { SiteDetail, SiteRow } from "../wire/api-types.js";
+import type { HubApi } from "../wire/hub-api.js";
 import { Store } from "./store.js";
 
 export type Loading = "idle" | "loading" | "ready" | "failed";

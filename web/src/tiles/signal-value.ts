@@ -1,13 +1,13 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
-import { levelOf } from "../format/level.js";
+import { levelOf } from "../format/severity.js";
 import { decimalsFor, formatNumber } from "../format/number.js";
-import { outOfRange, stateWord } from "../format/reading.js";
-import { base } from "../elements/base.js";
-import "../elements/value.js";
-import type { ValueState } from "../elements/value.js";
-import type { SignalInfo } from "../wire/api.js";
+import { outOfRange, stateWord } from "../format/state-label.js";
+import { base } from "../elements/base/base-style.js";
+import "../elements/values/value.js";
+import type { ValueState } from "../elements/values/value.js";
+import type { SignalInfo } from "../wire/api-types.js";
 
 /** A signal's name and its newest value, live. */
 @customElement("t-signal-value")

@@ -2,7 +2,7 @@
 
 import type { FromBrowser, ToBrowser } from "../generated/wire.js";
 import { backoffMs } from "./backoff.js";
-import { HubClock } from "./clock.js";
+import { HubClock } from "./hub-clock.js";
 import { decode, encode, FrameError, type Sendable } from "./codec.js";
 import { Subscriptions, type BatchListener } from "./subscriptions.js";
 

@@ -1,9 +1,9 @@
 import { describe, expect, test } from "vitest";
-import { agentWords } from "../../src/format/agent.js";
-import { passwordRules, passwordTrouble } from "../../src/format/password.js";
-import { permissionWords } from "../../src/format/permission.js";
-import { actionAdvice, isFactor, signInAdvice, waitOf } from "../../src/format/problem.js";
-import { Refused, Unreachable } from "../../src/wire/http.js";
+import { agentWords } from "../../src/format/user-agent.js";
+import { passwordRules, passwordTrouble } from "../../src/format/password-rules.js";
+import { permissionWords } from "../../src/format/permissions.js";
+import { actionAdvice, isFactor, signInAdvice, waitOf } from "../../src/format/error-advice.js";
+import { Refused, Unreachable } from "../../src/wire/hub-api.js";
 
 describe("a new password", () => {
   const trouble = (password: string, again = password): string => passwordTrouble(passwordRules(password, "Ada", again));

@@ -1,11 +1,11 @@
 import { describe, expect, test } from "vitest";
 import { formatAge, formatDuration, formatMs, formatWholeMs } from "../../src/format/duration.js";
 import { decimalsFor, formatNumber } from "../../src/format/number.js";
-import { adviceFor, signInAdvice } from "../../src/format/problem.js";
-import { stateWord } from "../../src/format/reading.js";
+import { adviceFor, signInAdvice } from "../../src/format/error-advice.js";
+import { stateWord } from "../../src/format/state-label.js";
 import { knownZone, timeText, utcSpan, zoneName } from "../../src/format/time.js";
 import { formatWithUnit, spokenUnit } from "../../src/format/unit.js";
-import { Refused, Unreachable } from "../../src/wire/http.js";
+import { Refused, Unreachable } from "../../src/wire/hub-api.js";
 
 describe("numbers", () => {
   test.each([

@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
-import { LiveEdge } from "../../src/series/edge.js";
-import { Pace } from "../../src/series/pace.js";
-import { runs } from "../../src/series/runs.js";
-import { firstFrom, nearest } from "../../src/series/search.js";
+import { LiveEdge } from "../../src/series/live-edge.js";
+import { Pace } from "../../src/series/draw-rate.js";
+import { runs } from "../../src/series/state-runs.js";
+import { firstFrom, nearest } from "../../src/series/binary-search.js";
 import { Trace } from "../../src/series/trace.js";
-import { lengthOf, notAfter, pinch, SHORTEST_US, zoom } from "../../src/series/window.js";
+import { lengthOf, notAfter, pinch, SHORTEST_US, zoom } from "../../src/series/time-window.js";
 import { forSeeds, timesOf } from "./seeded.js";
 
 describe("search", () => {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { outlierWords } from "../../src/series/outlier-words.js";
+import { outlierWords } from "../../src/series/outlier-text.js";
 import { OutlierMemo, outliersBeyond, outliersOf, quantile } from "../../src/series/outliers.js";
 
 const SPAN = { fromUs: 0, toUs: 99 };

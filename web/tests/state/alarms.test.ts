@@ -2,7 +2,7 @@ import { beforeEach, expect, test } from "vitest";
 import type { AlarmNews } from "../../src/generated/wire.js";
 import { AlarmSound } from "../../src/state/alarm-sound.js";
 import { Alarms } from "../../src/state/alarms.js";
-import { FakeLine } from "../controllers/drive/fake-line.js";
+import { FakeLine } from "../controllers/drive/fake-connection.js";
 
 let line: FakeLine;
 let now = 0;

@@ -1,7 +1,7 @@
 import { beforeEach, expect, test } from "vitest";
 import type { CommandNews } from "../../src/generated/wire.js";
 import { DeviceHolders } from "../../src/state/device-holders.js";
-import { FakeLine } from "../controllers/drive/fake-line.js";
+import { FakeLine } from "../controllers/drive/fake-connection.js";
 
 let line: FakeLine;
 let now = 0;

@@ -1,8 +1,8 @@
 import { beforeEach, expect, test } from "vitest";
 import type { InterlockNews } from "../../src/generated/wire.js";
-import { lockWords } from "../../src/format/interlock.js";
+import { lockWords } from "../../src/format/interlock-reason.js";
 import { Interlocks } from "../../src/state/interlocks.js";
-import { FakeLine } from "../controllers/drive/fake-line.js";
+import { FakeLine } from "../controllers/drive/fake-connection.js";
 
 let line: FakeLine;
 let now = 0;

@@ -10,7 +10,7 @@ import {
   seesOnlyPublic,
   withLevel,
 } from "../../src/state/rights.js";
-import type { Permission } from "../../src/wire/api.js";
+import type { Permission } from "../../src/wire/api-types.js";
 
 const give = (right: Permission["right"], site: string, device = ANY): Permission => ({ right, site, device });
 const agv = { site: "agv", device: ANY };

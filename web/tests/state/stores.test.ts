@@ -1,11 +1,11 @@
 import { describe, expect, test } from "vitest";
 import { keySignals } from "../../src/state/key-signals.js";
-import { LiveValues, type Feed } from "../../src/state/live.js";
+import { LiveValues, type Feed } from "../../src/state/live-values.js";
 import { Session } from "../../src/state/session.js";
 import { Sites } from "../../src/state/sites.js";
 import { ThemeChoice } from "../../src/state/theme.js";
-import type { DeviceInfo, SignalInfo, SiteDetail, SiteRow } from "../../src/wire/api.js";
-import { HubApi } from "../../src/wire/http.js";
+import type { DeviceInfo, SignalInfo, SiteDetail, SiteRow } from "../../src/wire/api-types.js";
+import { HubApi } from "../../src/wire/hub-api.js";
 import type { Batch } from "../../src/wire/subscriptions.js";
 
 const json = (value: unknown, status = 200): Response => new Response(JSON.stringify(value), { status });

@@ -7,15 +7,15 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { formatMs } from "../../format/duration.js";
-import { base } from "../base.js";
-import "./boxes.js";
-import type { Boxed } from "./boxes.js";
-import type { Size } from "./fit.js";
-import "../icon.js";
-import type { IconName } from "../icons.js";
-import { onPicture } from "../on-picture.js";
-import "../loading.js";
-import { styled } from "../styled.js";
+import { base } from "../base/base-style.js";
+import "./detection-boxes.js";
+import type { Boxed } from "./detection-boxes.js";
+import type { Size } from "./picture-fit.js";
+import "../base/icon.js";
+import type { IconName } from "../base/icons.js";
+import { onPicture } from "./picture-overlay.js";
+import "../feedback/loading.js";
+import { styled } from "../base/style-directive.js";
 import { MOST_ZOOM, moved, wheelFactor, WHOLE, zoomed, type Zoom } from "./zoom.js";
 
 /** What stands between the page and a picture; `open` when nothing does. */

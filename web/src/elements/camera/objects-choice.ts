@@ -3,9 +3,9 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { objectKind, sureWords } from "../../format/objects.js";
-import { base } from "../base.js";
-import "../button.js";
+import { objectKind, sureWords } from "../../format/object-names.js";
+import { base } from "../base/base-style.js";
+import "../forms/button.js";
 
 /** What can be chosen: a class of the site description, or one that was seen here. */
 export interface Choosable {

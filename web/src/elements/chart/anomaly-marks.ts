@@ -1,4 +1,4 @@
-import type { Anomaly } from "../../state/detectors.js";
+import type { Anomaly } from "../../state/anomaly-detectors.js";
 import type { ChartMark } from "./draw-marks.js";
 
 /** Anomalies as marks on a chart; those that a person has said are none look well. */

@@ -9,23 +9,23 @@
 import { html, LitElement, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { knownZone } from "../../format/time.js";
-import type { Range } from "../../series/range.js";
-import { lengthOf, type Span } from "../../series/window.js";
-import { clockOf } from "../../series/zone.js";
-import { base } from "../base.js";
-import { Axes } from "./axes.js";
+import type { Range } from "../../series/axis-range.js";
+import { lengthOf, type Span } from "../../series/time-window.js";
+import { clockOf } from "../../series/zone-clock.js";
+import { base } from "../base/base-style.js";
+import { Axes } from "./value-axes.js";
 import { drawLevel, drawMarks, type ChartMark } from "./draw-marks.js";
 import { drawOutliers, type OutlierPoints } from "./draw-outliers.js";
 import { drawSeries } from "./draw-series.js";
 import { Gestures } from "./gestures.js";
-import { keyWish } from "./keys.js";
-import { indentOf, type Axis, type ChartSeries, type Follow, type Indent, type ReadOut, type SpanChange } from "./model.js";
-import { Overlay } from "./overlay.js";
-import { Painter, type Paintable } from "./painter.js";
+import { keyWish } from "./chart-keys.js";
+import { indentOf, type Axis, type ChartSeries, type Follow, type Indent, type ReadOut, type SpanChange } from "./chart-model.js";
+import { Overlay } from "./chart-overlay.js";
+import { Painter, type Paintable } from "./paint-scheduler.js";
 import { readPalette, watchTheme, type Palette } from "./palette.js";
-import { momentText, readOut } from "./read-out.js";
-import { chartStyle } from "./style.js";
-import { ChartView } from "./view.js";
+import { momentText, readOut } from "./cursor-values.js";
+import { chartStyle } from "./chart-style.js";
+import { ChartView } from "./uplot-view.js";
 
 declare global {
   interface Window {
@@ -274,7 +274,7 @@ export class Chart extends LitElement implements Paintable {
 
   private async make(): Promise<void> {
     if (!this.lacksView()) return;
-    const { UPlot, sheet } = await import("./engine.js");
+    const { UPlot, sheet } = await import("./uplot-loader.js");
     if (!this.lacksView()) return;
     const root = this.renderRoot;
     if (root instanceof ShadowRoot && !root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets.push(sheet);

@@ -1,7 +1,7 @@
 /** Thin lines where something happened; what it was is said beside the chart. */
 
 import type { Palette } from "./palette.js";
-import { xOf, yOf, type Plot } from "./draw.js";
+import { xOf, yOf, type Plot } from "./draw-parts.js";
 
 export interface ChartMark {
   /** µs since the epoch, UTC */

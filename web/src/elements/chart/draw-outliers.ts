@@ -1,6 +1,6 @@
 /** Outliers as diamonds around their samples: known by shape as well as by colour. */
 
-import { xOf, yOf, type Plot } from "./draw.js";
+import { xOf, yOf, type Plot } from "./draw-parts.js";
 import type { Palette } from "./palette.js";
 
 /** Half a diamond (CSS pixels). */

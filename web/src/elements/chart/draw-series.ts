@@ -1,12 +1,12 @@
 /** All series of a chart on its canvas. */
 
-import { stateWord } from "../../format/reading.js";
+import { stateWord } from "../../format/state-label.js";
 import { summary } from "../../series/columns.js";
-import { runs } from "../../series/runs.js";
-import type { Range } from "../../series/range.js";
-import { pan, type Span } from "../../series/window.js";
-import { drawGaps, drawRuns, drawTrace, type Plot, type StateLook } from "./draw.js";
-import type { ChartSeries, Samples } from "./model.js";
+import { runs } from "../../series/state-runs.js";
+import type { Range } from "../../series/axis-range.js";
+import { pan, type Span } from "../../series/time-window.js";
+import { drawGaps, drawRuns, drawTrace, type Plot, type StateLook } from "./draw-parts.js";
+import type { ChartSeries, Samples } from "./chart-model.js";
 import { seriesColour, seriesDash, type Palette } from "./palette.js";
 
 /** Least and greatest number in the window; infinities where there is none. */

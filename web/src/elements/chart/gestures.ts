@@ -1,6 +1,6 @@
 /** Pointer, wheel, fingers and keys on a chart, told as what they ask for. */
 
-import { pan, pinch, zoom, type Span } from "../../series/window.js";
+import { pan, pinch, zoom, type Span } from "../../series/time-window.js";
 
 /** What a chart does when asked. Places are parts of the plot's width: 0 left, 1 right. */
 export interface Asked {

@@ -3,8 +3,8 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
-import { base } from "../base.js";
-import "../icon.js";
+import { base } from "../base/base-style.js";
+import "../base/icon.js";
 
 /** m/s and rad/s; NaN where it is not known. */
 export interface Motion {

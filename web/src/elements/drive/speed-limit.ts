@@ -3,7 +3,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { formatWithUnit } from "../../format/unit.js";
-import { base } from "../base.js";
+import { base } from "../base/base-style.js";
 
 /**
  * @fires t-level detail is the level that was chosen, 0.1 to 1

@@ -2,11 +2,11 @@
 
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { base } from "../base.js";
-import "../button.js";
-import "../loading.js";
+import { base } from "../base/base-style.js";
+import "../forms/button.js";
+import "../feedback/loading.js";
 import type { LocalMap } from "./leaflet.js";
-import { paint, scaleBar, type Colours, type Pose } from "./paint.js";
+import { paint, scaleBar, type Colours, type Pose } from "./map-painter.js";
 import type { TrackPoint } from "./track.js";
 
 @customElement("t-track-map")

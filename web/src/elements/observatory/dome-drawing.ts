@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, svg, type PropertyValues, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { formatAzimuth, turned } from "../../format/sexagesimal.js";
-import { base } from "../base.js";
+import { base } from "../base/base-style.js";
 import { FLATNESS, onGround, SLIT, strip } from "./perspective.js";
 
 export type RoofState = "open" | "closed" | "opening" | "closing" | "partial" | "error" | "unknown";

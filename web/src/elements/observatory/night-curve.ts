@@ -4,8 +4,8 @@ import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type Templ
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { formatClock } from "../../format/time.js";
-import { DARKNESS, type Night, type Visibility } from "../../sky/night.js";
-import { base } from "../base.js";
+import { DARKNESS, type Night, type Visibility } from "../../sky/night-visibility.js";
+import { base } from "../base/base-style.js";
 
 const [WIDE, TALL, LEFT, TOP, LOW] = [600, 200, 34, 8, 24];
 const HOUR_MS = 3_600_000;

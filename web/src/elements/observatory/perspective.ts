@@ -1,6 +1,6 @@
 /** A dome seen from the south and a little from above, as points of a drawing. Pure. */
 
-import { radians } from "../../sky/turn.js";
+import { radians } from "../../sky/coordinates.js";
 
 export interface Point {
   readonly x: number;

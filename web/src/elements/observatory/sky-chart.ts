@@ -4,10 +4,10 @@ import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type Templ
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { formatAzimuth } from "../../format/sexagesimal.js";
-import { moonFrom, moonPhase, sunFrom } from "../../sky/bodies.js";
-import { STARS } from "../../sky/stars.js";
-import { horizontal, ofDate, radians, type Horizontal, type Place } from "../../sky/turn.js";
-import { base } from "../base.js";
+import { moonFrom, moonPhase, sunFrom } from "../../sky/sun-and-moon.js";
+import { STARS } from "../../sky/bright-stars.js";
+import { horizontal, ofDate, radians, type Horizontal, type Place } from "../../sky/coordinates.js";
+import { base } from "../base/base-style.js";
 
 const R = 100;
 const NAMED_BELOW = 1.3;

@@ -2,9 +2,9 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { base } from "../base.js";
-import type { StopShown } from "./stop-words.js";
-import { stopLine } from "./stop-words.js";
+import { base } from "../base/base-style.js";
+import type { StopShown } from "./stop-labels.js";
+import { stopLine } from "./stop-labels.js";
 
 /**
  * A wide bar, on purpose no red mushroom on yellow: that shape promises an emergency stop in the

@@ -2,12 +2,12 @@
 
 import { css, html, LitElement, nothing, svg, type PropertyValues, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
-import { base } from "../base.js";
-import type { Button } from "../button.js";
-import "../button.js";
-import "../icon.js";
-import "../time.js";
-import { stopSteps, type StopPhase } from "./stop-words.js";
+import { base } from "../base/base-style.js";
+import type { Button } from "../forms/button.js";
+import "../forms/button.js";
+import "../base/icon.js";
+import "../values/time.js";
+import { stopSteps, type StopPhase } from "./stop-labels.js";
 
 export type ReleaseStep = "none" | "asking" | "armed" | "releasing";
 

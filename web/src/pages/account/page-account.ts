@@ -2,16 +2,16 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
-import { sheets } from "../../elements/sheets.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
 import { levelAt, placeKey, seesOnlyPublic } from "../../state/rights.js";
 import { sessionContext } from "../../state/contexts.js";
-import type { Person } from "../../wire/api.js";
-import "../../elements/status.js";
-import "./factor.js";
-import "./password.js";
-import "./rules.js";
+import type { Person } from "../../wire/api-types.js";
+import "../../elements/feedback/status.js";
+import "./second-factor.js";
+import "./change-password.js";
+import "./notification-rules.js";
 import "./sessions.js";
 import "./tokens.js";
 

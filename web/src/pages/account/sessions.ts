@@ -6,20 +6,20 @@ import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
-import { sheets } from "../../elements/sheets.js";
-import { agentWords } from "../../format/agent.js";
-import { adviceFor } from "../../format/problem.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { agentWords } from "../../format/user-agent.js";
+import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import { AccountApi } from "../../wire/account.js";
-import type { SessionRow } from "../../wire/accounts.js";
-import type { HubApi } from "../../wire/http.js";
-import "../../elements/button.js";
-import "../../elements/loading.js";
-import "../../elements/problem.js";
-import "../../elements/status.js";
-import "../../elements/time.js";
+import { AccountApi } from "../../wire/account-api.js";
+import type { SessionRow } from "../../wire/admin-types.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/feedback/status.js";
+import "../../elements/values/time.js";
 
 @customElement("t-account-sessions")
 export class AccountSessions extends LitElement {

@@ -5,19 +5,19 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { LoadController } from "../../controllers/load.js";
-import { base } from "../../elements/base.js";
-import { sheets } from "../../elements/sheets.js";
-import { adviceFor } from "../../format/problem.js";
+import { base } from "../../elements/base/base-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { adviceFor } from "../../format/error-advice.js";
 import { apiContext } from "../../state/contexts.js";
-import { ArchiveApi, filePath, type FrameDetail, type FrameRow } from "../../wire/archive.js";
-import type { HubApi } from "../../wire/http.js";
-import { pixelValues } from "../../tiles/archive/frame-look.js";
-import { formatBytes, skyPlace } from "./query.js";
-import "../../elements/button.js";
-import "../../elements/loading.js";
-import "../../elements/problem.js";
-import "../../elements/status.js";
-import "../../elements/time.js";
+import { ArchiveApi, filePath, type FrameDetail, type FrameRow } from "../../wire/archive-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { pixelValues } from "../../tiles/archive/frame-preview.js";
+import { formatBytes, skyPlace } from "./archive-query.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/feedback/status.js";
+import "../../elements/values/time.js";
 
 /** @fires t-close when it is to be closed */
 @customElement("t-frame-detail")

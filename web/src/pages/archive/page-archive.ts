@@ -7,16 +7,16 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
-import { forms } from "../../elements/forms.js";
-import { sheets } from "../../elements/sheets.js";
-import { adviceFor } from "../../format/problem.js";
-import { typedText } from "../../format/typed.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { forms } from "../../elements/forms/form-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { adviceFor } from "../../format/error-advice.js";
+import { typedText } from "../../format/form-values.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
-import { ArchiveApi, previewPath, type FrameList, type FrameRow, type NightList } from "../../wire/archive.js";
-import type { HubApi } from "../../wire/http.js";
+import { ArchiveApi, previewPath, type FrameList, type FrameRow, type NightList } from "../../wire/archive-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
 import {
   formatBytes,
   frameQuery,
@@ -26,15 +26,15 @@ import {
   skyPlace,
   writeFilter,
   type ArchiveFilter,
-} from "./query.js";
-import "../../elements/button.js";
-import "../../elements/empty.js";
-import "../../elements/field.js";
-import "../../elements/icon.js";
-import "../../elements/loading.js";
-import "../../elements/problem.js";
-import "../../elements/status.js";
-import "../../elements/time.js";
+} from "./archive-query.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/empty.js";
+import "../../elements/forms/field.js";
+import "../../elements/base/icon.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/feedback/status.js";
+import "../../elements/values/time.js";
 import "./frame-detail.js";
 
 const FIRST = 48;

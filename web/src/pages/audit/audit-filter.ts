@@ -4,16 +4,16 @@ import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { FilterForm } from "../../controllers/filter-form.js";
-import { base } from "../../elements/base.js";
-import { forms } from "../../elements/forms.js";
-import { sheets } from "../../elements/sheets.js";
+import { base } from "../../elements/base/base-style.js";
+import { forms } from "../../elements/forms/form-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
-import { typedText } from "../../format/typed.js";
-import { ZoneClock } from "../../series/zone.js";
-import type { SiteRow } from "../../wire/api.js";
-import { NO_FILTER, writeFilter, type AuditFilter } from "./query.js";
-import "../../elements/button.js";
-import "../../elements/field.js";
+import { typedText } from "../../format/form-values.js";
+import { ZoneClock } from "../../series/zone-clock.js";
+import type { SiteRow } from "../../wire/api-types.js";
+import { NO_FILTER, writeFilter, type AuditFilter } from "./audit-query.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/field.js";
 
 /** @fires t-filter detail is the new one */
 @customElement("t-audit-filter")

@@ -3,26 +3,26 @@
 import { ContextConsumer } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { Cockpit } from "../../controllers/drive/cockpit.js";
-import { CommandLine } from "../../controllers/drive/command-line.js";
-import type { StopLine } from "../../controllers/drive/stop-line.js";
-import { LinkController } from "../../controllers/link.js";
+import { Cockpit } from "../../controllers/drive/drive-controller.js";
+import { CommandLine } from "../../controllers/drive/command-client.js";
+import type { StopLine } from "../../controllers/drive/stop-client.js";
+import { LinkController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
-import "../../elements/card.js";
-import "../../elements/choice.js";
-import "../../elements/empty.js";
-import "../../elements/loading.js";
-import "../../elements/problem.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import "../../elements/layout/card.js";
+import "../../elements/forms/choice.js";
+import "../../elements/feedback/empty.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
 import { robotNewsContext, sitesContext } from "../../state/contexts.js";
-import "../../tiles/camera/camera.js";
-import "../../tiles/command/commands.js";
+import "../../tiles/camera/camera-tile.js";
+import "../../tiles/command/command-list.js";
 import "../../tiles/drive/drive-pad.js";
-import "../../tiles/map/map.js";
-import "../../tiles/stop/stop.js";
-import type { DeviceInfo, SignalInfo, SiteDetail, StreamInfo } from "../../wire/api.js";
-import { layout } from "./layout.js";
+import "../../tiles/map/position-map.js";
+import "../../tiles/stop/stop-panel.js";
+import type { DeviceInfo, SignalInfo, SiteDetail, StreamInfo } from "../../wire/api-types.js";
+import { layout } from "./drive-layout.js";
 
 @customElement("t-page-drive")
 export class PageDrive extends LitElement {

@@ -1,15 +1,15 @@
 /** The elements of accounts and admin pages in each of their states. */
 
 import { html } from "lit";
-import { passwordRules } from "../../format/password.js";
+import { passwordRules } from "../../format/password-rules.js";
 import { ANY } from "../../state/rights.js";
-import type { RoleRow } from "../../wire/accounts.js";
-import type { DeviceRow } from "../../wire/api.js";
-import { draftsOf, edited, linesOf } from "../roles/matrix.js";
-import "../../elements/confirm.js";
-import "../../elements/copy.js";
-import "../../elements/qr.js";
-import "../../elements/rules.js";
+import type { RoleRow } from "../../wire/admin-types.js";
+import type { DeviceRow } from "../../wire/api-types.js";
+import { draftsOf, edited, linesOf } from "../roles/permission-matrix.js";
+import "../../elements/feedback/confirm.js";
+import "../../elements/forms/copy-text.js";
+import "../../elements/values/qr-code.js";
+import "../../elements/forms/rule-list.js";
 import "../admin-tabs.js";
 import "../roles/role-matrix.js";
 import type { GalleryEntry } from "./entry.js";

@@ -2,16 +2,16 @@
 
 import { html, type TemplateResult } from "lit";
 import { anomalyMarks } from "../../elements/chart/anomaly-marks.js";
-import { indentOf, type ChartSeries } from "../../elements/chart/model.js";
+import { indentOf, type ChartSeries } from "../../elements/chart/chart-model.js";
 import { Trace } from "../../series/trace.js";
-import type { Span } from "../../series/window.js";
-import type { Detector } from "../../state/detectors.js";
-import type { AnomalyInfo, AnomalyList, History } from "../../wire/api.js";
-import { Refused, Unreachable } from "../../wire/http.js";
-import type { Scores } from "../history/anomalies.js";
+import type { Span } from "../../series/time-window.js";
+import type { Detector } from "../../state/anomaly-detectors.js";
+import type { AnomalyInfo, AnomalyList, History } from "../../wire/api-types.js";
+import { Refused, Unreachable } from "../../wire/hub-api.js";
+import type { Scores } from "../history/chart/anomaly-scores.js";
 import type { GalleryEntry } from "./entry.js";
-import "../../elements/detector.js";
-import "../history/anomalies.js";
+import "../../elements/analysis/detector.js";
+import "../history/chart/anomaly-scores.js";
 
 const END_US = 1_780_000_000_000_000;
 const SPAN: Span = { fromUs: END_US - 600e6, toUs: END_US };

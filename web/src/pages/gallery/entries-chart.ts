@@ -1,23 +1,23 @@
 /** Charts and what stands around them, with samples that do not change. */
 
 import { html, type TemplateResult } from "lit";
-import { indentOf, type Axis, type ChartSeries } from "../../elements/chart/model.js";
+import { indentOf, type Axis, type ChartSeries } from "../../elements/chart/chart-model.js";
 import { Trace } from "../../series/trace.js";
 import { outliersOf } from "../../series/outliers.js";
-import type { Span } from "../../series/window.js";
-import { ChartFeed, type Past, type Source } from "../../tiles/chart/feed.js";
-import type { DeviceInfo, SignalInfo, StatisticsInfo } from "../../wire/api.js";
-import { loadedOf, type Loaded } from "../history/loader.js";
-import type { Mark, MarkKind } from "../history/marks.js";
-import type { HistoryView } from "../history/query.js";
-import type { Row, Together } from "../history/rows.js";
+import type { Span } from "../../series/time-window.js";
+import { ChartFeed, type Past, type Source } from "../../tiles/chart/chart-feed.js";
+import type { DeviceInfo, SignalInfo, StatisticsInfo } from "../../wire/api-types.js";
+import { loadedOf, type Loaded } from "../history/data/history-loader.js";
+import type { Mark, MarkKind } from "../history/chart/event-marks.js";
+import type { HistoryView } from "../history/history-query.js";
+import type { Row, Together } from "../history/data/channel-rows.js";
 import type { GalleryEntry } from "./entry.js";
 import "../../elements/chart/chart.js";
 import "../../tiles/chart/chart-tile.js";
 import "../history/export-menu.js";
-import "../history/history-chart.js";
+import "../history/chart/history-chart.js";
 import "../history/history-tools.js";
-import "../history/marks-lane.js";
+import "../history/chart/marks-lane.js";
 import "../history/share-menu.js";
 import "../history/signal-picker.js";
 import "../history/view-options.js";

@@ -1,8 +1,8 @@
 /** What stands in a film's place while there is none. */
 
 import { html, type TemplateResult } from "lit";
-import type { FilmRow } from "../../wire/films.js";
-import type { Reel } from "../history/film/films.js";
+import type { FilmRow } from "../../wire/films-api.js";
+import type { Reel } from "../history/film/film-search.js";
 import type { GalleryEntry } from "./entry.js";
 import "../history/film/film-view.js";
 

@@ -1,15 +1,15 @@
 /** Objects on pictures, and sightings, in each of their states. */
 
 import { html, type TemplateResult } from "lit";
-import { styled } from "../../elements/styled.js";
-import "../../elements/camera/boxes.js";
-import type { Boxed } from "../../elements/camera/boxes.js";
-import "../../elements/camera/objects.js";
-import type { Detector } from "../../elements/camera/objects.js";
+import { styled } from "../../elements/base/style-directive.js";
+import "../../elements/camera/detection-boxes.js";
+import type { Boxed } from "../../elements/camera/detection-boxes.js";
+import "../../elements/camera/objects-overlay.js";
+import type { Detector } from "../../elements/camera/objects-overlay.js";
 import "../../elements/camera/objects-choice.js";
 import type { Choosable } from "../../elements/camera/objects-choice.js";
-import "../../elements/sighting.js";
-import type { SightingFacts } from "../../elements/sighting.js";
+import "../../elements/analysis/sighting-card.js";
+import type { SightingFacts } from "../../elements/analysis/sighting-card.js";
 import type { GalleryEntry } from "./entry.js";
 
 const NOON_US = 1_780_000_000_000_000;

@@ -1,7 +1,7 @@
 /** What the history takes, in its states. */
 
 import { html } from "lit";
-import type { SignalUse } from "../storage/signals.js";
+import type { SignalUse } from "../storage/signal-usage.js";
 import type { GalleryEntry } from "./entry.js";
 import "../storage/storage-table.js";
 

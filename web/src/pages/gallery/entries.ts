@@ -2,21 +2,21 @@
 
 import { html } from "lit";
 import type { GalleryEntry } from "./entry.js";
-import "../../elements/banner.js";
-import "../../elements/button.js";
-import "../../elements/card.js";
-import "../../elements/choice.js";
-import "../../elements/dialog.js";
-import "../../elements/empty.js";
-import "../../elements/field.js";
-import "../../elements/icon.js";
-import "../../elements/loading.js";
-import "../../elements/outlier-tool.js";
-import "../../elements/menu.js";
-import "../../elements/problem.js";
-import "../../elements/status.js";
-import "../../elements/time.js";
-import "../../elements/value.js";
+import "../../elements/feedback/banner.js";
+import "../../elements/forms/button.js";
+import "../../elements/layout/card.js";
+import "../../elements/forms/choice.js";
+import "../../elements/feedback/dialog.js";
+import "../../elements/feedback/empty.js";
+import "../../elements/forms/field.js";
+import "../../elements/base/icon.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/analysis/outlier-tool.js";
+import "../../elements/layout/menu.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/feedback/status.js";
+import "../../elements/values/time.js";
+import "../../elements/values/value.js";
 
 const NOON_US = 1_780_000_000_000_000;
 

@@ -3,7 +3,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../elements/base.js";
+import { base } from "../../elements/base/base-style.js";
 import type { GalleryEntry } from "./entry.js";
 
 const files = import.meta.glob<{ entries: readonly GalleryEntry[] }>("./entries*.ts", { eager: true });

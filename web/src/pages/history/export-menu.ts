@@ -3,12 +3,12 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../elements/base.js";
-import type { Option } from "../../elements/choice.js";
-import type { Span } from "../../series/window.js";
-import { exportPath, type ExportQuery } from "../../wire/http.js";
-import "../../elements/choice.js";
-import "../../elements/menu.js";
+import { base } from "../../elements/base/base-style.js";
+import type { Option } from "../../elements/forms/choice.js";
+import type { Span } from "../../series/time-window.js";
+import { exportPath, type ExportQuery } from "../../wire/hub-api.js";
+import "../../elements/forms/choice.js";
+import "../../elements/layout/menu.js";
 
 const EXTENTS: readonly Option[] = [
   { id: "window", label: "Window" },

@@ -2,13 +2,13 @@
 
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
-import { base } from "../../elements/base.js";
+import { base } from "../../elements/base/base-style.js";
 import { knownZone, timeText, zoneName } from "../../format/time.js";
-import { lengthOf, pan, zoom, type Span } from "../../series/window.js";
-import { clockOf, type ZoneClock } from "../../series/zone.js";
-import { QUICK, quickOf, quickShown, spanOf, type HistoryView } from "./query.js";
-import "../../elements/button.js";
-import "../../elements/choice.js";
+import { lengthOf, pan, zoom, type Span } from "../../series/time-window.js";
+import { clockOf, type ZoneClock } from "../../series/zone-clock.js";
+import { QUICK, quickOf, quickShown, spanOf, type HistoryView } from "./history-query.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/choice.js";
 
 type Shown = HistoryView["shown"];
 

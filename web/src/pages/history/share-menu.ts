@@ -2,12 +2,12 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { base } from "../../elements/base.js";
-import { control } from "../../elements/control.js";
-import type { Option } from "../../elements/choice.js";
-import "../../elements/button.js";
-import "../../elements/choice.js";
-import "../../elements/menu.js";
+import { base } from "../../elements/base/base-style.js";
+import { control } from "../../elements/forms/input-style.js";
+import type { Option } from "../../elements/forms/choice.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/choice.js";
+import "../../elements/layout/menu.js";
 
 const KINDS: readonly Option[] = [
   { id: "window", label: "This very window" },

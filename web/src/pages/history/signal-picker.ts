@@ -3,10 +3,10 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { base } from "../../elements/base.js";
-import { control } from "../../elements/control.js";
-import type { Row } from "./rows.js";
-import "../../elements/button.js";
+import { base } from "../../elements/base/base-style.js";
+import { control } from "../../elements/forms/input-style.js";
+import type { Row } from "./data/channel-rows.js";
+import "../../elements/forms/button.js";
 
 /** @fires t-pick detail is the addresses that are chosen now, in the order of the description */
 @customElement("t-signal-picker")

@@ -3,14 +3,14 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../elements/base.js";
-import { control } from "../../elements/control.js";
+import { base } from "../../elements/base/base-style.js";
+import { control } from "../../elements/forms/input-style.js";
 import { knownZone } from "../../format/time.js";
-import type { Span } from "../../series/window.js";
-import { DAY_US, clockOf, type ZoneClock } from "../../series/zone.js";
-import type { HistoryView } from "./query.js";
-import "../../elements/button.js";
-import "../../elements/outlier-tool.js";
+import type { Span } from "../../series/time-window.js";
+import { DAY_US, clockOf, type ZoneClock } from "../../series/zone-clock.js";
+import type { HistoryView } from "./history-query.js";
+import "../../elements/forms/button.js";
+import "../../elements/analysis/outlier-tool.js";
 
 const DAYS = [
   { days: 1, name: "the day before" },

@@ -1,10 +1,10 @@
 /** Which window is shown: by the address, by the time that goes on, and by fingers that are at it. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import type { SpanChange } from "../../elements/chart/model.js";
-import { lengthOf, notAfter, zoom, type Span } from "../../series/window.js";
-import { HOUR_US, SECOND_US } from "../../series/zone.js";
-import { readView, spanOf, writeView, type HistoryView } from "./query.js";
+import type { SpanChange } from "../../elements/chart/chart-model.js";
+import { lengthOf, notAfter, zoom, type Span } from "../../series/time-window.js";
+import { HOUR_US, SECOND_US } from "../../series/zone-clock.js";
+import { readView, spanOf, writeView, type HistoryView } from "./history-query.js";
 
 /** The address bar, as far as it is this page's. */
 export interface Bar {

@@ -1,9 +1,9 @@
 /** What a key asks of the history page while no chart has the focus. */
 
-import { keyWish } from "../../elements/chart/keys.js";
-import { lengthOf, type Span } from "../../series/window.js";
-import { SECOND_US, type ZoneClock } from "../../series/zone.js";
-import type { HistoryView } from "./query.js";
+import { keyWish } from "../../elements/chart/chart-keys.js";
+import { lengthOf, type Span } from "../../series/time-window.js";
+import { SECOND_US, type ZoneClock } from "../../series/zone-clock.js";
+import type { HistoryView } from "./history-query.js";
 
 export type PageWish =
   | { readonly wish: "span"; readonly span: Span }

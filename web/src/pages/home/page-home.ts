@@ -3,14 +3,14 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
-import { adviceFor } from "../../format/problem.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { adviceFor } from "../../format/error-advice.js";
 import { sitesContext } from "../../state/contexts.js";
 import type { Sites } from "../../state/sites.js";
-import "../../elements/empty.js";
-import "../../elements/loading.js";
-import "../../elements/problem.js";
+import "../../elements/feedback/empty.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
 import "../../tiles/site-card.js";
 
 @customElement("t-page-home")

@@ -4,25 +4,25 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { EndlessList } from "../../controllers/endless-list.js";
+import { EndlessList } from "../../controllers/infinite-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
-import { LinkController } from "../../controllers/link.js";
+import { LinkController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
-import { forms } from "../../elements/forms.js";
-import { settled } from "../../elements/settled.js";
-import { sheets } from "../../elements/sheets.js";
-import { typedText } from "../../format/typed.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { forms } from "../../elements/forms/form-style.js";
+import { settled } from "../../elements/base/stable-field.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { typedText } from "../../format/form-values.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
-import { AlarmsApi, type EventShape } from "../../wire/alarms.js";
-import type { SiteDetail } from "../../wire/api.js";
-import type { HubApi } from "../../wire/http.js";
-import { RecordingsApi, type RecordingRow } from "../../wire/recordings.js";
-import { sightingPicturePath } from "../../wire/sightings.js";
-import { listed } from "../listed.js";
-import { historyQuery } from "../sightings/query.js";
+import { AlarmsApi, type EventShape } from "../../wire/alarms-api.js";
+import type { SiteDetail } from "../../wire/api-types.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { RecordingsApi, type RecordingRow } from "../../wire/recordings-api.js";
+import { sightingPicturePath } from "../../wire/sightings-api.js";
+import { listed } from "../infinite-list-view.js";
+import { historyQuery } from "../sightings/sightings-query.js";
 import {
   KINDS,
   momentQuery,
@@ -33,13 +33,13 @@ import {
   showsInSight,
   writeFilter,
   type LogbookFilter,
-} from "./query.js";
-import "../../elements/button.js";
-import "../../elements/empty.js";
-import "../../elements/field.js";
-import "../../elements/status.js";
-import "../../elements/time.js";
-import "./in-sight.js";
+} from "./logbook-query.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/empty.js";
+import "../../elements/forms/field.js";
+import "../../elements/feedback/status.js";
+import "../../elements/values/time.js";
+import "./current-sightings.js";
 
 const ROWS = 50;
 

@@ -3,12 +3,12 @@
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
-import { doorway } from "../../elements/doorway.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { doorway } from "../../elements/layout/sign-in-layout.js";
 import { sessionContext } from "../../state/contexts.js";
-import "../../elements/button.js";
-import "../../elements/loading.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/loading.js";
 
 @customElement("t-page-logout")
 export class PageLogout extends LitElement {

@@ -2,8 +2,8 @@
 
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
-import { base } from "../../elements/base.js";
-import "../../elements/empty.js";
+import { base } from "../../elements/base/base-style.js";
+import "../../elements/feedback/empty.js";
 
 @customElement("t-page-missing")
 export class PageMissing extends LitElement {

@@ -3,15 +3,15 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../elements/base.js";
-import { sheets } from "../../elements/sheets.js";
-import { passwordRules, passwordTrouble } from "../../format/password.js";
-import type { Advice } from "../../format/problem.js";
-import type { RoleRow } from "../../wire/accounts.js";
-import "../../elements/button.js";
-import "../../elements/field.js";
-import "../../elements/problem.js";
-import "../../elements/rules.js";
+import { base } from "../../elements/base/base-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { passwordRules, passwordTrouble } from "../../format/password-rules.js";
+import type { Advice } from "../../format/error-advice.js";
+import type { RoleRow } from "../../wire/admin-types.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/field.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/forms/rule-list.js";
 
 export interface NewPerson {
   readonly name: string;

@@ -3,24 +3,24 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { LinkController } from "../../controllers/link.js";
+import { LinkController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
-import { sheets } from "../../elements/sheets.js";
-import { adviceFor } from "../../format/problem.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { adviceFor } from "../../format/error-advice.js";
 import { sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
 import type { Sites } from "../../state/sites.js";
-import type { SiteDetail } from "../../wire/api.js";
+import type { SiteDetail } from "../../wire/api-types.js";
 import { publicOf, type PublicDevice } from "./public-parts.js";
-import "../../elements/clock.js";
-import "../../elements/empty.js";
-import "../../elements/loading.js";
-import "../../elements/problem.js";
-import "../../elements/status.js";
-import "../../elements/time.js";
-import "../../tiles/camera/camera.js";
+import "../../elements/values/clock.js";
+import "../../elements/feedback/empty.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/feedback/status.js";
+import "../../elements/values/time.js";
+import "../../tiles/camera/camera-tile.js";
 import "../../tiles/signal-value.js";
 
 @customElement("t-page-public")

@@ -1,6 +1,6 @@
 /** What of a site is public. Pure. */
 
-import type { DeviceInfo, SignalInfo, SiteDetail, StreamInfo } from "../../wire/api.js";
+import type { DeviceInfo, SignalInfo, SiteDetail, StreamInfo } from "../../wire/api-types.js";
 
 export interface PublicDevice {
   readonly device: DeviceInfo;

@@ -5,15 +5,15 @@ import { css, html, LitElement, nothing, type PropertyValues, type TemplateResul
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
-import { base } from "../../elements/base.js";
+import { base } from "../../elements/base/base-style.js";
 import { apiContext } from "../../state/contexts.js";
-import type { RoleRow } from "../../wire/accounts.js";
-import { AdminApi } from "../../wire/admin.js";
-import type { HubApi } from "../../wire/http.js";
-import "../../elements/button.js";
-import "../../elements/dialog.js";
-import "../../elements/field.js";
-import "../../elements/problem.js";
+import type { RoleRow } from "../../wire/admin-types.js";
+import { AdminApi } from "../../wire/admin-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/dialog.js";
+import "../../elements/forms/field.js";
+import "../../elements/feedback/problem.js";
 
 /**
  * @fires t-changed a role was made, renamed or removed

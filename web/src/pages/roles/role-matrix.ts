@@ -4,12 +4,12 @@ import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { base } from "../../elements/base.js";
+import { base } from "../../elements/base/base-style.js";
 import { LEVELS, rank, type Level } from "../../state/rights.js";
-import { cellOf, isFixed, lineKey, type Draft, type Line } from "./matrix.js";
-import { matrixStyle } from "./matrix-style.js";
-import "../../elements/button.js";
-import "../../elements/choice.js";
+import { cellOf, isFixed, lineKey, type Draft, type Line } from "./permission-matrix.js";
+import { matrixStyle } from "./role-matrix-style.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/choice.js";
 
 export interface CellEdit {
   readonly role: string;

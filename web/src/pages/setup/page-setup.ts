@@ -3,18 +3,18 @@
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
-import { base } from "../../elements/base.js";
-import { doorway } from "../../elements/doorway.js";
-import { passwordRules, passwordTrouble } from "../../format/password.js";
-import { adviceFor, type Advice } from "../../format/problem.js";
+import { base } from "../../elements/base/base-style.js";
+import { doorway } from "../../elements/layout/sign-in-layout.js";
+import { passwordRules, passwordTrouble } from "../../format/password-rules.js";
+import { adviceFor, type Advice } from "../../format/error-advice.js";
 import { apiContext, routerContext, sessionContext } from "../../state/contexts.js";
 import type { Router } from "../../state/router.js";
 import type { Session } from "../../state/session.js";
-import { Refused, type HubApi } from "../../wire/http.js";
-import "../../elements/button.js";
-import "../../elements/field.js";
-import "../../elements/problem.js";
-import "../../elements/rules.js";
+import { Refused, type HubApi } from "../../wire/hub-api.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/field.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/forms/rule-list.js";
 
 const NO_ERRORS = { name: "", password: "" } as const;
 

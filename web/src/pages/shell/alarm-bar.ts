@@ -2,20 +2,20 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
-import { StoreController } from "../../controllers/store.js";
-import { TickController } from "../../controllers/tick.js";
-import { base } from "../../elements/base.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { TickController } from "../../controllers/ticker.js";
+import { base } from "../../elements/base/base-style.js";
 import { alarmsContext, alarmSoundContext, apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";
 import { alarmPath } from "../../state/router.js";
 import type { AlarmNews } from "../../generated/wire.js";
 import { consume } from "@lit/context";
-import type { HubApi } from "../../wire/http.js";
-import { AlarmsApi } from "../../wire/alarms.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { AlarmsApi } from "../../wire/alarms-api.js";
 import { ActionController } from "../../controllers/action.js";
-import "../../elements/button.js";
-import "../../elements/icon.js";
-import "../../elements/time.js";
+import "../../elements/forms/button.js";
+import "../../elements/base/icon.js";
+import "../../elements/values/time.js";
 
 @customElement("t-alarm-bar")
 export class AlarmBar extends LitElement {

@@ -5,24 +5,24 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { LinkController } from "../../controllers/link.js";
-import { StoreController } from "../../controllers/store.js";
-import { TickController } from "../../controllers/tick.js";
-import { base } from "../../elements/base.js";
+import { LinkController } from "../../controllers/connection-state.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { TickController } from "../../controllers/ticker.js";
+import { base } from "../../elements/base/base-style.js";
 import { formatWholeMs } from "../../format/duration.js";
 import { routerContext, sessionContext, sitesContext, themeContext } from "../../state/contexts.js";
 import { sitePath, type PageName, type Router } from "../../state/router.js";
 import { THEMES } from "../../state/theme.js";
-import type { Person } from "../../wire/api.js";
+import type { Person } from "../../wire/api-types.js";
 import type { LinkState } from "../../wire/connection.js";
-import type { StatusKind } from "../../elements/status.js";
+import type { StatusKind } from "../../elements/feedback/status.js";
 import { mayOpen, PAGES } from "../routes.js";
-import "../../elements/button.js";
-import "../../elements/choice.js";
-import "../../elements/icon.js";
-import type { Menu } from "../../elements/menu.js";
-import "../../elements/menu.js";
-import "../../elements/status.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/choice.js";
+import "../../elements/base/icon.js";
+import type { Menu } from "../../elements/layout/menu.js";
+import "../../elements/layout/menu.js";
+import "../../elements/feedback/status.js";
 
 const LINKS: Readonly<Record<LinkState, readonly [StatusKind, string]>> = {
   idle: ["unknown", "not connected"],

@@ -3,14 +3,14 @@
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
-import type { Outlook } from "../../wire/accounts.js";
-import { AdminApi } from "../../wire/admin.js";
-import type { HubApi } from "../../wire/http.js";
-import { warningOf } from "../storage/words.js";
-import "../../elements/banner.js";
+import type { Outlook } from "../../wire/admin-types.js";
+import { AdminApi } from "../../wire/admin-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { warningOf } from "../storage/storage-text.js";
+import "../../elements/feedback/banner.js";
 
 const EVERY_MS = 5 * 60_000;
 

@@ -3,16 +3,16 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
-import { doorway } from "../../elements/doorway.js";
-import { TickController } from "../../controllers/tick.js";
-import { isFactor, signInAdvice, waitOf, waitWords, type Advice } from "../../format/problem.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { doorway } from "../../elements/layout/sign-in-layout.js";
+import { TickController } from "../../controllers/ticker.js";
+import { isFactor, signInAdvice, waitOf, waitWords, type Advice } from "../../format/error-advice.js";
 import { routerContext, sessionContext } from "../../state/contexts.js";
 import { returnPath, type Router } from "../../state/router.js";
-import "../../elements/button.js";
-import "../../elements/field.js";
-import "../../elements/problem.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/field.js";
+import "../../elements/feedback/problem.js";
 
 @customElement("t-page-sign-in")
 export class PageSignIn extends LitElement {

@@ -4,17 +4,17 @@ import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { base } from "../../elements/base.js";
-import { control } from "../../elements/control.js";
-import { styled } from "../../elements/styled.js";
+import { base } from "../../elements/base/base-style.js";
+import { control } from "../../elements/forms/input-style.js";
+import { styled } from "../../elements/base/style-directive.js";
 import { formatBytes } from "../../format/bytes.js";
 import { formatNumber } from "../../format/number.js";
 import { formatDate } from "../../format/time.js";
 import { sitePath } from "../../state/router.js";
-import { filtered, FIRST_SORTING, sorted, sortedAnew, type SignalUse, type SortKey, type Sorting } from "./signals.js";
+import { filtered, FIRST_SORTING, sorted, sortedAnew, type SignalUse, type SortKey, type Sorting } from "./signal-usage.js";
 import { storageTableStyle } from "./storage-style.js";
-import { keepText } from "./words.js";
-import "../../elements/button.js";
+import { keepText } from "./storage-text.js";
+import "../../elements/forms/button.js";
 
 const COLUMNS: readonly { readonly key: SortKey; readonly title: string; readonly number?: boolean }[] = [
   { key: "name", title: "Signal" },

@@ -4,12 +4,12 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
-import { FilmingController } from "../../controllers/filming.js";
-import { base } from "../../elements/base.js";
-import { onPicture } from "../../elements/on-picture.js";
+import { FilmingController } from "../../controllers/film-recording.js";
+import { base } from "../../elements/base/base-style.js";
+import { onPicture } from "../../elements/camera/picture-overlay.js";
 import { apiContext } from "../../state/contexts.js";
-import { FilmsApi } from "../../wire/films.js";
-import type { HubApi } from "../../wire/http.js";
+import { FilmsApi } from "../../wire/films-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
 
 const DOT = "M12 6a6 6 0 1 0 0 12A6 6 0 0 0 12 6Z";
 const BLOCK = "M7 7h10v10H7z";

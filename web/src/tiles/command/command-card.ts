@@ -2,14 +2,14 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import type { Arguments, CommandLine } from "../../controllers/drive/command-line.js";
-import { StoreController } from "../../controllers/store.js";
-import { WatchController } from "../../controllers/watch.js";
-import "../../elements/command/command.js";
-import { lockWords } from "../../format/interlock.js";
+import type { Arguments, CommandLine } from "../../controllers/drive/command-client.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { WatchController } from "../../controllers/store-controller.js";
+import "../../elements/command/command-form.js";
+import { lockWords } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
-import type { CommandInfo, DeviceInfo } from "../../wire/api.js";
-import { interruptDialog } from "./interrupt.js";
+import type { CommandInfo, DeviceInfo } from "../../wire/api-types.js";
+import { interruptDialog } from "./interrupt-dialog.js";
 
 @customElement("t-command-card")
 export class CommandCard extends LitElement {

@@ -2,9 +2,9 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { StoreController } from "../../controllers/store.js";
-import { TickController } from "../../controllers/tick.js";
-import { base } from "../../elements/base.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { TickController } from "../../controllers/ticker.js";
+import { base } from "../../elements/base/base-style.js";
 import { formatDuration } from "../../format/duration.js";
 import { deviceHoldersContext } from "../../state/contexts.js";
 

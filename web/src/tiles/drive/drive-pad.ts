@@ -2,23 +2,23 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { capWords } from "../../controllers/drive/words.js";
-import type { DriveSeat } from "../../controllers/drive/seat.js";
+import { capWords } from "../../controllers/drive/drive-messages.js";
+import type { DriveSeat } from "../../controllers/drive/drive-session.js";
 import { padStick } from "../../controllers/drive/stick.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
-import "../../elements/drive/arrows.js";
+import "../../elements/drive/arrow-pad.js";
 import "../../elements/drive/drive-readout.js";
 import type { Motion } from "../../elements/drive/drive-readout.js";
-import "../../elements/drive/lease.js";
-import "../../elements/drive/pad.js";
+import "../../elements/drive/lease-line.js";
+import "../../elements/drive/touch-pad.js";
 import "../../elements/drive/speed-limit.js";
-import { StoreController } from "../../controllers/store.js";
-import { base } from "../../elements/base.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
 import { formatMs } from "../../format/duration.js";
-import { lockWords } from "../../format/interlock.js";
-import type { Hold } from "../../elements/drive/hold.js";
+import { lockWords } from "../../format/interlock-reason.js";
+import type { Hold } from "../../elements/drive/hold-event.js";
 import { interlocksContext } from "../../state/contexts.js";
-import type { DeviceInfo, SignalInfo } from "../../wire/api.js";
+import type { DeviceInfo, SignalInfo } from "../../wire/api-types.js";
 
 const DRAW_EVERY_MS = 200;
 

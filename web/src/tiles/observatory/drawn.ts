@@ -1,14 +1,14 @@
 /** The drawn part of a device's page, chosen by what the device is. */
 
 import { html, nothing, type TemplateResult } from "lit";
-import type { CommandLine } from "../../controllers/drive/command-line.js";
-import type { DeviceInfo, SiteDetail } from "../../wire/api.js";
+import type { CommandLine } from "../../controllers/drive/command-client.js";
+import type { DeviceInfo, SiteDetail } from "../../wire/api-types.js";
 import { partOf } from "./roles.js";
-import "./camera.js";
-import "./dome.js";
-import "./power.js";
-import "./telescope.js";
-import "./weather.js";
+import "./camera-part.js";
+import "./dome-part.js";
+import "./power-part.js";
+import "./telescope-part.js";
+import "./weather-part.js";
 
 export interface Given {
   readonly site: string;

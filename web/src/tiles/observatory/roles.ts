@@ -6,8 +6,8 @@
  * one behind INDI, whatever they are called. Pure.
  */
 
-import type { ArgumentValue } from "../../elements/command/arguments.js";
-import type { CommandInfo, DeviceInfo, SignalInfo } from "../../wire/api.js";
+import type { ArgumentValue } from "../../elements/command/argument-check.js";
+import type { CommandInfo, DeviceInfo, SignalInfo } from "../../wire/api-types.js";
 
 /** Which drawn part a device's page has; `pictures` for a camera that only watches. */
 export type PartName = "dome" | "telescope" | "weather" | "camera" | "power" | "pictures" | "none";

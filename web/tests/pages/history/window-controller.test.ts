@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { readView } from "../../../src/pages/history/query.js";
+import { readView } from "../../../src/pages/history/history-query.js";
 import { WindowController } from "../../../src/pages/history/window-controller.js";
 
 const NOW = Date.parse("2026-11-21T10:00:00Z");

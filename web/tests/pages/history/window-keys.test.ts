@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { pageWish } from "../../../src/pages/history/window-keys.js";
-import { ZoneClock } from "../../../src/series/zone.js";
+import { ZoneClock } from "../../../src/series/zone-clock.js";
 
 const madrid = new ZoneClock("Europe/Madrid");
 const us = (text: string): number => Date.parse(text) * 1000;

@@ -1,6 +1,6 @@
 /** Devices as the hub describes them, with what a test does not care for left out. */
 
-import type { ArgumentInfo, CommandInfo, DeviceInfo, SignalInfo } from "../../../src/wire/api.js";
+import type { ArgumentInfo, CommandInfo, DeviceInfo, SignalInfo } from "../../../src/wire/api-types.js";
 
 export function signal(id: string, more: Partial<SignalInfo> = {}): SignalInfo {
   return {

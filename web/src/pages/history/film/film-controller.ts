@@ -1,11 +1,11 @@
 /** The films of the window, and the moment at which they and the charts' cursor stand. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import { lengthOf, type Span } from "../../../series/window.js";
-import { SECOND_US } from "../../../series/zone.js";
-import type { FilmList } from "../../../wire/films.js";
-import { Asker } from "../asker.js";
-import { firstMoment, isFilmed, nextBegin, reelsOf, type Reel } from "./films.js";
+import { lengthOf, type Span } from "../../../series/time-window.js";
+import { SECOND_US } from "../../../series/zone-clock.js";
+import type { FilmList } from "../../../wire/films-api.js";
+import { Asker } from "../data/latest-request.js";
+import { firstMoment, isFilmed, nextBegin, reelsOf, type Reel } from "./film-search.js";
 import { nextSpeed, Playhead } from "./playhead.js";
 
 export interface FilmSource {

@@ -3,11 +3,11 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../../elements/base.js";
-import type { Indent } from "../../../elements/chart/model.js";
-import { styled } from "../../../elements/styled.js";
-import { lengthOf, type Span } from "../../../series/window.js";
-import type { Reel } from "./films.js";
+import { base } from "../../../elements/base/base-style.js";
+import type { Indent } from "../../../elements/chart/chart-model.js";
+import { styled } from "../../../elements/base/style-directive.js";
+import { lengthOf, type Span } from "../../../series/time-window.js";
+import type { Reel } from "./film-search.js";
 
 /** Narrower than this part of the window a film could not be hit. */
 const LEAST_PART = 0.004;

@@ -7,17 +7,17 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { base } from "../../../elements/base.js";
-import { momentText } from "../../../elements/chart/read-out.js";
-import { onPicture } from "../../../elements/on-picture.js";
+import { base } from "../../../elements/base/base-style.js";
+import { momentText } from "../../../elements/chart/cursor-values.js";
+import { onPicture } from "../../../elements/camera/picture-overlay.js";
 import { formatNumber } from "../../../format/number.js";
 import { formatClock, knownZone } from "../../../format/time.js";
-import { fetchTimes } from "../../../wire/film-times.js";
-import { filmPath, type FilmRow } from "../../../wire/films.js";
-import { recordingPath } from "../../../wire/recordings.js";
-import { pictureAt, showingAt, steppedUs, type Reel, type Showing } from "./films.js";
-import "../../../elements/button.js";
-import "../../../elements/icon.js";
+import { fetchTimes } from "../../../wire/mp4-times.js";
+import { filmPath, type FilmRow } from "../../../wire/films-api.js";
+import { recordingPath } from "../../../wire/recordings-api.js";
+import { pictureAt, showingAt, steppedUs, type Reel, type Showing } from "./film-search.js";
+import "../../../elements/forms/button.js";
+import "../../../elements/base/icon.js";
 
 /** Playing, a film that is farther from the moment than this (s, at its own speed) jumps to it. */
 const FAR_S = 0.35;

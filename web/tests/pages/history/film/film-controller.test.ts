@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { FilmController } from "../../../../src/pages/history/film/film-controller.js";
-import type { FilmList, FilmRow } from "../../../../src/wire/films.js";
+import type { FilmList, FilmRow } from "../../../../src/wire/films-api.js";
 
 const NAMES = new Map([["cam/front", "Front"]]);
 const SPAN = { fromUs: 100e6, toUs: 160e6 };

@@ -1,0 +1,50 @@
+/** Seat, STOP and hands of one device, built and taken apart together. */
+
+import type { LeaseNews, StopNews } from "../../generated/wire.js";
+import type { DeviceInfo } from "../../wire/api-types.js";
+import { Hands } from "./drive-inputs.js";
+import { DriveSeat, type Line } from "./drive-session.js";
+import { StopLine } from "./stop-client.js";
+
+/** What was said of a device before this page was opened. */
+export interface Known {
+  readonly lease: LeaseNews | undefined;
+  readonly stop: StopNews | undefined;
+}
+
+export class Cockpit {
+  readonly stop: StopLine;
+  /** Null for someone who may not drive this device. */
+  readonly seat: DriveSeat | null;
+  private readonly hands: Hands;
+  private unwatch: (() => void) | null = null;
+
+  constructor(line: Line, site: string, device: DeviceInfo, online: boolean) {
+    const { drive } = device;
+    this.stop = new StopLine(line, site, device.id, online);
+    const limits = drive && { maxSpeed: drive.max_speed, maxReverse: drive.max_reverse, maxTurn: drive.max_turn };
+    const may = device.rights.includes("use");
+    this.seat = limits && may ? new DriveSeat(line, { site, device: device.id, limits }, online) : null;
+    this.hands = new Hands(this.seat, this.stop);
+  }
+
+  open(known: Known): void {
+    // STOP bars the seat in the same turn as it is pressed: zeros follow it down the line.
+    this.unwatch = this.stop.watch(() => {
+      if (!this.seat) return;
+      if (this.stop.desk.bars) this.seat.bar("stop");
+      else if (this.seat.machine.barred("stop")) this.seat.lift("stop");
+    });
+    this.stop.open(known.stop);
+    this.seat?.open(known.lease);
+    this.hands.open();
+  }
+
+  close(): void {
+    this.hands.close();
+    this.seat?.close();
+    this.stop.close();
+    this.unwatch?.();
+    this.unwatch = null;
+  }
+}

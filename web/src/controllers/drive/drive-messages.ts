@@ -1,0 +1,42 @@
+/** What to tell the driver. */
+
+import type { Halt } from "./drive-machine.js";
+
+const HALTS: Readonly<Record<Halt, string>> = {
+  released: "",
+  "stop key": "Halted with the S key.",
+  cancelled: "Halted: the press was interrupted. Press again to go on.",
+  blur: "Halted: this window lost the focus. Click into it and press again.",
+  hidden: "Halted and control given back: this page was out of sight.",
+  "gamepad lost": "Halted: the gamepad is gone.",
+  dialog: "Halted: a question was open.",
+  silent: "Halted: the gateway has been silent for a second. Press again once it answers.",
+  freed: "",
+  "lease lost": "Halted: control is no longer yours.",
+  offline: "Not connected. The gateway brings the vehicle to rest by itself.",
+  stop: "Halted: STOP is on.",
+  interlock: "Halted: an interlock locks driving.",
+};
+
+/** Why driving ended; empty where there is nothing to explain. */
+export function haltWords(why: Halt | null): string {
+  return why === null ? "" : HALTS[why];
+}
+
+/**
+ * Why the speed is capped, in words.
+ *
+ * @param cap - 0 to 1
+ * @param loopMs - measured round trip to the gateway
+ * @param pictureMs - age of the picture; negative: none
+ * @param rule - the interlock that slows driving down now; empty: none does
+ */
+export function capWords(cap: number, loopMs: number, pictureMs: number, rule = ""): string {
+  if (cap >= 0.995) return "";
+  const share = cap <= 0 ? "No driving" : `Speed capped to ${(cap * 100).toFixed(0)}\u202f%`;
+  if (rule !== "") return `${share}: ${rule}.`;
+  if (loopMs > 150) return `${share}: the link is slow.`;
+  if (pictureMs < 0) return `${share}: there is no picture.`;
+  if (pictureMs > 500) return `${share}: the picture is old.`;
+  return `${share} by the gateway.`;
+}

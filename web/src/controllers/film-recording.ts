@@ -1,0 +1,92 @@
+/** Which cameras of a site are being filmed: asked once for all buttons of a page. */
+
+import type { ReactiveController, ReactiveControllerHost } from "lit";
+import { FilmsApi, type FilmList } from "../wire/films-api.js";
+import type { HubApi } from "../wire/hub-api.js";
+
+/** Who may film sees within this time that somebody else has begun (ms). */
+const EVERY_MS = 3000;
+/** Who may not, or not now, is asked for this often: rights and gateways change (ms). */
+const SELDOM_MS = 30_000;
+
+/** One site; asks while somebody listens. */
+class Watched {
+  readonly listeners = new Set<() => void>();
+  list: FilmList | null = null;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private run = 0;
+
+  constructor(
+    private readonly api: HubApi,
+    private readonly site: string,
+  ) {}
+
+  async ask(): Promise<void> {
+    clearTimeout(this.timer);
+    const run = ++this.run;
+    try {
+      const list = await new FilmsApi(this.api).now(this.site);
+      if (run !== this.run) return;
+      this.list = list;
+    } catch {
+      // The page says by itself that the hub is away; here the next answer counts.
+      if (run !== this.run) return;
+    }
+    for (const each of this.listeners) each();
+    this.rest();
+  }
+
+  rest(): void {
+    clearTimeout(this.timer);
+    if (this.listeners.size === 0) return;
+    this.timer = setTimeout(() => {
+      if (document.hidden) this.rest();
+      else void this.ask();
+    }, this.list?.may_film === true ? EVERY_MS : SELDOM_MS);
+  }
+}
+
+const sites = new Map<string, Watched>();
+
+export class FilmingController implements ReactiveController {
+  private watched: Watched | null = null;
+  private site = "";
+
+  constructor(private readonly host: ReactiveControllerHost) {
+    host.addController(this);
+  }
+
+  get list(): FilmList | null {
+    return this.watched?.list ?? null;
+  }
+
+  /** Call it from `willUpdate`. */
+  watch(api: HubApi | undefined, site: string): void {
+    if (api === undefined || site === "" || site === this.site) return;
+    this.hostDisconnected();
+    this.site = site;
+    let watched = sites.get(site);
+    if (watched === undefined) sites.set(site, (watched = new Watched(api, site)));
+    this.watched = watched;
+    watched.listeners.add(this.changed);
+    if (watched.listeners.size === 1) void watched.ask();
+  }
+
+  again(): void {
+    void this.watched?.ask();
+  }
+
+  hostDisconnected(): void {
+    const { watched } = this;
+    if (watched === null) return;
+    watched.listeners.delete(this.changed);
+    if (watched.listeners.size === 0) sites.delete(this.site);
+    watched.rest();
+    this.watched = null;
+    this.site = "";
+  }
+
+  private readonly changed = (): void => {
+    this.host.requestUpdate();
+  };
+}

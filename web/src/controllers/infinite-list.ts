@@ -1,0 +1,40 @@
+/** Ties endless rows to an element: older ones are asked for when its `.end` comes into view. */
+
+import type { ReactiveController, ReactiveControllerHost } from "lit";
+import { EndlessRows, type Found, type Row } from "./infinite-rows.js";
+
+type Host = ReactiveControllerHost & { readonly renderRoot: ParentNode };
+
+export class EndlessList<R extends Row> extends EndlessRows<R> implements ReactiveController {
+  private readonly watcher = new IntersectionObserver((entries) => {
+    if (entries.some(({ isIntersecting }) => isIntersecting)) void this.older();
+  });
+
+  /** `find` and `fits` are as those of `EndlessRows`. */
+  constructor(
+    private readonly host: Host,
+    find: (before: string) => Promise<Found<R>>,
+    fits?: (row: R) => boolean,
+  ) {
+    super(
+      find,
+      () => {
+        host.requestUpdate();
+      },
+      fits,
+    );
+    host.addController(this);
+  }
+
+  hostUpdated(): void {
+    // Watched anew each time: an end that has stayed in view is told of once more.
+    this.watcher.disconnect();
+    const end = this.host.renderRoot.querySelector(".end");
+    if (end !== null && this.more && this.failure === null) this.watcher.observe(end);
+  }
+
+  hostDisconnected(): void {
+    this.watcher.disconnect();
+    this.stop();
+  }
+}

@@ -1,0 +1,48 @@
+/** Sends test messages for an element, one after the other, and keeps how the last one went. */
+
+import type { ReactiveControllerHost } from "lit";
+import type { WentShape } from "../wire/alarms-api.js";
+import type { ActionController } from "./action.js";
+
+export class Tester {
+  private last: { readonly id: string; readonly how: WentShape } | null = null;
+
+  /**
+   * @param action of the same element: a test waits for whatever else is under way
+   * @param send sends a test by the way or rule of this id
+   */
+  constructor(
+    private readonly host: ReactiveControllerHost,
+    private readonly action: ActionController,
+    private readonly send: (id: string) => Promise<WentShape>,
+  ) {}
+
+  /** How the last test went, if it was of this one. */
+  went(id: string): WentShape | null {
+    return this.last?.id === id ? this.last.how : null;
+  }
+
+  busy(id: string): boolean {
+    return this.action.under === keyOf(id);
+  }
+
+  /** What a press of its button does. */
+  presser(id: string): () => void {
+    return () => {
+      this.last = null;
+      void this.action.run(
+        "send the test",
+        async () => {
+          this.last = { id, how: await this.send(id) };
+        },
+        "",
+        keyOf(id),
+      );
+      this.host.requestUpdate();
+    };
+  }
+}
+
+function keyOf(id: string): string {
+  return `test ${id}`;
+}

@@ -1,0 +1,153 @@
+/** One anomaly detector of a signal: how it stands, its score over time, why, and "not an anomaly". */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { formatNumber } from "../../format/number.js";
+import type { Span } from "../../series/time-window.js";
+import type { Detector } from "../../state/anomaly-detectors.js";
+import { base } from "../base/base-style.js";
+import type { ChartMark } from "../chart/draw-marks.js";
+import { indentOf, type Axis, type ChartSeries, type Follow, type Indent } from "../chart/chart-model.js";
+import type { Painter } from "../chart/paint-scheduler.js";
+import "../forms/button.js";
+import "../chart/chart.js";
+import "../feedback/status.js";
+
+const SCORE: Axis = { limits: { minimum: 0, maximum: 1 }, least: 1 };
+
+/** @fires t-forgive a person says that the newest anomaly is none; detail is the detector */
+@customElement("t-detector")
+export class DetectorElement extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-1);
+        min-inline-size: 0;
+      }
+      .head {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-1) var(--t-space-3);
+        font-size: var(--t-size-s);
+      }
+      .name {
+        font-weight: var(--t-weight-strong);
+      }
+      .score {
+        color: var(--t-muted);
+        font-variant-numeric: tabular-nums;
+      }
+      .why {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        overflow-wrap: anywhere;
+      }
+      :host([on]) .why {
+        color: var(--t-text);
+      }
+      .act {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-1) var(--t-space-3);
+      }
+      .act .why {
+        flex: 1 1 14rem;
+      }
+      t-chart {
+        margin-inline: calc(-1 * var(--t-space-2));
+        block-size: 4.5rem;
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) detector: Detector | null = null;
+  /** With the signal's name before the detector's: where they stand below charts of several. */
+  @property({ type: Boolean }) named = false;
+  /** The newest score; NaN where it is not shown. */
+  @property({ type: Number }) score = NaN;
+  @property({ attribute: false }) series: ChartSeries | null = null;
+  @property({ attribute: false }) marks: readonly ChartMark[] = [];
+  @property({ attribute: false }) span: Span | null = null;
+  @property({ attribute: false }) follow: Follow | null = null;
+  @property({ attribute: false }) indent: Indent = indentOf(0, 0);
+  @property({ type: Number, attribute: "axis-width" }) axisWidth = 48;
+  @property({ attribute: false }) painter: Painter | null = null;
+  @property({ attribute: false }) cursorUs: number | null = null;
+  @property() zone = "UTC";
+  /** The person may say that something is none. */
+  @property({ type: Boolean, attribute: "may-forgive" }) mayForgive = false;
+  /** Something is being said to it. */
+  @property({ type: Boolean }) busy = false;
+
+  private list: readonly ChartSeries[] = [];
+
+  override render(): TemplateResult | null {
+    const { detector, series } = this;
+    if (detector === null) return null;
+    this.toggleAttribute("on", detector.on);
+    return html`<div class="head">
+        <span class="name">${this.named ? `${detector.address}, ${detector.name}` : `Anomaly score, ${detector.name}`}</span>
+        ${statusOf(detector)}
+        <span class="score">${Number.isNaN(this.score) ? nothing : `${formatNumber(this.score, 2)}, `}told from ${formatNumber(detector.bar, 2)}</span>
+      </div>
+      ${series === null ? nothing : this.chart(detector, series)} ${this.words(detector)}`;
+  }
+
+  private chart(detector: Detector, series: ChartSeries): TemplateResult {
+    if (this.list[0] !== series) this.list = [series];
+    return html`<t-chart
+      .series=${this.list}
+      .marks=${this.marks}
+      .level=${detector.bar}
+      .span=${this.span}
+      .follow=${this.follow}
+      .axis=${SCORE}
+      .indent=${this.indent}
+      .painter=${this.painter}
+      .cursorUs=${this.cursorUs}
+      axis-width=${this.axisWidth}
+      zone=${this.zone}
+      label=${`Anomaly score of ${detector.address} by ${detector.name}`}
+    ></t-chart>`;
+  }
+
+  private words(detector: Detector): unknown {
+    const { anomaly, on, learns, learning } = detector;
+    if (anomaly === null) {
+      if (learning === 0) return nothing;
+      return html`<p class="why">It learns what is usual for ${formatNumber(learning, 0)} more samples, and tells little before.</p>`;
+    }
+    const { why, forgiven } = anomaly;
+    const button =
+      this.mayForgive && learns && !forgiven
+        ? html`<t-button ?disabled=${this.busy} label=${`Not an anomaly: ${detector.address}, ${detector.name}`} @click=${this.forgive}>Not an anomaly</t-button>`
+        : nothing;
+    return html`<div class="act">
+      <p class="why">${on ? "Now" : "Last"}: ${why}${forgiven ? ". Someone said that it was none, and it has learned." : ""}</p>
+      ${button}
+    </div>`;
+  }
+
+  private readonly forgive = (): void => {
+    this.dispatchEvent(new CustomEvent("t-forgive", { detail: this.detector, bubbles: true, composed: true }));
+  };
+}
+
+function statusOf({ on, anomaly, learning }: Detector): TemplateResult {
+  if (on) return html`<t-status kind="warn" word="anomaly"></t-status>`;
+  if (learning > 0) return html`<t-status kind="busy" word="learning"></t-status>`;
+  return html`<t-status kind="ok" word=${anomaly?.forgiven === true ? "as usual, marked" : "as usual"}></t-status>`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-detector": DetectorElement;
+  }
+  interface HTMLElementEventMap {
+    "t-forgive": CustomEvent<Detector>;
+  }
+}

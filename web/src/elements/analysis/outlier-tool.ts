@@ -1,0 +1,78 @@
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { LEAST_K, MOST_K, USUAL_K } from "../../series/outliers.js";
+import { base } from "../base/base-style.js";
+import { control } from "../forms/input-style.js";
+import "../forms/button.js";
+
+/**
+ * The button "Outliers" and, once pressed, how far out a sample must be.
+ *
+ * @fires t-outliers detail is `k`, or 0 for none
+ */
+@customElement("t-outlier-tool")
+export class OutlierTool extends LitElement {
+  static override styles = [
+    base,
+    control,
+    css`
+      :host {
+        display: inline-flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-2);
+      }
+      label {
+        display: inline-flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight-strong);
+      }
+      input {
+        inline-size: 5rem;
+      }
+    `,
+  ];
+
+  /** So many times the distance of the quartiles; 0 while none are shown. */
+  @property({ type: Number }) k = 0;
+
+  override render(): TemplateResult {
+    const on = this.k > 0;
+    return html`<t-button pressed=${on ? "true" : "false"} @click=${this.toggle}>Outliers</t-button>
+      ${
+        on
+          ? html`<label title="A sample so many times the distance of the quartiles beyond them is an outlier"
+              >beyond <input type="number" aria-label="Times the interquartile range" min=${LEAST_K} max=${MOST_K} step="0.5" .value=${String(this.k)} @change=${this.typed} /> × IQR</label
+            >`
+          : nothing
+      }`;
+  }
+
+  private readonly toggle = (): void => {
+    this.tell(this.k > 0 ? 0 : USUAL_K);
+  };
+
+  private readonly typed = (event: Event): void => {
+    if (!(event.target instanceof HTMLInputElement)) return;
+    const k = event.target.valueAsNumber;
+    const kept = Number.isFinite(k) ? Math.min(MOST_K, Math.max(LEAST_K, k)) : this.k;
+    event.target.value = String(kept);
+    this.tell(kept);
+  };
+
+  private tell(detail: number): void {
+    this.dispatchEvent(new CustomEvent("t-outliers", { detail }));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-outlier-tool": OutlierTool;
+  }
+  interface HTMLElementEventMap {
+    "t-outliers": CustomEvent<number>;
+  }
+}

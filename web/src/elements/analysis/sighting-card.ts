@@ -1,0 +1,160 @@
+/** One sighting: its picture, what was seen, by which camera, from when to when. */
+
+import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { formatDuration } from "../../format/duration.js";
+import { countWords, sureWords } from "../../format/object-names.js";
+import { base } from "../base/base-style.js";
+import { onPicture } from "../camera/picture-overlay.js";
+import "../base/icon.js";
+import "../feedback/status.js";
+import "../values/time.js";
+
+/** What is shown of a sighting; times in µs since the epoch, UTC. */
+export interface SightingFacts {
+  readonly label: string;
+  readonly many: number;
+  readonly confidence: number;
+  readonly began_us: number;
+  readonly ended_us: number | null;
+}
+
+/**
+ * @slot - ways that lead on from it
+ */
+@customElement("t-sighting")
+export class SightingCard extends LitElement {
+  static override styles = [
+    base,
+    onPicture,
+    css`
+      :host {
+        display: grid;
+        grid-template-columns: 10rem minmax(0, 1fr);
+        gap: var(--t-space-3) var(--t-space-4);
+        min-inline-size: 0;
+      }
+      .picture {
+        display: grid;
+        place-content: center;
+        justify-items: center;
+        gap: var(--t-space-1);
+        inline-size: 100%;
+        aspect-ratio: 4 / 3;
+        overflow: hidden;
+        border-radius: var(--t-radius-s);
+        background: var(--t-raised);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        position: relative;
+      }
+      .picture.there {
+        background: #000;
+      }
+      .picture t-icon {
+        font-size: 1.75rem;
+      }
+      img {
+        position: absolute;
+        inset: 0;
+        inline-size: 100%;
+        block-size: 100%;
+        object-fit: contain;
+        filter: var(--t-picture-filter, none);
+      }
+      .told {
+        display: grid;
+        align-content: start;
+        gap: var(--t-space-1);
+        min-inline-size: 0;
+      }
+      .what {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        gap: 0 var(--t-space-3);
+        font-size: var(--t-size-l);
+        font-weight: var(--t-weight-strong);
+        overflow-wrap: anywhere;
+      }
+      .what t-status {
+        font-size: var(--t-size-s);
+      }
+      .facts {
+        display: flex;
+        flex-wrap: wrap;
+        gap: 0 var(--t-space-4);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .times {
+        display: flex;
+        flex-wrap: wrap;
+        gap: 0 var(--t-space-2);
+      }
+      @media (max-width: 30rem) {
+        :host {
+          grid-template-columns: 6.5rem minmax(0, 1fr);
+          gap: var(--t-space-2) var(--t-space-3);
+        }
+        /* A date with its zone in one line. */
+        .times {
+          font-size: var(--t-size-s);
+        }
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) sighting: SightingFacts = { label: "", many: 0, confidence: 0, began_us: 0, ended_us: null };
+  /** What the camera is called. */
+  @property() camera = "";
+  /** Address of its picture; empty for none. */
+  @property() picture = "";
+  @property() zone = "UTC";
+
+  /** The picture did not come. */
+  @state() private lost = false;
+
+  override willUpdate(changed: PropertyValues<this>): void {
+    if (changed.has("picture")) this.lost = false;
+  }
+
+  override render(): TemplateResult {
+    const { label, many, confidence, began_us, ended_us } = this.sighting;
+    const there = this.picture !== "" && !this.lost;
+    return html`<div class="picture ${there ? "there" : ""}">
+        ${there
+          ? html`<img src=${this.picture} alt=${`${countWords(many, label)} on the picture of ${this.camera}`} loading="lazy" decoding="async" @error=${this.broke} />
+              <div class="tint"></div>`
+          : html`<t-icon name="camera"></t-icon><span>${this.lost ? "picture not kept" : "no picture"}</span>`}
+      </div>
+      <div class="told">
+        <div class="what">
+          <span>${countWords(many, label)}</span>
+          ${ended_us === null ? html`<t-status kind="busy" word="in sight"></t-status>` : nothing}
+        </div>
+        <div class="times">
+          <t-time .us=${began_us} .zone=${this.zone}></t-time>
+          ${ended_us === null
+            ? html`<span class="muted">until now</span>`
+            : html`<span aria-label="to">–</span><t-time .us=${ended_us} .zone=${this.zone}></t-time>`}
+        </div>
+        <div class="facts">
+          <span>${this.camera}</span>
+          ${ended_us === null ? nothing : html`<span>for ${formatDuration(Math.max(1, Math.round((ended_us - began_us) / 1e6)))}</span>`}
+          <span title="Of the surest one">${sureWords(confidence)} sure</span>
+        </div>
+        <slot></slot>
+      </div>`;
+  }
+
+  private readonly broke = (): void => {
+    this.lost = true;
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-sighting": SightingCard;
+  }
+}

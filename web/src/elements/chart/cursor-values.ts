@@ -1,0 +1,55 @@
+/** What stands at the cursor, as text. */
+
+import { decimalsFor, formatNumber, NOTHING } from "../../format/number.js";
+import { formatClock, formatDate } from "../../format/time.js";
+import { stateWord } from "../../format/state-label.js";
+import { formatWithUnit } from "../../format/unit.js";
+import { firstFrom, nearest } from "../../series/binary-search.js";
+import { SECOND_US } from "../../series/zone-clock.js";
+import type { ChartSeries, ReadOut } from "./chart-model.js";
+
+/** At this length of a window (µs) and below, a thousandth of a second is a pixel. */
+const FINE_US = 120 * SECOND_US;
+const DAY_US = 86_400 * SECOND_US;
+
+/** The moment at the cursor, as finely as the window shows it. */
+export function momentText(us: number, zone: string, lengthUs: number): string {
+  const clock = formatClock(us, zone);
+  if (lengthUs <= FINE_US) return `${clock}.${String(Math.floor((us % SECOND_US) / 1000)).padStart(3, "0")}`;
+  return lengthUs < DAY_US ? clock : `${formatDate(us, zone)}, ${clock}`;
+}
+
+/**
+ * The value nearest to a moment.
+ *
+ * @param widthUs the time one pixel column stands for; where a column holds many values, their
+ *   mean is given with the least and the greatest
+ * @param withinUs nothing farther away counts
+ */
+export function readOut(series: ChartSeries, us: number, widthUs: number, withinUs: number): ReadOut {
+  return series.states.length > 0 ? readState(series, us) : readNumber(series, us, widthUs, withinUs);
+}
+
+function readState(series: ChartSeries, us: number): ReadOut {
+  const { times, values, allowedUs } = series.samples;
+  const at = firstFrom(times, us + 1) - 1;
+  const timeUs = times[at] ?? NaN;
+  if (!(us - timeUs <= allowedUs)) return { series, timeUs: NaN, text: NOTHING };
+  return { series, timeUs, text: stateWord(series.states, values[at] ?? NaN) };
+}
+
+function readNumber(series: ChartSeries, us: number, widthUs: number, withinUs: number): ReadOut {
+  const columns = series.samples.columnsAt(widthUs);
+  const times = Array.from({ length: 3 }, (_, i) => {
+    const at = columns.firstFrom(us) - 1 + i;
+    return { at, time: at >= 0 && at < columns.length ? columns.time(at) : NaN };
+  }).filter(({ time }) => Math.abs(time - us) <= withinUs);
+  const found = times[nearest(times.map(({ time }) => time), us)];
+  if (found === undefined) return { series, timeUs: NaN, text: NOTHING };
+  const { unit } = series;
+  const decimals = decimalsFor(unit, series.decimals);
+  const [min, max] = [columns.min(found.at), columns.max(found.at)].map((value) => formatNumber(value, decimals));
+  const mean = formatWithUnit(columns.mean(found.at), unit, decimals);
+  const text = min === max || min === undefined || max === undefined ? mean : `${mean} (${min} … ${max})`;
+  return { series, timeUs: found.time, text };
+}

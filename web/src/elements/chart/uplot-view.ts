@@ -1,0 +1,242 @@
+/** uPlot as we use it: axes, grid and layout. The traces are drawn by `draw-parts.ts` from thinned columns. */
+
+import type UPlotType from "uplot";
+import { formatNumber } from "../../format/number.js";
+import { decimalsOf, type Range } from "../../series/axis-range.js";
+import { tickText, timeStep, timeTicks } from "../../series/time-ticks.js";
+import { lengthOf, type Span } from "../../series/time-window.js";
+import type { ZoneClock } from "../../series/zone-clock.js";
+import { clipped, type Plot } from "./draw-parts.js";
+import type { Indent } from "./chart-model.js";
+import { seriesColour, type Palette } from "./palette.js";
+
+/** A rectangle in CSS pixels, from the chart's own corner. */
+export interface Box {
+  readonly left: number;
+  readonly top: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+/** What stands beside a value axis, and in which colour. */
+export interface AxisLook {
+  /** Empty where the chart's surroundings say it. */
+  readonly title: string;
+  /** Place among the colours of series; -1 for the colour of all axes. */
+  readonly colour: number;
+}
+
+export interface ViewOptions {
+  readonly clock: ZoneClock;
+  /** Width kept for each value axis (CSS pixels), so that charts below each other line up. */
+  readonly axisWidth: number;
+  /** The value axes, in turn left and right; none for states alone. */
+  readonly axes: readonly AxisLook[];
+  /** Room kept at the sides, also where no axes take it (CSS pixels). */
+  readonly indent: Indent;
+}
+
+const TICK_APART = 84;
+const LABEL_HALF = 30;
+const TYPE = 12;
+const CHAR = 7;
+const GAP = 6;
+const TITLE = 14;
+
+export class ChartView {
+  private readonly plot: UPlotType;
+  private readonly ticks = new Map<number, string>();
+  private drawInside: (plot: Plot) => void = () => undefined;
+  private span: Span = { fromUs: 0, toUs: 1 };
+  private ranges: readonly Range[] = [];
+  private step = 0;
+
+  constructor(
+    engine: typeof UPlotType,
+    place: HTMLElement,
+    size: { width: number; height: number },
+    private palette: Palette,
+    private readonly options: ViewOptions,
+  ) {
+    this.plot = new engine(this.settings(size), [[0, 1]], place);
+  }
+
+  /** Where the traces are (CSS pixels). */
+  get box(): Box {
+    const { left, top, width, height } = this.plot.bbox;
+    const ratio = this.ratio;
+    return { left: left / ratio, top: top / ratio, width: width / ratio, height: height / ratio };
+  }
+
+  resize(size: { width: number; height: number }): void {
+    this.plot.setSize(size);
+  }
+
+  recolour(palette: Palette): void {
+    this.palette = palette;
+  }
+
+  /**
+   * Draw all, once, at the end of the running task.
+   *
+   * @param ranges one for each axis; at least one
+   */
+  paint(span: Span, ranges: readonly Range[], inside: (plot: Plot) => void): void {
+    this.span = span;
+    this.ranges = ranges;
+    this.drawInside = inside;
+    const step = timeStep(lengthOf(span), this.box.width / TICK_APART);
+    // Another width alone moves no scale: the engine would keep the ticks of the old one.
+    const others = step !== this.step;
+    if (others) this.ticks.clear();
+    this.step = step;
+    this.plot.batch(() => {
+      this.plot.setScale("x", { min: span.fromUs, max: span.toUs });
+      ranges.forEach(({ low, high }, i) => {
+        this.plot.setScale(scaleOf(i), { min: low, max: high });
+      });
+      // A change of colour alone moves no scale, but must be drawn.
+      this.plot.redraw(false, others);
+    });
+  }
+
+  destroy(): void {
+    this.plot.destroy();
+  }
+
+  private get ratio(): number {
+    return this.plot.ctx.canvas.width / Math.max(1, this.plot.width);
+  }
+
+  private settings(size: { width: number; height: number }): UPlotType.Options {
+    const { axes, axisWidth, indent } = this.options;
+    const titled = axes.some(({ title }) => title !== "");
+    const left = Math.max(0, indent.left - Math.ceil(axes.length / 2) * axisWidth);
+    const right = Math.max(0, indent.right - Math.floor(axes.length / 2) * axisWidth);
+    return {
+      ...size,
+      padding: [titled ? 8 + TITLE : 8, right, 0, left],
+      legend: { show: false },
+      cursor: { show: false },
+      series: [{}],
+      scales: {
+        x: { time: false, auto: false, range: (_u, min, max) => [min, max] },
+        ...Object.fromEntries(Array.from({ length: Math.max(1, axes.length) }, (_, i) => [scaleOf(i), this.valueScale(i)])),
+      },
+      axes: [this.timeAxis(), ...axes.map((look, i) => this.valueAxis(look, i))],
+      hooks: { draw: [this.draw] },
+    };
+  }
+
+  private timeAxis(): UPlotType.Axis {
+    return {
+      ...this.look(),
+      size: TYPE + 16,
+      splits: (_u, _axis, min, max) => timeTicks(min, max, this.step || 1e6, this.options.clock),
+      values: (_u, splits) => splits.map((us) => (this.hasRoom(us) ? this.tickText(us) : "")),
+    };
+  }
+
+  private valueScale(index: number): UPlotType.Scale {
+    return {
+      auto: false,
+      range: () => {
+        const { low, high } = this.ranges[index] ?? UNIT;
+        return [low, high];
+      },
+    };
+  }
+
+  private valueAxis(axis: AxisLook, index: number): UPlotType.Axis {
+    const { axisWidth } = this.options;
+    const look = this.look();
+    return {
+      ...look,
+      stroke: () => this.inkOf(axis),
+      // One grid: several would not meet.
+      grid: { ...look.grid, show: index === 0 },
+      scale: scaleOf(index),
+      // The engine's names of the sides are gone at run time: 3 is left, 1 is right.
+      // eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
+      side: index % 2 === 0 ? 3 : 1,
+      space: 30,
+      // uPlot asks once before it has any values, whatever its types say.
+      size: (_u, values: string[] | null) => Math.max(axisWidth, ...(values ?? []).map((text) => text.length * CHAR + GAP + 8)),
+      values: (_u, splits, _axis, _space, step) => {
+        const decimals = decimalsOf(step);
+        return splits.map((value) => formatNumber(value, decimals));
+      },
+    };
+  }
+
+  private inkOf({ colour }: AxisLook): string {
+    return colour < 0 ? this.palette.muted : seriesColour(this.palette, colour);
+  }
+
+  private look(): UPlotType.Axis {
+    return {
+      stroke: () => this.palette.muted,
+      font: `${String(TYPE)}px ${this.palette.font}`,
+      gap: GAP,
+      grid: { stroke: () => this.palette.line, width: 1 },
+      ticks: { show: false },
+    };
+  }
+
+  // A label too near to the edge would be cut.
+  private hasRoom(us: number): boolean {
+    const { left, width } = this.box;
+    const x = left + ((us - this.span.fromUs) / lengthOf(this.span)) * width;
+    return x >= LABEL_HALF && x <= this.plot.width - LABEL_HALF;
+  }
+
+  private tickText(us: number): string {
+    let text = this.ticks.get(us);
+    if (text === undefined) {
+      if (this.ticks.size > 200) this.ticks.clear();
+      text = tickText(us, this.step, this.options.clock);
+      this.ticks.set(us, text);
+    }
+    return text;
+  }
+
+  private readonly draw = (plot: UPlotType): void => {
+    const { left, top, width, height } = plot.bbox;
+    const inside: Plot = {
+      ctx: plot.ctx,
+      left,
+      top,
+      width,
+      height,
+      span: this.span,
+      range: this.ranges[0] ?? UNIT,
+      ratio: this.ratio,
+      font: this.palette.font,
+    };
+    this.drawTitles(inside);
+    clipped(inside, () => {
+      this.drawInside(inside);
+    });
+  };
+
+  /** The unit over each axis, at its outer edge. */
+  private drawTitles({ ctx, left, top, width, ratio }: Plot): void {
+    const { axes, axisWidth } = this.options;
+    ctx.save();
+    ctx.font = `600 ${String(TYPE * ratio)}px ${this.palette.font}`;
+    ctx.textBaseline = "bottom";
+    axes.forEach((axis, i) => {
+      const apart = (Math.floor(i / 2) * axisWidth + GAP) * ratio;
+      ctx.textAlign = i % 2 === 0 ? "right" : "left";
+      ctx.fillStyle = this.inkOf(axis);
+      ctx.fillText(axis.title, i % 2 === 0 ? left - apart : left + width + apart, top - GAP * ratio);
+    });
+    ctx.restore();
+  }
+}
+
+const UNIT: Range = { low: 0, high: 1 };
+
+function scaleOf(index: number): string {
+  return `y${String(index)}`;
+}

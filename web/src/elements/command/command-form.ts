@@ -1,0 +1,289 @@
+/** One command of a device: its arguments as a form, and what became of the last ask. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import type { ArgumentInfo, CommandInfo } from "../../wire/api-types.js";
+import { base } from "../base/base-style.js";
+import "../forms/button.js";
+import "../feedback/dialog.js";
+import "../forms/field.js";
+import "../base/icon.js";
+import "../feedback/status.js";
+import { PHASES, type AskPhase } from "./command-phases.js";
+import { checkArgument, limitWords, startOf, type ArgumentValue } from "./argument-check.js";
+
+export type { AskPhase };
+
+export interface AskState {
+  readonly phase: AskPhase;
+  /** The robot's own words, where it gave any. */
+  readonly message: string;
+  /** 0 to 1 */
+  readonly progress: number;
+}
+
+/**
+ * @fires t-cancel what is under way is no longer wanted
+ * @fires t-ask detail are the arguments by name; it is asked once and never again by itself
+ */
+@customElement("t-command")
+export class CommandForm extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+      }
+      form {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      .fields {
+        display: grid;
+        grid-template-columns: repeat(auto-fit, minmax(11rem, 1fr));
+        align-items: start;
+        gap: var(--t-space-3);
+      }
+      .fields:empty {
+        display: none;
+      }
+      label {
+        align-self: end;
+        display: inline-flex;
+        align-items: center;
+        gap: var(--t-space-3);
+        min-block-size: var(--t-touch);
+        font-weight: var(--t-weight-strong);
+        cursor: pointer;
+      }
+      input[role="switch"] {
+        appearance: none;
+        position: relative;
+        flex: none;
+        inline-size: 3rem;
+        block-size: 1.75rem;
+        margin: 0;
+        border: 2px solid var(--t-edge);
+        border-radius: 1rem;
+        background: var(--t-surface);
+        cursor: pointer;
+      }
+      input[role="switch"]::before {
+        content: "";
+        position: absolute;
+        inset: 3px auto 3px 3px;
+        aspect-ratio: 1;
+        border-radius: 50%;
+        background: var(--t-edge);
+      }
+      input[role="switch"]:checked {
+        border-color: var(--t-accent);
+        background: var(--t-accent);
+      }
+      input[role="switch"]:checked::before {
+        inset: 3px 3px 3px auto;
+        background: var(--t-on-accent);
+      }
+      .do {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-2) var(--t-space-4);
+      }
+      .state {
+        display: grid;
+        gap: var(--t-space-1);
+        flex: 1 1 12rem;
+      }
+      .locked {
+        color: var(--t-warn);
+        font-size: var(--t-size-s);
+      }
+      progress {
+        inline-size: 100%;
+        block-size: 0.5rem;
+        accent-color: var(--t-accent);
+      }
+      dl {
+        display: grid;
+        grid-template-columns: auto 1fr;
+        gap: var(--t-space-1) var(--t-space-4);
+        margin: var(--t-space-3) 0 0;
+      }
+      dd {
+        margin: 0;
+        font-weight: var(--t-weight-strong);
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) command: CommandInfo | null = null;
+  @property({ attribute: false }) asked: AskState | null = null;
+  /** The site is connected. */
+  @property({ type: Boolean }) online = true;
+  /** This person may use the device. */
+  @property({ type: Boolean }) allowed = true;
+
+  /** Why it cannot be asked now and who can help; empty when it can. */
+  @property() locked = "";
+
+  @state() private confirming: Readonly<Record<string, ArgumentValue>> | null = null;
+  @state() private errors: Readonly<Record<string, string>> = {};
+  @state() private typed: Readonly<Record<string, string>> = {};
+
+  override render(): TemplateResult | typeof nothing {
+    const { command } = this;
+    if (!command) return nothing;
+    const busy = this.asked !== null && ["sent", "accepted", "running"].includes(this.asked.phase);
+    return html`
+      <form novalidate @submit=${this.submitted}>
+        <div>
+          <h3>${command.name}</h3>
+          ${command.description === "" ? nothing : html`<p class="muted">${command.description}</p>`}
+        </div>
+        <div class="fields">
+          ${repeat(command.arguments, (argument) => argument.id, (argument) => this.field(argument))}
+        </div>
+        <div class="do">
+          <t-button type="submit" ?disabled=${!this.may} ?busy=${busy}>
+            ${command.confirm ? "Send…" : "Send"}
+          </t-button>
+          ${command.cancellable && (this.asked?.phase === "accepted" || this.asked?.phase === "running")
+            ? html`<t-button ?disabled=${!this.online || !this.allowed} @click=${this.cancelled}>Cancel it</t-button>`
+            : nothing}
+          <div class="state" role="status">${this.outcome()}</div>
+        </div>
+      </form>
+      <t-dialog heading="${command.name}?" ?open=${this.confirming !== null} @t-close=${this.calledOff}>
+        <p>${command.description || "This is sent to the robot once."}</p>
+        ${this.summary()}
+        <t-button slot="actions" @click=${this.calledOff}>Do not send</t-button>
+        <t-button slot="actions" kind="primary" @click=${this.confirmed}>Send</t-button>
+      </t-dialog>
+    `;
+  }
+
+  private get may(): boolean {
+    return this.online && this.allowed && this.locked === "";
+  }
+
+  private field(argument: ArgumentInfo): TemplateResult {
+    const value = this.typed[argument.id] ?? startOf(argument);
+    if (argument.type === "boolean") {
+      return html`<label
+        ><input
+          type="checkbox"
+          role="switch"
+          name=${argument.id}
+          .checked=${value === "true"}
+          ?disabled=${!this.allowed}
+          @change=${this.changed}
+        />${argument.name}: ${value === "true" ? "on" : "off"}</label
+      >`;
+    }
+    const number = argument.type !== "text";
+    const label = argument.unit === "" ? argument.name : `${argument.name} (${argument.unit})`;
+    return html`<t-field .label=${label} .hint=${limitWords(argument)} .error=${this.errors[argument.id] ?? ""}>
+      <input
+        name=${argument.id}
+        type="text"
+        inputmode=${number ? "decimal" : "text"}
+        autocomplete="off"
+        .value=${value}
+        ?disabled=${!this.allowed}
+        @input=${this.changed}
+      />
+    </t-field>`;
+  }
+
+  private outcome(): unknown {
+    if (!this.allowed) return html`<span class="muted">You may look, but not send this.</span>`;
+    const lock = this.locked === "" || !this.online ? nothing : html`<span class="locked"><t-icon name="lock"></t-icon> ${this.locked}</span>`;
+    if (!this.asked && lock !== nothing) return lock;
+    if (!this.asked) return this.online ? nothing : html`<t-status kind="offline" word="not connected"></t-status>`;
+    const { phase, message, progress } = this.asked;
+    const { kind, word } = PHASES[phase];
+    return html`
+      <t-status kind=${kind} .word=${word}></t-status>
+      ${phase === "running" && progress > 0
+        ? html`<progress max="1" .value=${progress} aria-label="Progress"></progress>`
+        : nothing}
+      ${message === "" ? nothing : html`<span>${message}</span>`} ${lock}
+    `;
+  }
+
+  private summary(): unknown {
+    const given = this.confirming;
+    if (!given || !this.command || this.command.arguments.length === 0) return nothing;
+    return html`<dl>
+      ${repeat(
+        this.command.arguments,
+        (argument) => argument.id,
+        (argument) => html`<dt>${argument.name}</dt>
+          <dd>${said(given[argument.id])} ${argument.unit}</dd>`,
+      )}
+    </dl>`;
+  }
+
+  private readonly changed = (event: Event): void => {
+    const input = event.target as HTMLInputElement;
+    const text = input.type === "checkbox" ? String(input.checked) : input.value;
+    this.typed = { ...this.typed, [input.name]: text };
+    if (this.errors[input.name] !== undefined) this.check();
+  };
+
+  private check(): Readonly<Record<string, ArgumentValue>> | null {
+    const values: Record<string, ArgumentValue> = {};
+    const errors: Record<string, string> = {};
+    for (const argument of this.command?.arguments ?? []) {
+      const checked = checkArgument(argument, this.typed[argument.id] ?? startOf(argument));
+      if (checked.ok) values[argument.id] = checked.value;
+      else errors[argument.id] = checked.why;
+    }
+    this.errors = errors;
+    return Object.keys(errors).length === 0 ? values : null;
+  }
+
+  private readonly submitted = (event: Event): void => {
+    event.preventDefault();
+    if (!this.may) return;
+    const values = this.check();
+    if (!values) return;
+    if (this.command?.confirm === true) this.confirming = values;
+    else this.ask(values);
+  };
+
+  private readonly confirmed = (): void => {
+    const values = this.confirming;
+    this.confirming = null;
+    // What was asked for a moment ago may be locked by now.
+    if (values && this.may) this.ask(values);
+  };
+
+  private readonly calledOff = (): void => {
+    this.confirming = null;
+  };
+
+  private readonly cancelled = (): void => {
+    this.dispatchEvent(new CustomEvent("t-cancel", { bubbles: true, composed: true }));
+  };
+
+  private ask(detail: Readonly<Record<string, ArgumentValue>>): void {
+    this.dispatchEvent(new CustomEvent("t-ask", { detail, bubbles: true, composed: true }));
+  }
+}
+
+function said(value: ArgumentValue | undefined): string {
+  if (value === true) return "on";
+  return value === false ? "off" : String(value ?? "");
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-command": CommandForm;
+  }
+  interface GlobalEventHandlersEventMap {
+    "t-ask": CustomEvent<Readonly<Record<string, ArgumentValue>>>;
+  }
+}

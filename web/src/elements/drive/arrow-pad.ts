@@ -1,0 +1,230 @@
+/** Four arrow buttons to hold, and one that halts: the pad for those who do not drag. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { base } from "../base/base-style.js";
+import { holdEvent, type HoldAct, type HoldStick } from "./hold-event.js";
+
+interface Arrow {
+  readonly id: string;
+  readonly label: string;
+  readonly key: string;
+  readonly path: string;
+  readonly stick: HoldStick;
+}
+
+const REST: HoldStick = { forward: 0, turn: 0 };
+
+const ARROWS: readonly Arrow[] = [
+  { id: "forward", label: "Forward", key: "W", path: "M12 19V6M6 12l6-6 6 6", stick: { forward: 1, turn: 0 } },
+  { id: "left", label: "Turn left", key: "A", path: "M19 12H6M12 6l-6 6 6 6", stick: { forward: 0, turn: 1 } },
+  { id: "right", label: "Turn right", key: "D", path: "M5 12h13M12 6l6 6-6 6", stick: { forward: 0, turn: -1 } },
+  { id: "backward", label: "Backward", key: "X", path: "M12 5v13M6 12l6 6 6-6", stick: { forward: -1, turn: 0 } },
+];
+
+/**
+ * @fires t-hold on press and release of an arrow
+ * @fires t-halt the middle button
+ */
+@customElement("t-arrows")
+export class Arrows extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+      }
+      .cross {
+        display: grid;
+        grid-template-areas: ". forward ." "left halt right" ". backward .";
+        grid-template-columns: repeat(3, minmax(2.75rem, 1fr));
+        grid-auto-rows: 1fr;
+        gap: var(--t-space-1);
+        aspect-ratio: 1;
+      }
+      button {
+        position: relative;
+        display: grid;
+        place-content: center;
+        min-inline-size: 2.75rem;
+        min-block-size: 2.75rem;
+        padding: 0;
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-text);
+        font: inherit;
+        touch-action: none;
+        user-select: none;
+        -webkit-user-select: none;
+        -webkit-touch-callout: none;
+        cursor: pointer;
+      }
+      .forward {
+        grid-area: forward;
+      }
+      .left {
+        grid-area: left;
+      }
+      .right {
+        grid-area: right;
+      }
+      .backward {
+        grid-area: backward;
+      }
+      .halt {
+        grid-area: halt;
+      }
+      button:hover:not(:disabled) {
+        background: var(--t-raised);
+      }
+      button.held {
+        border-color: var(--t-accent);
+        background: var(--t-accent);
+        color: var(--t-on-accent);
+      }
+      button:disabled {
+        border-style: dashed;
+        color: var(--t-muted);
+        cursor: not-allowed;
+        opacity: 0.6;
+      }
+      svg {
+        inline-size: 1.6rem;
+        block-size: 1.6rem;
+      }
+      .key {
+        position: absolute;
+        inset: auto 0.3rem 0.1rem auto;
+        color: var(--t-muted);
+        font-size: 0.6875rem;
+      }
+      button.held .key {
+        color: inherit;
+      }
+      @media (pointer: coarse) {
+        .key {
+          display: none;
+        }
+      }
+    `,
+  ];
+
+  @property({ type: Boolean, reflect: true }) disabled = false;
+  private readonly held = new Map<string, { readonly button: HTMLElement; readonly byKey: boolean }>();
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.dropAll();
+  }
+
+  override updated(): void {
+    if (this.disabled) this.dropAll();
+  }
+
+  override render(): TemplateResult {
+    return html`<div class="cross" role="group" aria-label="Hold an arrow to drive">
+      ${repeat(ARROWS, (arrow) => arrow.id, (arrow) => this.button(arrow))}
+      <button type="button" class="halt" aria-label="Halt" title="Halt (S)" ?disabled=${this.disabled} @click=${this.halt}>
+        <svg viewBox="0 0 24 24" aria-hidden="true"><path d="M7 7h10v10H7z" fill="currentColor"></path></svg>
+        <span class="key" aria-hidden="true">S</span>
+      </button>
+    </div>`;
+  }
+
+  private button(arrow: Arrow): TemplateResult {
+    return html`<button
+      type="button"
+      class=${arrow.id}
+      value=${arrow.id}
+      aria-label=${arrow.label}
+      title="${arrow.label} (hold; ${arrow.key})"
+      ?disabled=${this.disabled}
+      @pointerdown=${this.down}
+      @pointerup=${this.up}
+      @pointercancel=${this.taken}
+      @lostpointercapture=${this.taken}
+      @keydown=${this.key}
+      @keyup=${this.key}
+      @blur=${this.left}
+      @contextmenu=${this.noMenu}
+    >
+      <svg viewBox="0 0 24 24" aria-hidden="true">
+        <path d=${arrow.path} fill="none" stroke="currentColor" stroke-width="2.5" stroke-linecap="round" stroke-linejoin="round"></path>
+      </svg>
+      <span class="key" aria-hidden="true">${arrow.key}</span>
+    </button>`;
+  }
+
+  private readonly down = (event: PointerEvent): void => {
+    if (event.button !== 0) return;
+    const button = event.currentTarget as HTMLButtonElement;
+    this.press(button, false);
+    button.setPointerCapture(event.pointerId);
+  };
+
+  private readonly up = (event: Event): void => {
+    this.end("release", event);
+  };
+
+  private readonly taken = (event: Event): void => {
+    this.end("cancel", event);
+  };
+
+  // Space and Enter hold the focused button.
+  private readonly key = (event: KeyboardEvent): void => {
+    if (event.key !== " " && event.key !== "Enter") return;
+    event.preventDefault();
+    if (event.type === "keyup") this.end("release", event);
+    else if (!event.repeat) this.press(event.currentTarget as HTMLButtonElement, true);
+  };
+
+  // A key held on a button that loses the focus is never seen let go; a finger is.
+  private readonly left = (event: Event): void => {
+    const { value } = event.currentTarget as HTMLButtonElement;
+    if (this.held.get(value)?.byKey === true) this.end("cancel", event);
+  };
+
+  // A long press on a phone would open a menu and take the finger away.
+  private readonly noMenu = (event: Event): void => {
+    event.preventDefault();
+  };
+
+  private press(button: HTMLButtonElement, byKey: boolean): void {
+    const arrow = ARROWS.find((one) => one.id === button.value);
+    if (this.disabled || !arrow || this.held.has(arrow.id)) return;
+    this.held.set(arrow.id, { button, byKey });
+    this.say("press", arrow.id, arrow.stick);
+    button.classList.add("held");
+  }
+
+  private end(act: "release" | "cancel", event: Event): void {
+    const button = event.currentTarget as HTMLButtonElement;
+    if (!this.held.delete(button.value)) return;
+    button.classList.remove("held");
+    this.say(act, button.value, REST);
+  }
+
+  private dropAll(): void {
+    for (const [id, { button }] of [...this.held]) {
+      this.held.delete(id);
+      button.classList.remove("held");
+      this.say("cancel", id, REST);
+    }
+  }
+
+  private readonly halt = (): void => {
+    this.dispatchEvent(new CustomEvent("t-halt", { bubbles: true, composed: true }));
+  };
+
+  private say(act: HoldAct, id: string, stick: HoldStick): void {
+    this.dispatchEvent(holdEvent({ act, source: `arrow:${id}`, stick, kind: "digital" }));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-arrows": Arrows;
+  }
+}

@@ -1,0 +1,171 @@
+/** A round pad for thumb or mouse: hold and push where the vehicle should go. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property, query } from "lit/decorators.js";
+import { base } from "../base/base-style.js";
+import { holdEvent, type HoldAct, type HoldStick } from "./hold-event.js";
+
+const REST: HoldStick = { forward: 0, turn: 0 };
+
+/**
+ * @fires t-hold on press, on each move while held, on release, and when the press was taken away
+ */
+@customElement("t-pad")
+export class Pad extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+      }
+      .pad {
+        position: relative;
+        inline-size: 100%;
+        aspect-ratio: 1;
+        border: 2px solid var(--t-edge);
+        border-radius: 50%;
+        background: var(--t-raised);
+        touch-action: none;
+        user-select: none;
+        -webkit-user-select: none;
+        -webkit-touch-callout: none;
+        cursor: grab;
+      }
+      .pad.held {
+        border-color: var(--t-accent);
+        box-shadow: inset 0 0 0 3px var(--t-accent);
+        cursor: grabbing;
+      }
+      .pad[aria-disabled="true"] {
+        border-style: dashed;
+        cursor: not-allowed;
+        opacity: 0.6;
+      }
+      .pad > svg {
+        position: absolute;
+        inset: 0;
+        inline-size: 100%;
+        block-size: 100%;
+        color: var(--t-muted);
+        pointer-events: none;
+      }
+      .knob {
+        position: absolute;
+        inset: 34%;
+        border: 2px solid var(--t-edge);
+        border-radius: 50%;
+        background: var(--t-surface);
+        box-shadow: var(--t-shadow);
+        pointer-events: none;
+        transition: transform 90ms ease-out;
+      }
+      .held .knob {
+        border-color: var(--t-accent);
+        background: var(--t-accent);
+        transition: none;
+      }
+    `,
+  ];
+
+  @property({ type: Boolean, reflect: true }) disabled = false;
+  /** Turns a point from the middle (px right, px down, radius) into a push. */
+  @property({ attribute: false }) stickOf: (right: number, down: number, radius: number) => HoldStick = () => REST;
+
+  @query(".pad") private readonly pad!: HTMLElement;
+  @query(".knob") private readonly knob!: HTMLElement;
+  private pointer: number | null = null;
+  /** Where the pad lay when it was pressed: should the page shift, the push does not. */
+  private box = new DOMRect();
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.end("cancel");
+  }
+
+  override updated(): void {
+    if (this.disabled) this.end("cancel");
+  }
+
+  override render(): TemplateResult {
+    return html`<div
+      class="pad"
+      role="application"
+      tabindex=${this.disabled ? "-1" : "0"}
+      aria-disabled=${this.disabled ? "true" : "false"}
+      aria-roledescription="drive pad"
+      aria-label="Hold and push to drive; let go to halt. With the keyboard hold the arrow keys or W, A, D, X."
+      @pointerdown=${this.down}
+      @pointermove=${this.moved}
+      @pointerup=${this.up}
+      @pointercancel=${this.taken}
+      @lostpointercapture=${this.taken}
+      @contextmenu=${this.noMenu}
+    >
+      <svg viewBox="0 0 100 100" aria-hidden="true">
+        <g fill="none" stroke="currentColor" stroke-width="0.8" opacity="0.7">
+          <circle cx="50" cy="50" r="32"></circle>
+          <path d="M50 20v12M50 68v12M20 50h12M68 50h12"></path>
+        </g>
+        <g fill="none" stroke="currentColor" stroke-width="3" stroke-linecap="round" stroke-linejoin="round">
+          <path d="m44 12 6-6 6 6M44 88l6 6 6-6M12 44l-6 6 6 6M88 44l6 6-6 6"></path>
+        </g>
+      </svg>
+      <div class="knob"></div>
+    </div>`;
+  }
+
+  private readonly down = (event: PointerEvent): void => {
+    if (this.disabled || this.pointer !== null || event.button !== 0) return;
+    this.pointer = event.pointerId;
+    this.box = this.pad.getBoundingClientRect();
+    this.say("press", this.stick(event));
+    this.pad.setPointerCapture(event.pointerId);
+    this.pad.classList.add("held");
+    this.pad.focus({ preventScroll: true });
+  };
+
+  private readonly moved = (event: PointerEvent): void => {
+    if (event.pointerId === this.pointer) this.say("move", this.stick(event));
+  };
+
+  private readonly up = (event: PointerEvent): void => {
+    if (event.pointerId === this.pointer) this.end("release");
+  };
+
+  private readonly taken = (event: PointerEvent): void => {
+    if (event.pointerId === this.pointer) this.end("cancel");
+  };
+
+  // A long press on a phone would open a menu and take the pointer away.
+  private readonly noMenu = (event: Event): void => {
+    event.preventDefault();
+  };
+
+  private end(act: "release" | "cancel"): void {
+    if (this.pointer === null) return;
+    this.pointer = null;
+    this.say(act, REST);
+    this.pad.classList.remove("held");
+    this.knob.style.transform = "";
+  }
+
+  private stick(event: PointerEvent): HoldStick {
+    const { box } = this;
+    const radius = box.width / 2;
+    const right = event.clientX - box.left - radius;
+    const down = event.clientY - box.top - radius;
+    const far = Math.max(1, Math.hypot(right, down) / (radius * 0.66));
+    this.knob.style.transform = `translate(${(right / far).toFixed(1)}px, ${(down / far).toFixed(1)}px)`;
+    return this.stickOf(right, down, radius * 0.9);
+  }
+
+  private say(act: HoldAct, stick: HoldStick): void {
+    this.dispatchEvent(holdEvent({ act, source: "pad", stick, kind: "analog" }));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-pad": Pad;
+  }
+}

@@ -1,0 +1,39 @@
+/** How a test message went: taken, or not and why, in the words of whoever refused it. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import type { WentShape } from "../../wire/alarms-api.js";
+import { base } from "../base/base-style.js";
+import "./status.js";
+
+@customElement("t-went")
+export class Went extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+        overflow-wrap: anywhere;
+      }
+    `,
+  ];
+
+  /** Null: nothing was tried. */
+  @property({ attribute: false }) went: WentShape | null = null;
+
+  override render(): TemplateResult {
+    return html`<div role="status">${this.went === null ? nothing : this.said(this.went)}</div>`;
+  }
+
+  private said({ sent, problem }: WentShape): TemplateResult {
+    return sent
+      ? html`<t-status kind="ok" word="the test was taken"></t-status>`
+      : html`<t-status kind="bad" word="not sent"></t-status> ${problem}`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-went": Went;
+  }
+}

@@ -1,0 +1,78 @@
+import { css, html, LitElement, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, query } from "lit/decorators.js";
+import { base } from "../base/base-style.js";
+
+/**
+ * A question that must be answered before anything else. Escape closes it.
+ *
+ * @slot - what it says
+ * @slot actions - its buttons; the careful one first
+ * @fires t-close when it was closed, by whatever way
+ */
+@customElement("t-dialog")
+export class Dialog extends LitElement {
+  static override styles = [
+    base,
+    css`
+      dialog {
+        inline-size: min(30rem, calc(100vw - 2 * var(--t-space-4)));
+        padding: var(--t-space-5);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+        color: var(--t-text);
+        box-shadow: var(--t-shadow);
+      }
+      dialog::backdrop {
+        background: rgb(0 0 0 / 55%);
+      }
+      .inside {
+        display: grid;
+        gap: var(--t-space-4);
+      }
+      .actions {
+        display: flex;
+        flex-wrap: wrap;
+        justify-content: flex-end;
+        gap: var(--t-space-2);
+      }
+    `,
+  ];
+
+  @property({ type: Boolean, reflect: true }) open = false;
+  @property() heading = "";
+
+  @query("dialog") private readonly dialog!: HTMLDialogElement;
+
+  override render(): TemplateResult {
+    return html`<dialog aria-labelledby="heading" @close=${this.closed}>
+      <div class="inside">
+        <h2 id="heading">${this.heading}</h2>
+        <div><slot></slot></div>
+        <div class="actions"><slot name="actions"></slot></div>
+      </div>
+    </dialog>`;
+  }
+
+  override updated(changed: PropertyValues<this>): void {
+    if (!changed.has("open")) return;
+    if (this.open && !this.dialog.open) this.dialog.showModal();
+    if (!this.open && this.dialog.open) this.dialog.close();
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.open = false;
+  }
+
+  private readonly closed = (): void => {
+    this.open = false;
+    this.dispatchEvent(new CustomEvent("t-close"));
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-dialog": Dialog;
+  }
+}

@@ -1,0 +1,55 @@
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { base } from "../base/base-style.js";
+import type { IconName } from "../base/icons.js";
+import "../base/icon.js";
+
+/**
+ * Nothing is here, and what to do about it.
+ *
+ * @slot - one or two sentences, and a button if there is something to press
+ */
+@customElement("t-empty")
+export class Empty extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        justify-items: center;
+        gap: var(--t-space-2);
+        padding: var(--t-space-6) var(--t-space-4);
+        border: 1px dashed var(--t-line);
+        border-radius: var(--t-radius);
+        color: var(--t-muted);
+        text-align: center;
+      }
+      t-icon {
+        font-size: var(--t-size-xl);
+      }
+      h2 {
+        color: var(--t-text);
+      }
+      .more {
+        max-inline-size: 34rem;
+      }
+    `,
+  ];
+
+  @property() heading = "";
+  @property() icon: IconName | "" = "";
+
+  override render(): TemplateResult {
+    return html`
+      ${this.icon === "" ? nothing : html`<t-icon name=${this.icon}></t-icon>`}
+      <h2>${this.heading}</h2>
+      <div class="more"><slot></slot></div>
+    `;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-empty": Empty;
+  }
+}

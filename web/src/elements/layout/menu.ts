@@ -1,0 +1,117 @@
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { base } from "../base/base-style.js";
+import "../base/icon.js";
+
+/**
+ * A button that unfolds a small panel. Escape, a press outside, and leaving it with the focus close it.
+ *
+ * @slot label - what the button shows
+ * @slot - the panel
+ */
+@customElement("t-menu")
+export class Menu extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        position: relative;
+        display: inline-block;
+      }
+      button {
+        display: inline-flex;
+        align-items: center;
+        gap: var(--t-space-1);
+        min-block-size: var(--t-touch);
+        padding-inline: var(--t-space-2);
+        border: 1px solid transparent;
+        border-radius: var(--t-radius-s);
+        background: transparent;
+        color: inherit;
+        font: inherit;
+        cursor: pointer;
+      }
+      button:hover,
+      button[aria-expanded="true"] {
+        background: var(--t-raised);
+      }
+      .panel {
+        position: absolute;
+        inset-block-start: calc(100% + var(--t-space-1));
+        inset-inline-end: 0;
+        z-index: 30;
+        display: grid;
+        gap: var(--t-space-3);
+        min-inline-size: 19rem;
+        max-inline-size: calc(100vw - 2 * var(--t-space-3));
+        padding: var(--t-space-4);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+        box-shadow: var(--t-shadow);
+      }
+    `,
+  ];
+
+  /** Name of the button for screen readers. */
+  @property() label = "";
+  @state() private open = false;
+  @query("button") private readonly button!: HTMLButtonElement;
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    document.addEventListener("pointerdown", this.outside);
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    document.removeEventListener("pointerdown", this.outside);
+  }
+
+  override render(): TemplateResult {
+    return html`
+      <button
+        type="button"
+        aria-label=${this.label || nothing}
+        aria-expanded=${this.open ? "true" : "false"}
+        aria-controls="panel"
+        @click=${this.toggle}
+      >
+        <slot name="label"></slot><t-icon name="down"></t-icon>
+      </button>
+      <div id="panel" class="panel" ?hidden=${!this.open} @keydown=${this.escape} @focusout=${this.left}>
+        <slot></slot>
+      </div>
+    `;
+  }
+
+  /** Folds it again. */
+  close(): void {
+    this.open = false;
+  }
+
+  private readonly outside = (event: Event): void => {
+    if (!event.composedPath().includes(this)) this.close();
+  };
+
+  private readonly toggle = (): void => {
+    this.open = !this.open;
+  };
+
+  private readonly escape = (event: KeyboardEvent): void => {
+    if (event.key !== "Escape") return;
+    this.close();
+    this.button.focus();
+  };
+
+  private readonly left = (event: FocusEvent): void => {
+    const to = event.relatedTarget;
+    if (to instanceof Node && !this.contains(to) && to !== this) this.close();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-menu": Menu;
+  }
+}

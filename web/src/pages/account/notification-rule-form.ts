@@ -1,0 +1,134 @@
+/** Of which alarms a person wants to be told, by which way and when not: a new rule, or one that is changed. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { base } from "../../elements/base/base-style.js";
+import { focusIn } from "../../elements/base/focus.js";
+import { forms } from "../../elements/forms/form-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import type { Advice } from "../../format/error-advice.js";
+import type { NoticeRuleShape, RuleAsk, WayChoice } from "../../wire/alarms-api.js";
+import type { SiteRow } from "../../wire/api-types.js";
+import { askOf, FIRST, quietOf, SEVERITIES } from "./notification-rule.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/field.js";
+import "../../elements/feedback/problem.js";
+
+/**
+ * @fires t-rule detail is the rule that is asked for
+ * @fires t-cancel
+ */
+@customElement("t-rule-form")
+export class RuleForm extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    forms,
+    css`
+      @media (min-width: 45rem) {
+        label.tick {
+          /* Beside the boxes of the fields, not beside their names. */
+          margin-block-start: 1.4rem;
+        }
+      }
+    `,
+  ];
+
+  /** Null for a new one. */
+  @property({ attribute: false }) rule: NoticeRuleShape | null = null;
+  @property({ attribute: false }) ways: readonly WayChoice[] = [];
+  @property({ attribute: false }) sites: readonly SiteRow[] = [];
+  @property({ attribute: false }) problem: Advice | null = null;
+  @property({ type: Boolean }) busy = false;
+  /** The way that is chosen; empty before one was. */
+  @state() private way = "";
+
+  override firstUpdated(): void {
+    void focusIn(this, "select");
+  }
+
+  override render(): TemplateResult {
+    const rule = { ...FIRST, ...this.rule };
+    const chosen = this.way || this.rule?.way;
+    const way = this.ways.find(({ id }) => id === chosen) ?? this.ways[0];
+    const quiet = quietOf(rule);
+    return html`<form class="entry" novalidate @submit=${this.submitted}>
+      <t-field label="By">
+        <select name="way" @change=${this.choose}>
+          ${map(this.ways, ({ id, name }) => html`<option value=${id} .selected=${id === way?.id}>${name}</option>`)}
+        </select>
+      </t-field>
+      ${way?.kind === "mail"
+        ? html`<t-field label="Mail address"><input name="target" type="email" maxlength="200" autocomplete="email" .value=${rule.target} /></t-field>`
+        : nothing}
+      <t-field label="Of">
+        <select name="site">
+          <option value="*">every site</option>
+          ${map(this.places(rule.site), ({ site, name }) => html`<option value=${site} .selected=${site === rule.site}>${name}</option>`)}
+        </select>
+      </t-field>
+      <t-field label="At least">
+        <select name="least">
+          ${map(SEVERITIES, (word) => html`<option .selected=${word === rule.least}>${word}</option>`)}
+        </select>
+      </t-field>
+      <t-field label="Quiet from" hint="Empty: never quiet"><input name="from" type="time" .value=${quiet?.from ?? ""} /></t-field>
+      <t-field label="Quiet until" hint="What comes meanwhile is told then"><input name="to" type="time" .value=${quiet?.to ?? ""} /></t-field>
+      ${this.clock()}
+      <t-field label="Told in quiet hours too">
+        <select name="quiet_least">
+          ${map(SEVERITIES.slice(1), (word) => html`<option .selected=${word === rule.quiet_least}>${word}</option>`)}
+        </select>
+      </t-field>
+      <t-field label="Gathered for (s)" hint="A burst comes as one message"><input name="group_s" inputmode="numeric" .value=${String(rule.group_s)} /></t-field>
+      <label class="tick"><input name="over" type="checkbox" .checked=${rule.over} /> Also when it is over</label>
+      <div class="actions">
+        <t-button type="submit" kind="primary" ?busy=${this.busy}>${this.rule === null ? "Tell me" : "Save"}</t-button>
+        <t-button @click=${this.cancel}>Cancel</t-button>
+      </div>
+      ${this.problem === null ? nothing : html`<t-problem class="wide" what=${this.problem.what} how=${this.problem.how}></t-problem>`}
+    </form>`;
+  }
+
+  /** The quiet hours are by the clock at which they were chosen; elsewhere one says by which. */
+  private clock(): TemplateResult {
+    const here = Intl.DateTimeFormat().resolvedOptions().timeZone;
+    const zone = this.rule?.zone ?? here;
+    if (zone === here) return html`<input type="hidden" name="zone" .value=${here} />`;
+    return html`<t-field label="By the clock of">
+      <select name="zone">
+        ${map([zone, here], (one) => html`<option .selected=${one === zone}>${one}</option>`)}
+      </select>
+    </t-field>`;
+  }
+
+  /** The sites to choose from, and the one that was chosen when it could be seen. */
+  private places(chosen: string): readonly { readonly site: string; readonly name: string }[] {
+    const there = chosen === "*" || this.sites.some(({ site }) => site === chosen);
+    return there ? this.sites : [...this.sites, { site: chosen, name: chosen }];
+  }
+
+  private readonly choose = (event: Event): void => {
+    if (event.target instanceof HTMLSelectElement) this.way = event.target.value;
+  };
+
+  private readonly cancel = (): void => {
+    this.dispatchEvent(new CustomEvent("t-cancel"));
+  };
+
+  private readonly submitted = (event: Event): void => {
+    event.preventDefault();
+    if (this.busy || !(event.currentTarget instanceof HTMLFormElement)) return;
+    this.dispatchEvent(new CustomEvent<RuleAsk>("t-rule", { detail: askOf(new FormData(event.currentTarget)) }));
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-rule-form": RuleForm;
+  }
+  interface GlobalEventHandlersEventMap {
+    "t-rule": CustomEvent<RuleAsk>;
+  }
+}

@@ -1,0 +1,214 @@
+/** What of alarms a person wants to be told, by which way, and when not. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { Tester } from "../../controllers/test-message.js";
+import { base } from "../../elements/base/base-style.js";
+import { focusIn } from "../../elements/base/focus.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { agentWords } from "../../format/user-agent.js";
+import { adviceFor } from "../../format/error-advice.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import { NotifyApi, type PushList, type RuleAsk, type NoticeRuleShape, type WayChoice } from "../../wire/alarms-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { subscribe, whyNoPush } from "../../wire/web-push.js";
+import { quietOf } from "./notification-rule.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/values/time.js";
+import "../../elements/feedback/delivery-result.js";
+import "./notification-rule-form.js";
+
+interface Known {
+  readonly ways: readonly WayChoice[];
+  readonly rules: readonly NoticeRuleShape[];
+  readonly push: PushList;
+}
+
+@customElement("t-account-rules")
+export class AccountRules extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      /* What is changed takes the whole row. */
+      li.open {
+        grid-template-columns: minmax(0, 1fr);
+        row-gap: var(--t-space-4);
+      }
+    `,
+  ];
+
+  /** Empty: a new one; null: none is being changed. */
+  @state() private editing: string | null = null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly known = new LoadController<Known>(this);
+  private readonly action = new ActionController(this);
+  private readonly tester = new Tester(this, this.action, (id) => new NotifyApi(this.api).testRule(id));
+
+  override willUpdate(): void {
+    this.known.ask("rules", async () => {
+      const api = new NotifyApi(this.api);
+      const [{ ways }, { rules }, push] = await Promise.all([api.choices(), api.rules(), api.push()]);
+      return { ways, rules, push };
+    });
+  }
+
+  override render(): TemplateResult {
+    const { result, value } = this.known;
+    const advice = result.state === "failed" ? adviceFor(result.error, "your rules") : null;
+    const { problem } = this.action;
+    return html`<h2>Messages about alarms</h2>
+      ${advice === null ? nothing : html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`}
+      ${value === undefined ? (advice === null ? html`<t-loading what="Loading your rules"></t-loading>` : nothing) : this.content(value)}
+      ${problem === null || this.open(value) ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}`;
+  }
+
+  /** Whether a form is shown: it says by itself what went wrong. */
+  private open(known: Known | undefined): boolean {
+    return this.editing === "" || known?.rules.some(({ id }) => id === this.editing) === true;
+  }
+
+  private content(known: Known): TemplateResult {
+    if (known.ways.length === 0) {
+      return html`<p class="muted">Nobody is told of alarms yet: an admin sets up mail, a webhook, a chat or push messages first, under Admin, Notification.</p>`;
+    }
+    return html`${known.rules.length === 0
+        ? html`<p class="muted">You are told of no alarms. They are on every page all the same.</p>`
+        : html`<ul class="rows">
+            ${repeat(
+              known.rules,
+              ({ id }) => id,
+              (rule) => this.rule(rule, known),
+            )}
+          </ul>`}
+      ${this.editing === ""
+        ? html`<h3>A new rule</h3>
+            ${this.form(null, known)}`
+        : html`<div class="actions"><t-button class="add" @click=${this.changer("")}>Tell me of alarms…</t-button></div>`}
+      ${known.push.key === "" ? nothing : this.browsers(known.push)}`;
+  }
+
+  private rule(rule: NoticeRuleShape, known: Known): TemplateResult {
+    const way = known.ways.find(({ id }) => id === rule.way);
+    const name = `${way?.name ?? "a way that is gone"}${rule.target === "" ? "" : ` to ${rule.target ?? ""}`}`;
+    const site = rule.site === "*" ? "every site" : (this.sites.store?.row(rule.site)?.name ?? rule.site);
+    const quiet = quietOf(rule);
+    const changed = rule.id === this.editing;
+    return html`<li data-rule=${rule.id} class=${changed ? "open" : ""}>
+      <div>
+        <div class="name">${name}</div>
+        <div class="facts">
+          <span>${site}</span><span>${rule.least} and worse</span>${rule.over === true ? html`<span>also when it is over</span>` : nothing}
+          ${quiet === null ? nothing : html`<span>quiet ${quiet.from}–${quiet.to} (${rule.zone}) but for ${rule.quiet_least}</span>`}
+        </div>
+        <t-went .went=${this.tester.went(rule.id)}></t-went>
+      </div>
+      ${changed
+        ? this.form(rule, known)
+        : html`<div class="actions">
+            <t-button label=${`Send a test: ${name}`} ?busy=${this.tester.busy(rule.id)} @click=${this.tester.presser(rule.id)}>Send a test</t-button>
+            <t-button class="change" label=${`Change ${name}`} @click=${this.changer(rule.id)}>Change…</t-button>
+            <t-button label=${`Remove ${name}`} @click=${this.remover(rule.id)}>Remove</t-button>
+          </div>`}
+    </li>`;
+  }
+
+  private form(rule: NoticeRuleShape | null, known: Known): TemplateResult {
+    return html`<t-rule-form
+      .rule=${rule}
+      .ways=${known.ways}
+      .sites=${this.sites.store?.list ?? []}
+      .problem=${this.action.problem}
+      ?busy=${this.action.busy}
+      @t-rule=${this.keep}
+      @t-cancel=${this.close}
+    ></t-rule-form>`;
+  }
+
+  private browsers(push: PushList): TemplateResult {
+    const why = whyNoPush();
+    return html`<h3>Browsers that take push messages</h3>
+      ${push.browsers.length === 0
+        ? html`<p class="muted">None of yours yet. A rule that tells you by push messages goes to all of them.</p>`
+        : html`<ul class="rows">
+            ${repeat(
+              push.browsers,
+              ({ id }) => id,
+              (one) => html`<li>
+                <div>
+                  <div class="name">${agentWords(one.agent)}</div>
+                  <div class="facts"><span>since <t-time .us=${one.created_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time></span></div>
+                </div>
+                <t-button label=${`Remove ${agentWords(one.agent)}`} @click=${this.forgetter(one.id)}>Remove</t-button>
+              </li>`,
+            )}
+          </ul>`}
+      ${why === ""
+        ? html`<div class="actions"><t-button ?busy=${this.action.under === "push"} @click=${this.take(push.key)}>Take messages in this browser</t-button></div>`
+        : html`<p class="muted">${why}</p>`}`;
+  }
+
+  private changer(id: string): () => void {
+    return () => {
+      this.action.clear();
+      this.editing = id;
+    };
+  }
+
+  /** Back to the button that opened the form. */
+  private readonly close = (): void => {
+    const { editing } = this;
+    this.action.clear();
+    this.editing = null;
+    void focusIn(this, editing === null || editing === "" ? ".add" : `li[data-rule="${editing}"] .change`);
+  };
+
+  private readonly keep = (event: CustomEvent<RuleAsk>): void => {
+    const id = this.editing ?? "";
+    void this.action.run("keep the rule", () => new NotifyApi(this.api).putRule(id, event.detail)).then((done) => {
+      if (done) this.close();
+      this.known.again();
+    });
+  };
+
+  private remover(id: string): () => void {
+    return () => {
+      void this.action.run("remove the rule", () => new NotifyApi(this.api).removeRule(id)).then(() => {
+        this.known.again();
+      });
+    };
+  }
+
+  private forgetter(id: string): () => void {
+    return () => {
+      void this.action.run("remove the browser", () => new NotifyApi(this.api).removeBrowser(id)).then(() => {
+        this.known.again();
+      });
+    };
+  }
+
+  private take(key: string): () => void {
+    return () => {
+      void this.action
+        .run("take messages in this browser", async () => new NotifyApi(this.api).addBrowser(await subscribe(key)), "", "push")
+        .then(() => {
+          this.known.again();
+        });
+    };
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-account-rules": AccountRules;
+  }
+}

@@ -1,0 +1,208 @@
+/** Set up or remove one's second factor. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { ActionController } from "../../controllers/action.js";
+import { base } from "../../elements/base/base-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { apiContext, sessionContext } from "../../state/contexts.js";
+import type { Session } from "../../state/session.js";
+import { AccountApi } from "../../wire/account-api.js";
+import type { FactorOffer } from "../../wire/admin-types.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/copy-text.js";
+import "../../elements/forms/field.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/values/qr-code.js";
+import "../../elements/feedback/status.js";
+
+/** Where one stands: at rest, about to begin, scanning, looking at the recovery codes, about to remove it. */
+type Step = "rest" | "begin" | "scan" | "codes" | "remove";
+
+@customElement("t-account-factor")
+export class AccountFactor extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .scan {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-4);
+      }
+      .scan > div {
+        flex: 1 1 14rem;
+        display: grid;
+        align-content: start;
+        gap: var(--t-space-3);
+        min-inline-size: 0;
+      }
+    `,
+  ];
+
+  /** There is one now. */
+  @property({ type: Boolean }) active = false;
+  @state() private step: Step = "rest";
+  @state() private offer: FactorOffer | null = null;
+  @state() private recovery: readonly string[] = [];
+  @query("#password") private readonly password!: HTMLInputElement | null;
+  @query("#code") private readonly code!: HTMLInputElement | null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  @consume({ context: sessionContext }) private readonly session!: Session;
+  private readonly action = new ActionController(this);
+
+  override render(): TemplateResult {
+    const { problem } = this.action;
+    return html`<div class="head">
+        <h2>Second factor</h2>
+        <t-status kind=${this.active ? "ok" : "unknown"} word=${this.active ? "on" : "off"}></t-status>
+      </div>
+      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      ${this.content()}`;
+  }
+
+  private content(): TemplateResult {
+    switch (this.step) {
+      case "rest":
+        return this.atRest();
+      case "begin":
+        return this.form("Continue", this.begin, this.passwordField());
+      case "scan":
+        return this.scan();
+      case "codes":
+        return this.codes();
+      case "remove":
+        return this.form(
+          "Remove it",
+          this.takeAway,
+          html`${this.passwordField()}${this.codeField("Six digits from your app, or a recovery code")}`,
+        );
+    }
+  }
+
+  private atRest(): TemplateResult {
+    return this.active
+      ? html`<p>A code from your app is asked for at each sign-in.</p>
+          <div class="actions"><t-button @click=${this.goTo("remove")}>Remove it…</t-button></div>`
+      : html`<p>
+            With one, a password alone lets nobody in: an app on your phone shows a code that changes every 30 s.
+          </p>
+          <div class="actions"><t-button kind="primary" @click=${this.goTo("begin")}>Set it up</t-button></div>`;
+  }
+
+  private scan(): TemplateResult {
+    const { offer } = this;
+    if (offer === null) return this.atRest();
+    return html`<div class="scan">
+      <t-qr .svg=${offer.qr} label="QR code that holds the secret beside it"></t-qr>
+      <div>
+        <p>Scan this with your app, or type the secret into it. Then enter the code that it shows.</p>
+        <t-copy label="Secret" .text=${offer.secret}></t-copy>
+      </div>
+    </div>
+    ${this.form("Switch it on", this.confirm, this.codeField("Six digits from your app"))}`;
+  }
+
+  private codes(): TemplateResult {
+    return html`<p>
+        The second factor is on. If your phone is lost, each of these codes lets you in once. They are not shown again:
+        keep them where your phone is not.
+      </p>
+      <t-copy label="Recovery codes" .text=${this.recovery.join("\n")}></t-copy>
+      <div class="actions">
+        <a download="talaia-recovery-codes.txt" href=${this.file()}>Download as a file</a>
+        <t-button kind="primary" @click=${this.goTo("rest")}>I have kept them</t-button>
+      </div>`;
+  }
+
+  private form(words: string, submit: () => Promise<void>, fields: TemplateResult): TemplateResult {
+    const send = (event: SubmitEvent): void => {
+      event.preventDefault();
+      void submit();
+    };
+    return html`<form class="fields" novalidate @submit=${send}>
+      ${fields}
+      <div class="actions">
+        <t-button type="submit" kind="primary" ?busy=${this.action.busy}>${words}</t-button>
+        <t-button @click=${this.goTo("rest")}>Cancel</t-button>
+      </div>
+    </form>`;
+  }
+
+  private passwordField(): TemplateResult {
+    return html`<t-field label="Your password" hint="So that it is you who changes this.">
+      <input id="password" type="password" autocomplete="current-password" required />
+    </t-field>`;
+  }
+
+  private codeField(hint: string): TemplateResult {
+    return html`<t-field label="Code" hint=${hint}>
+      <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
+    </t-field>`;
+  }
+
+  /** A file without a server: the codes never leave this page but by the person's hand. */
+  private file(): string {
+    return `data:text/plain;charset=utf-8,${encodeURIComponent(`${this.recovery.join("\n")}\n`)}`;
+  }
+
+  private goTo(step: Step): () => void {
+    return () => {
+      this.go(step);
+    };
+  }
+
+  private go(step: Step): void {
+    this.step = step;
+    this.action.clear();
+    if (step === "rest") {
+      this.offer = null;
+      this.recovery = [];
+    }
+    void this.updateComplete.then(async () => {
+      const control = this.password ?? this.code;
+      await control?.closest("t-field")?.updateComplete;
+      control?.focus();
+    });
+  }
+
+  private readonly begin = async (): Promise<void> => {
+    const password = this.password?.value ?? "";
+    const done = await this.action.run("begin the set-up", async () => {
+      this.offer = await new AccountApi(this.api).offerFactor(password);
+    });
+    if (done) this.go("scan");
+  };
+
+  private readonly confirm = async (): Promise<void> => {
+    const code = this.typedCode();
+    const done = await this.action.run("switch it on", async () => {
+      this.recovery = await new AccountApi(this.api).confirmFactor(code);
+    });
+    if (!done) return;
+    this.offer = null;
+    this.go("codes");
+    await this.session.refresh().catch(() => undefined);
+  };
+
+  private readonly takeAway = async (): Promise<void> => {
+    const password = this.password?.value ?? "";
+    const code = this.typedCode();
+    if (!(await this.action.run("remove it", () => new AccountApi(this.api).removeFactor(password, code)))) return;
+    this.go("rest");
+    await this.session.refresh().catch(() => undefined);
+  };
+
+  private typedCode(): string {
+    return this.code?.value.replace(/\s+/g, "") ?? "";
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-account-factor": AccountFactor;
+  }
+}

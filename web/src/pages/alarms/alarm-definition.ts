@@ -1,0 +1,136 @@
+/** An alarm's definition as the fields of a form, and back. Pure. */
+
+import type { AlarmDefinition } from "../../wire/alarms-api.js";
+import type { SignalInfo } from "../../wire/api-types.js";
+
+export type Kind = AlarmDefinition["kind"];
+
+export const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = [
+  { kind: "limit", name: "Limit" },
+  { kind: "state", name: "State or text" },
+  { kind: "stale", name: "No fresh value" },
+  { kind: "expression", name: "Expression" },
+  { kind: "anomaly", name: "Anomaly" },
+  { kind: "detection", name: "Something a camera sees" },
+  { kind: "enclosure", name: "Enclosure not closed" },
+  { kind: "gateway", name: "Gateway silent" },
+];
+
+/** Texts of the form's fields, by name; a ticked box is "on". */
+export type Fields = Readonly<Record<string, string>>;
+
+export interface Field {
+  readonly name: string;
+  readonly label: string;
+  readonly hint?: string;
+  readonly kinds: readonly Kind[];
+  readonly sort: "number" | "text" | "words" | "signal" | "stream" | "people";
+}
+
+const ALL = KINDS.map(({ kind }) => kind);
+
+/** Every field, in the order of the form, with the kinds that have it. */
+export const FIELDS: readonly Field[] = [
+  { name: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly"], sort: "signal" },
+  { name: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
+  { name: "label", label: "What is seen", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
+  { name: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
+  { name: "confidence", label: "At least so sure (0 to 1)", kinds: ["detection"], sort: "number" },
+  { name: "expression", label: "Condition", hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
+  { name: "enclosure", label: "Enclosure", hint: "Its short name; empty: any", kinds: ["enclosure"], sort: "text" },
+  { name: "above", label: "Raised above", kinds: ["limit"], sort: "number" },
+  { name: "below", label: "Raised below", kinds: ["limit"], sort: "number" },
+  { name: "hysteresis", label: "Lets go so far on the safe side", kinds: ["limit"], sort: "number" },
+  { name: "is_one_of", label: "Raised in these", hint: "With commas between", kinds: ["state"], sort: "words" },
+  { name: "is_not", label: "Raised in all but these", hint: "With commas between", kinds: ["state"], sort: "words" },
+  { name: "score", label: "At least this score", kinds: ["anomaly"], sort: "number" },
+  { name: "delay", label: "After it was so for (s)", kinds: ALL, sort: "number" },
+  { name: "clear_delay", label: "Over after it was not so for (s)", kinds: ALL, sort: "number" },
+  { name: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly"], sort: "number" },
+  { name: "unknown_after", label: "Raised also when it cannot be judged for (s)", hint: "Empty: never", kinds: ALL, sort: "number" },
+  { name: "repeat", label: "Told again every (s), until acknowledged", hint: "Empty: told once", kinds: ALL, sort: "number" },
+  { name: "escalate", label: "Who is told, one after the other", hint: "Names and seconds: anna 0, ben 300. Empty: all who want to", kinds: ALL, sort: "people" },
+  { name: "remind", label: "Reminded every (s), while acknowledged and still so", hint: "Empty: never", kinds: ALL, sort: "number" },
+  { name: "advice", label: "What to do", kinds: ALL, sort: "text" },
+];
+
+/** Fields whose number is in the signal's unit. */
+const IN_UNIT = ["above", "below", "hysteresis"];
+
+/** What a field is called, with the unit of its number. */
+export function labelOf(field: Field, unit: string): string {
+  return IN_UNIT.includes(field.name) && unit !== "" ? `${field.label} (${unit})` : field.label;
+}
+
+/** Whether an alarm of a kind can watch a signal of a type. */
+export function fits(kind: Kind, type: SignalInfo["type"]): boolean {
+  if (kind === "limit" || kind === "anomaly") return type === "number" || type === "position";
+  if (kind === "state") return type === "state" || type === "text";
+  return true;
+}
+
+/** Numbers that may be left empty; the others are their default then. */
+const OPTIONAL = ["above", "below", "max_age", "unknown_after", "repeat", "remind"];
+const FIRST: Readonly<Record<string, number>> = { count: 1, confidence: 0.5 };
+
+/** The form's texts for a definition. */
+export function fieldsOf(definition: AlarmDefinition): Fields {
+  const said: Record<string, string> = {};
+  for (const [name, value] of Object.entries(definition)) {
+    if (value === null || value === undefined) said[name] = "";
+    else if (Array.isArray(value)) said[name] = value.map((one: string | Step) => (typeof one === "string" ? one : `${one.who} ${String(one.after)}`)).join(", ");
+    else if (typeof value === "boolean") said[name] = value ? "on" : "";
+    else said[name] = String(value);
+  }
+  return said;
+}
+
+/** The definition that a form says; a text where a number is wanted gives what is wrong, by field. */
+export function definitionOf(fields: Fields): { readonly definition: AlarmDefinition } | { readonly wrong: string } {
+  const kind = (fields["kind"] ?? "limit") as Kind;
+  const said: Record<string, unknown> = {
+    name: (fields["name"] ?? "").trim(),
+    kind,
+    severity: fields["severity"] ?? "warning",
+    record: fields["record"] === "on",
+  };
+  for (const { name, kinds, sort } of FIELDS) {
+    const text = (fields[name] ?? "").trim();
+    if (!kinds.includes(kind)) continue;
+    if (sort === "people") {
+      const steps = stepsOf(text);
+      if (steps === null) return { wrong: name };
+      said[name] = steps;
+    } else if (sort === "words") said[name] = text.split(",").map((word) => word.trim()).filter(Boolean);
+    else if (sort !== "number") said[name] = text;
+    else if (text === "") said[name] = OPTIONAL.includes(name) ? null : (FIRST[name] ?? 0);
+    else {
+      const number = Number(text.replace(",", "."));
+      if (!Number.isFinite(number)) return { wrong: name };
+      said[name] = number;
+    }
+  }
+  return { definition: said as unknown as AlarmDefinition };
+}
+
+interface Step {
+  readonly who: string;
+  readonly after: number;
+}
+
+/** `anna 0, ben 300` as steps; null when it is not of this form. */
+function stepsOf(text: string): readonly Step[] | null {
+  const steps: Step[] = [];
+  for (const word of text.split(",").map((one) => one.trim()).filter(Boolean)) {
+    const [, who, after] = /^(\S+)(?:\s+(\d+(?:\.\d+)?))?$/.exec(word) ?? [];
+    if (who === undefined) return null;
+    steps.push({ who, after: Number(after ?? 0) });
+  }
+  return steps;
+}
+
+/** A short name of a name: what the hub takes. */
+export function idOf(name: string): string {
+  const plain = name.normalize("NFKD").toLowerCase().replaceAll(/[^a-z0-9]+/g, "_").replaceAll(/^[_0-9]+|_+$/g, "");
+  return plain.slice(0, 60) || "alarm";
+}

@@ -1,0 +1,77 @@
+/** What has happened to one alarm, newest first. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { LoadController } from "../../controllers/load.js";
+import { base } from "../../elements/base/base-style.js";
+import { adviceFor } from "../../format/error-advice.js";
+import { apiContext } from "../../state/contexts.js";
+import { AlarmsApi, type AlarmPastList } from "../../wire/alarms-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/values/time.js";
+
+@customElement("t-alarm-past")
+export class AlarmPastView extends LitElement {
+  static override styles = [
+    base,
+    css`
+      ol {
+        display: grid;
+        gap: var(--t-space-1);
+        margin: 0;
+        padding: var(--t-space-2) 0 0;
+        list-style: none;
+        font-size: var(--t-size-s);
+      }
+      li {
+        overflow-wrap: anywhere;
+      }
+      .muted {
+        color: var(--t-muted);
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property() alarm = "";
+  @property() zone = "UTC";
+  /** Asked anew when this changes. */
+  @property() turn = "";
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly past = new LoadController<AlarmPastList>(this);
+
+  override willUpdate(): void {
+    this.past.ask([this.site, this.alarm, this.turn].join("\n"), () => new AlarmsApi(this.api).past(this.site, this.alarm));
+  }
+
+  override render(): TemplateResult {
+    const { result, value } = this.past;
+    if (result.state === "failed") {
+      const advice = adviceFor(result.error, "what has been");
+      return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+    }
+    if (value === undefined) return html`<t-loading what="Loading what has been"></t-loading>`;
+    if (value.past.length === 0) return html`<p class="muted">It has never been raised, and nobody has said anything about it.</p>`;
+    return html`<ol>
+        ${map(
+          value.past,
+          (one) => html`<li>
+            <t-time .us=${one.time_us} .zone=${this.zone}></t-time>
+            <strong>${one.what}</strong>${one.who === "" ? "" : ` by ${one.who}`}${one.message === "" ? "" : `: ${one.message}`}
+          </li>`,
+        )}
+      </ol>
+      ${value.more ? html`<p class="muted">The logbook has what was before.</p>` : nothing}`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-alarm-past": AlarmPastView;
+  }
+}

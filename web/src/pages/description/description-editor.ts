@@ -1,0 +1,368 @@
+/** Changes a site's description, as a form or as text: checked while one goes, applied when told. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { ActionController } from "../../controllers/action.js";
+import { base } from "../../elements/base/base-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { adviceFor, type Advice } from "../../format/error-advice.js";
+import { apiContext } from "../../state/contexts.js";
+import { Edits } from "../../state/edit-history.js";
+import { DescriptionsApi, type ChangeAnswer, type CheckAnswer, type DescriptionList, type Finding, type Schema } from "../../wire/descriptions-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { changedAt, isObject, movedAt, pathOf, renamedAt, type JsonObject } from "./json-schema.js";
+import type { FormEdit } from "./schema-form.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/choice.js";
+import "../../elements/feedback/confirm.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/feedback/status.js";
+import "./description-diff.js";
+import "./description-problems.js";
+import "./schema-form.js";
+import "./description-preview.js";
+
+/** A text is checked so long after the last key (ms). */
+const REST_MS = 400;
+const VIEWS = [
+  { id: "form", label: "Form" },
+  { id: "text", label: "Text" },
+];
+
+@customElement("t-description-editor")
+export class DescriptionEditor extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      textarea {
+        inline-size: 100%;
+        min-block-size: 32rem;
+        padding: var(--t-space-3);
+        border: 1px solid var(--t-edge);
+        border-radius: var(--t-radius-s);
+        background: var(--t-surface);
+        color: var(--t-text);
+        font-family: var(--t-mono);
+        font-size: var(--t-size-s);
+        line-height: 1.5;
+        white-space: pre;
+        overflow: auto;
+        tab-size: 2;
+      }
+      textarea:focus-visible {
+        outline: 3px solid var(--t-accent);
+        outline-offset: 1px;
+      }
+      .tools {
+        position: sticky;
+        inset-block-start: 3.4rem;
+        z-index: 5;
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        justify-content: space-between;
+        gap: var(--t-space-2);
+        padding-block: var(--t-space-2);
+        background: var(--t-surface);
+      }
+      h3 {
+        margin: 0;
+        font-size: var(--t-size-m);
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) known: DescriptionList | null = null;
+
+  @state() private view = "form";
+  @state() private edits: Edits | null = null;
+  @state() private checked: CheckAnswer | null = null;
+  @state() private described: JsonObject | null = null;
+  @state() private schema: Schema | null = null;
+  @state() private failed: Advice | null = null;
+  @state() private asking = false;
+  @state() private answer: ChangeAnswer | null = null;
+
+  @query("textarea") private readonly area!: HTMLTextAreaElement | null;
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly action = new ActionController(this);
+  private from = { site: "", number: 0, digest: "", text: "" };
+  private timer = 0;
+  private abort: AbortController | null = null;
+  private typing = 0;
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    clearTimeout(this.timer);
+    this.abort?.abort();
+  }
+
+  override willUpdate(): void {
+    const newest = this.known?.versions[0];
+    if (newest === undefined) return;
+    const untouched = this.edits === null || this.edits.text === this.from.text;
+    if (this.site !== this.from.site || (untouched && newest.number !== this.from.number)) void this.load(newest.number);
+  }
+
+  override render(): TemplateResult {
+    if (this.failed !== null) {
+      return html`<t-problem what=${this.failed.what} how=${this.failed.how} retry="Try again" @t-retry=${this.reload}></t-problem>`;
+    }
+    if (this.edits === null) return html`<t-loading what="Loading the text"></t-loading>`;
+    const { edits } = this;
+    const moved = this.known !== null && this.known.versions[0]?.number !== this.from.number;
+    return html`${moved
+        ? html`<t-problem
+            what="The description was changed meanwhile."
+            how="What you have done so far was made from an older one."
+            retry="Begin with the newest"
+            @t-retry=${this.reload}
+          ></t-problem>`
+        : nothing}
+      <section class="sheet" aria-label="Editor" @keydown=${this.pressed}>
+        <div class="tools">
+          <t-choice label="View" .options=${VIEWS} chosen=${this.view} @t-choose=${this.turn}></t-choice>
+          <div class="actions">
+            <t-button ?disabled=${!edits.undoable} @click=${this.undo}>Undo</t-button>
+            <t-button ?disabled=${!edits.redoable} @click=${this.redo}>Redo</t-button>
+            <t-button kind="primary" ?disabled=${!this.ready()} @click=${this.review}>Review and apply</t-button>
+          </div>
+        </div>
+        ${this.standing()}
+        ${this.view === "text"
+          ? html`<textarea
+              aria-label="The description as YAML"
+              spellcheck="false"
+              autocapitalize="off"
+              .value=${edits.text}
+              @input=${this.typed}
+            ></textarea>`
+          : this.form()}
+      </section>
+      ${this.confirm()}`;
+  }
+
+  private standing(): TemplateResult {
+    const { checked } = this;
+    if (checked === null) return html`<t-status kind="busy" word="checking"></t-status>`;
+    if (checked.findings.length === 0) {
+      const same = this.edits?.text === this.from.text;
+      return html`<t-status kind="ok" word=${same ? "nothing changed yet" : "fits together"}></t-status>`;
+    }
+    const count = checked.findings.length;
+    return html`<t-status kind="bad" word=${count === 1 ? "1 thing does not fit" : `${String(count)} things do not fit`}></t-status>
+      <t-findings places .findings=${checked.findings} @t-place=${this.goTo}></t-findings>`;
+  }
+
+  private form(): TemplateResult {
+    if (this.schema === null) return html`<t-loading what="Making the form"></t-loading>`;
+    if (this.described === null) {
+      return html`<p class="muted">The text cannot be read as a description. Mend it in the text, or take the last step back.</p>`;
+    }
+    return html`<t-form-part
+      .root=${this.schema}
+      .schema=${this.schema}
+      .value=${this.described}
+      .findings=${this.checked?.findings ?? []}
+      @t-edit=${this.edited}
+    ></t-form-part>`;
+  }
+
+  private confirm(): TemplateResult {
+    const { answer, checked } = this;
+    const refused =
+      answer === null || answer.phase === "applied"
+        ? null
+        : { what: answer.phase === "refused" ? "The gateway refused it." : "Nobody knows whether it was done.", how: answer.message };
+    return html`<t-confirm
+      ?open=${this.asking}
+      heading="Apply this change?"
+      action=${this.action.busy ? "The gateway changes over…" : "Apply"}
+      kind="primary"
+      ?busy=${this.action.busy}
+      .problem=${this.action.problem ?? refused}
+      @t-confirm=${this.apply}
+      @t-close=${this.stay}
+    >
+      <t-difference .parts=${checked?.parts ?? []} .lines=${checked?.lines ?? []}></t-difference>
+      <h3>Preview</h3>
+      <t-description-preview .described=${this.described ?? {}} .devices=${this.devices()}></t-description-preview>
+      <p>The gateway goes by it at once. A device that is touched is stopped first, and whoever drives it loses control.</p>
+      ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}
+    </t-confirm>`;
+  }
+
+  private ready(): boolean {
+    const changed = this.edits !== null && this.edits.text !== this.from.text;
+    return changed && this.checked !== null && this.checked.findings.length === 0 && this.known?.editable === true;
+  }
+
+  /** The devices that a change touches. */
+  private devices(): string[] {
+    const paths = (this.checked?.parts ?? []).map((part) => pathOf(part.path));
+    return [...new Set(paths.flatMap(([first, device]) => (first === "devices" && device !== undefined ? [device] : [])))];
+  }
+
+  private async load(number: number): Promise<void> {
+    const { site } = this;
+    this.from = { site, number, digest: "", text: "" };
+    const api = new DescriptionsApi(this.api);
+    try {
+      const [found, schema] = await Promise.all([api.text(site, number), this.schema ?? api.schema()]);
+      if (site !== this.from.site || number !== this.from.number) return;
+      this.from = { site, number, digest: found.digest, text: found.text };
+      this.schema = schema;
+      this.failed = null;
+      this.edits = new Edits(found.text);
+      await this.check();
+    } catch (error) {
+      this.failed = adviceFor(error, "the description");
+    }
+  }
+
+  /** Has the hub look at the text as it is now. */
+  private async check(): Promise<void> {
+    clearTimeout(this.timer);
+    this.abort?.abort();
+    const abort = (this.abort = new AbortController());
+    const { edits, from } = this;
+    if (edits === null) return;
+    try {
+      const checked = await new DescriptionsApi(this.api).check(from.site, edits.text, from.number, abort.signal);
+      if (abort.signal.aborted) return;
+      this.checked = checked;
+      this.described = isObject(checked.site) ? checked.site : null;
+    } catch (error) {
+      if (!abort.signal.aborted) this.failed = adviceFor(error, "a check of the text");
+    }
+  }
+
+  private readonly edited = (event: CustomEvent<FormEdit>): void => {
+    event.stopPropagation();
+    const { described, edits } = this;
+    if (described === null || edits === null) return;
+    const edit = event.detail;
+    const wanted =
+      edit.what === "set"
+        ? changedAt(described, edit.path, edit.value)
+        : edit.what === "rename"
+          ? renamedAt(described, edit.path, edit.name)
+          : movedAt(described, edit.path, edit.by);
+    if (wanted === described) return;
+    // What the hub says of the text before must not take this back.
+    this.abort?.abort();
+    this.described = wanted;
+    this.checked = null;
+    void this.write(edits, wanted);
+  };
+
+  /** Puts what the form says into the text; the hub keeps comments and order. */
+  private async write(edits: Edits, wanted: JsonObject): Promise<void> {
+    try {
+      const made = await new DescriptionsApi(this.api).edit(this.from.site, edits.text, wanted);
+      if (this.described !== wanted) return;
+      if (made.text === "") {
+        this.checked = { findings: made.findings, site: wanted, parts: [], lines: [] };
+        return;
+      }
+      edits.put(made.text);
+      await this.check();
+    } catch (error) {
+      this.failed = adviceFor(error, "the text of the change");
+    }
+  }
+
+  private readonly typed = (event: Event): void => {
+    if (!(event.target instanceof HTMLTextAreaElement) || this.edits === null) return;
+    const now = Date.now();
+    this.edits.put(event.target.value, now - this.typing < 2 * REST_MS);
+    this.typing = now;
+    this.checked = null;
+    clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => void this.check(), REST_MS);
+  };
+
+  private readonly undo = (): void => {
+    this.edits?.undo();
+    this.checked = null;
+    void this.check();
+  };
+
+  private readonly redo = (): void => {
+    this.edits?.redo();
+    this.checked = null;
+    void this.check();
+  };
+
+  private readonly pressed = (event: KeyboardEvent): void => {
+    if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
+    const key = event.key.toLowerCase();
+    if (key === "z" && !event.shiftKey) this.undo();
+    else if (key === "y" || (key === "z" && event.shiftKey)) this.redo();
+    else return;
+    event.preventDefault();
+  };
+
+  private readonly turn = (event: CustomEvent<string>): void => {
+    this.view = event.detail;
+  };
+
+  /** Shows the place of a finding in the text. */
+  private readonly goTo = (event: CustomEvent<Finding>): void => {
+    const { line } = event.detail;
+    this.view = "text";
+    void this.updateComplete.then(() => {
+      const { area } = this;
+      if (area === null) return;
+      const lines = area.value.split("\n");
+      const at = Math.max(0, line - 1);
+      const start = lines.slice(0, at).reduce((sum, each) => sum + each.length + 1, 0);
+      area.focus();
+      area.setSelectionRange(start, start + (lines[at]?.length ?? 0));
+      area.scrollTop = Math.max(0, (at / lines.length) * area.scrollHeight - area.clientHeight / 2);
+    });
+  };
+
+  private readonly review = (): void => {
+    this.action.clear();
+    this.answer = null;
+    this.asking = true;
+  };
+
+  private readonly stay = (): void => {
+    this.asking = false;
+  };
+
+  private readonly reload = (): void => {
+    this.failed = null;
+    this.edits = null;
+    this.checked = null;
+    void this.load(this.known?.versions[0]?.number ?? this.from.number);
+  };
+
+  private readonly apply = (): void => {
+    const { edits } = this;
+    if (edits === null) return;
+    this.answer = null;
+    void this.action
+      .run("apply the change", async () => {
+        this.answer = await new DescriptionsApi(this.api).send(this.site, edits.text, this.from.digest);
+      })
+      .then((done) => {
+        if (!done || this.answer?.phase !== "applied") return;
+        this.asking = false;
+        this.from = { ...this.from, text: edits.text };
+        this.dispatchEvent(new CustomEvent("t-applied"));
+      });
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-description-editor": DescriptionEditor;
+  }
+}

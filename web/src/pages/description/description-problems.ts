@@ -1,0 +1,89 @@
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { base } from "../../elements/base/base-style.js";
+import type { Finding } from "../../wire/descriptions-api.js";
+
+/**
+ * What does not fit in a description: where, what, what to do.
+ *
+ * @fires t-place detail is the finding that was pressed; only where `places` is set
+ */
+@customElement("t-findings")
+export class Findings extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+        min-inline-size: 0;
+      }
+      ul {
+        display: grid;
+        gap: var(--t-space-1);
+        margin: 0;
+        padding: 0;
+        list-style: none;
+      }
+      li {
+        padding-inline-start: var(--t-space-3);
+        border-inline-start: 3px solid var(--t-bad);
+        overflow-wrap: anywhere;
+      }
+      button {
+        min-block-size: var(--t-touch);
+        padding: 0;
+        border: 0;
+        background: none;
+        color: var(--t-accent);
+        font: inherit;
+        font-family: var(--t-mono);
+        font-size: var(--t-size-s);
+        text-align: start;
+        text-decoration: underline;
+        cursor: pointer;
+        overflow-wrap: anywhere;
+      }
+      code {
+        font-family: var(--t-mono);
+        font-size: var(--t-size-s);
+      }
+      .remedy {
+        color: var(--t-muted);
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) findings: readonly Finding[] = [];
+  /** Whether there is a place to go to. */
+  @property({ type: Boolean }) places = false;
+
+  override render(): TemplateResult {
+    return html`<ul aria-label="What does not fit">
+      ${map(this.findings, (each) => this.row(each))}
+    </ul>`;
+  }
+
+  private row(each: Finding): TemplateResult {
+    const where = each.where.replace(/^\$\.?/, "") || "the whole";
+    const line = each.line > 0 ? `${where} (line ${String(each.line)})` : where;
+    return html`<li>
+      ${this.places
+        ? html`<button type="button" @click=${this.teller(each)}>${line}</button>`
+        : html`<code>${line}</code>`}
+      <div>${each.problem}${each.remedy === "" ? "" : html`<span class="remedy"> — ${each.remedy}</span>`}</div>
+    </li>`;
+  }
+
+  private teller(each: Finding): () => void {
+    return () => {
+      this.dispatchEvent(new CustomEvent("t-place", { detail: each }));
+    };
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-findings": Findings;
+  }
+}

@@ -1,0 +1,179 @@
+/** A form for whatever a JSON schema says, and changes of JSON values by path. Pure. */
+
+import type { Schema } from "../../wire/descriptions-api.js";
+
+export type Json = string | number | boolean | null | readonly Json[] | { readonly [key: string]: Json };
+export type JsonObject = Readonly<Record<string, Json>>;
+export type Path = readonly string[];
+
+export type FieldKind = "text" | "number" | "whole" | "truth" | "choice" | "words" | "part" | "parts" | "other";
+
+/** One line of a form. */
+export interface Field {
+  readonly key: string;
+  readonly kind: FieldKind;
+  readonly label: string;
+  /** What the schema says of it. */
+  readonly help: string;
+  readonly required: boolean;
+  /** It may be left out or said to be nothing. */
+  readonly nullable: boolean;
+  readonly standard: Json;
+  /** Of a `choice`: its words. */
+  readonly choices: readonly string[];
+  /** Of a `part`: its own schema; of `parts`: that of each. */
+  readonly schema: Schema;
+}
+
+/** What a schema says after its references are followed. */
+export function resolved(root: Schema, part: Schema): Schema {
+  const reference = part["$ref"];
+  if (typeof reference !== "string") return part;
+  const name = reference.split("/").at(-1) ?? "";
+  const found = (root["$defs"] as Readonly<Record<string, Schema>> | undefined)?.[name];
+  return found === undefined ? part : { ...found, ...withoutReference(part) };
+}
+
+/** The lines of an object's form, in the order of the schema; what must be said comes first. */
+export function fieldsOf(root: Schema, part: Schema): Field[] {
+  const whole = resolved(root, part);
+  const properties = (whole["properties"] ?? {}) as Readonly<Record<string, Schema>>;
+  const required = (whole["required"] ?? []) as readonly string[];
+  const fields = Object.entries(properties).map(([key, schema]) => fieldOf(root, key, schema, required.includes(key)));
+  return [...fields.filter((field) => field.required), ...fields.filter((field) => !field.required)];
+}
+
+/** The least that a new part has to say, named after its key. */
+export function emptyOf(root: Schema, part: Schema, key: string): JsonObject {
+  const made: Record<string, Json> = {};
+  for (const field of fieldsOf(root, part)) {
+    if (!field.required) continue;
+    if (field.key === "name") made[field.key] = labelOf(key);
+    else if (field.kind === "part") made[field.key] = emptyOf(root, field.schema, field.key);
+    else if (field.kind === "number" || field.kind === "whole") made[field.key] = 1;
+    else if (field.kind === "truth") made[field.key] = false;
+    else if (field.kind === "words") made[field.key] = [];
+    else if (field.kind === "parts") made[field.key] = {};
+    else made[field.key] = field.choices[0] ?? "";
+  }
+  return made;
+}
+
+/** `max_rate` as people read it: Max rate. */
+export function labelOf(key: string): string {
+  const words = key.replaceAll("_", " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+export function valueAt(value: Json | undefined, path: Path): Json | undefined {
+  return path.reduce<Json | undefined>((at, key) => (isObject(at) ? at[key] : undefined), value);
+}
+
+/** A copy in which something stands at a path; `undefined` takes it away. */
+export function changedAt(value: JsonObject, path: Path, wanted: Json | undefined): JsonObject {
+  const [key, ...rest] = path;
+  if (key === undefined) return isObject(wanted) ? wanted : value;
+  if (rest.length === 0) {
+    if (wanted !== undefined) return { ...value, [key]: wanted };
+    return Object.fromEntries(Object.entries(value).filter(([name]) => name !== key));
+  }
+  const inner = value[key];
+  return { ...value, [key]: changedAt(isObject(inner) ? inner : {}, rest, wanted) };
+}
+
+/**
+ * A copy in which a named part has another name, at the same place among the others.
+ *
+ * A signal says what it was, so that its history goes on under the new name.
+ */
+export function renamedAt(value: JsonObject, path: Path, name: string): JsonObject {
+  const key = path.at(-1);
+  const above = valueAt(value, path.slice(0, -1));
+  if (key === undefined || !isObject(above) || name === key || name === "" || name in above) return value;
+  const entries = Object.entries(above).map(([each, part]): [string, Json] => {
+    if (each !== key) return [each, part];
+    const signal = path.at(-2) === "signals" && isObject(part) && !part["was"];
+    return [name, signal ? { ...part, was: key } : part];
+  });
+  return changedAt(value, path.slice(0, -1), Object.fromEntries(entries));
+}
+
+/** A copy in which a named part stands further up (-1) or down (1) among the others. */
+export function movedAt(value: JsonObject, path: Path, by: -1 | 1): JsonObject {
+  const key = path.at(-1);
+  const above = valueAt(value, path.slice(0, -1));
+  if (key === undefined || !isObject(above)) return value;
+  const entries = Object.entries(above);
+  const from = entries.findIndex(([each]) => each === key);
+  const one = entries[from];
+  const other = entries[from + by];
+  if (one === undefined || other === undefined) return value;
+  entries[from] = other;
+  entries[from + by] = one;
+  return changedAt(value, path.slice(0, -1), Object.fromEntries(entries));
+}
+
+/** A name for a new part that none of the others has. */
+export function freeName(taken: JsonObject | undefined, wish: string): string {
+  if (taken === undefined || !(wish in taken)) return wish;
+  let number = 2;
+  while (`${wish}${String(number)}` in taken) number += 1;
+  return `${wish}${String(number)}`;
+}
+
+/** `$.devices.base.name` of a finding as a path. */
+export function pathOf(where: string): Path {
+  return where.startsWith("$") ? where.slice(1).split(/[.[\]]/).filter((each) => each !== "") : [];
+}
+
+export function isObject(value: unknown): value is JsonObject {
+  return typeof value === "object" && value !== null && !Array.isArray(value);
+}
+
+function fieldOf(root: Schema, key: string, schema: Schema, required: boolean): Field {
+  const choices = (schema["anyOf"] ?? []) as readonly Schema[];
+  const nullable = choices.some((each) => each["type"] === "null");
+  const real = choices.filter((each) => each["type"] !== "null");
+  const only = real.length === 1 ? real[0] : undefined;
+  const inner = resolved(root, only === undefined ? schema : only);
+  const help = schema["description"] ?? (inner["properties"] === undefined ? "" : inner["description"]) ?? "";
+  return {
+    key,
+    ...shapeOf(root, inner),
+    label: labelOf(key),
+    help: typeof help === "string" ? help : "",
+    required,
+    nullable,
+    standard: (schema["default"] ?? null) as Json,
+  };
+}
+
+function shapeOf(root: Schema, inner: Schema): Pick<Field, "kind" | "choices" | "schema"> {
+  const words = inner["enum"];
+  if (Array.isArray(words)) return { kind: "choice", choices: words.map(String), schema: {} };
+  const plain = (kind: FieldKind): Pick<Field, "kind" | "choices" | "schema"> => ({ kind, choices: [], schema: {} });
+  switch (inner["type"]) {
+    case "string":
+      return plain("text");
+    case "number":
+      return plain("number");
+    case "integer":
+      return plain("whole");
+    case "boolean":
+      return plain("truth");
+    case "array":
+      return plain((inner["items"] as Schema | undefined)?.["type"] === "string" ? "words" : "other");
+    case "object": {
+      const each = inner["additionalProperties"];
+      if (inner["properties"] !== undefined) return { kind: "part", choices: [], schema: inner };
+      const part = isObject(each) ? resolved(root, each) : {};
+      return part["properties"] === undefined ? plain("other") : { kind: "parts", choices: [], schema: part };
+    }
+    default:
+      return plain("other");
+  }
+}
+
+function withoutReference(part: Schema): Schema {
+  return Object.fromEntries(Object.entries(part).filter(([key]) => key !== "$ref"));
+}

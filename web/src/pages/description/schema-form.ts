@@ -1,0 +1,329 @@
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { base } from "../../elements/base/base-style.js";
+import { UNITS } from "../../generated/units.js";
+import type { Finding, Schema } from "../../wire/descriptions-api.js";
+import { emptyOf, fieldsOf, freeName, isObject, pathOf, type Field, type Json, type JsonObject, type Path } from "./json-schema.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/field.js";
+
+/** What a form wants: `set` a value (undefined takes it away), give a part another name or place. */
+export type FormEdit =
+  | { readonly what: "set"; readonly path: Path; readonly value: Json | undefined }
+  | { readonly what: "rename"; readonly path: Path; readonly name: string }
+  | { readonly what: "move"; readonly path: Path; readonly by: -1 | 1 };
+
+/**
+ * The form of one part of a description: its own lines, and the forms of its parts below it.
+ *
+ * @fires t-edit detail is a FormEdit; it bubbles
+ */
+@customElement("t-form-part")
+export class FormPart extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr);
+        gap: var(--t-space-3);
+        min-inline-size: 0;
+      }
+      .lines {
+        display: grid;
+        grid-template-columns: repeat(auto-fill, minmax(min(100%, 15rem), 1fr));
+        align-items: start;
+        gap: var(--t-space-3) var(--t-space-4);
+      }
+      .truth {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        min-block-size: var(--t-touch);
+        font-weight: var(--t-weight-strong);
+        font-size: var(--t-size-s);
+      }
+      .truth input {
+        inline-size: 1.25rem;
+        block-size: 1.25rem;
+        accent-color: var(--t-accent);
+      }
+      details {
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius-s);
+        min-inline-size: 0;
+      }
+      details[open] > summary {
+        border-block-end: 1px solid var(--t-line);
+      }
+      summary {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: 0 var(--t-space-3);
+        min-block-size: var(--t-touch);
+        padding: var(--t-space-1) var(--t-space-3);
+        font-weight: var(--t-weight-strong);
+        cursor: pointer;
+        overflow-wrap: anywhere;
+      }
+      summary::before {
+        content: "▸";
+        color: var(--t-muted);
+      }
+      details[open] > summary::before {
+        content: "▾";
+      }
+      .inside {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr);
+        gap: var(--t-space-3);
+        padding: var(--t-space-3);
+      }
+      .muted {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        font-weight: var(--t-weight);
+      }
+      .wrong {
+        color: var(--t-bad);
+        font-size: var(--t-size-s);
+      }
+      .ways {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: end;
+        gap: var(--t-space-2);
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) root: Schema = {};
+  @property({ attribute: false }) schema: Schema = {};
+  @property({ attribute: false }) value: JsonObject = {};
+  @property({ attribute: false }) path: Path = [];
+  @property({ attribute: false }) findings: readonly Finding[] = [];
+
+  @state() private open: ReadonlySet<string> = new Set();
+
+  override render(): TemplateResult {
+    const fields = fieldsOf(this.root, this.schema);
+    const plain = fields.filter((field) => field.kind !== "part" && field.kind !== "parts" && field.kind !== "other");
+    const inner = fields.filter((field) => field.kind === "part" || field.kind === "parts");
+    const other = fields.filter((field) => field.kind === "other" && this.value[field.key] !== undefined);
+    return html`<datalist id="units">
+        ${map(Object.keys(UNITS), (unit) => html`<option value=${unit}></option>`)}
+      </datalist>
+      <div class="lines">${repeat(plain, (field) => field.key, (field) => this.line(field))}</div>
+      ${repeat(inner, (field) => field.key, (field) => (field.kind === "part" ? this.piece(field) : this.parts(field)))}
+      ${other.length === 0
+        ? nothing
+        : html`<p class="muted">Changed in the text only: ${other.map((field) => field.label.toLowerCase()).join(", ")}.</p>`}`;
+  }
+
+  private line(field: Field): TemplateResult {
+    const value = this.value[field.key] ?? field.standard;
+    const error = this.wrong([field.key]);
+    if (field.kind === "truth") {
+      return html`<div>
+        <label class="truth"
+          ><input type="checkbox" .checked=${value === true} @change=${this.setter(field, (input) => input.checked)} />${field.label}</label
+        >
+        <div class="muted">${field.help}</div>
+      </div>`;
+    }
+    return html`<t-field label=${field.required ? `${field.label} *` : field.label} hint=${field.help} error=${error}>${this.control(field, value)}</t-field>`;
+  }
+
+  private control(field: Field, value: Json): TemplateResult {
+    if (field.kind === "choice") {
+      return html`<select @change=${this.setter(field, (input) => input.value)}>
+        ${map(field.choices, (word) => html`<option value=${word} ?selected=${word === value}>${word}</option>`)}
+      </select>`;
+    }
+    if (field.kind === "words") {
+      const words = Array.isArray(value) ? value.map(String).join(", ") : "";
+      return html`<input .value=${words} autocomplete="off" @change=${this.setter(field, (input) => split(input.value))} />`;
+    }
+    if (field.kind === "number" || field.kind === "whole") {
+      const shown = typeof value === "number" ? String(value) : "";
+      return html`<input
+        type="number"
+        inputmode="decimal"
+        step=${field.kind === "whole" ? "1" : "any"}
+        .value=${shown}
+        @change=${this.setter(field, (input) => number(input.value, field))}
+      />`;
+    }
+    return html`<input
+      .value=${typeof value === "string" ? value : ""}
+      autocomplete="off"
+      autocapitalize="off"
+      spellcheck="false"
+      list=${field.key === "unit" ? "units" : nothing}
+      @change=${this.setter(field, (input) => input.value)}
+    />`;
+  }
+
+  private piece(field: Field): TemplateResult {
+    const value = this.value[field.key];
+    if (!isObject(value)) {
+      return html`<div class="ways"><t-button @click=${this.adder([field.key], field)}>Add: ${field.label.toLowerCase()}</t-button></div>`;
+    }
+    return html`<details ?open=${this.isOpen(field.key)} @toggle=${this.toggler(field.key)}>
+      <summary>${field.label} ${this.count([field.key])}</summary>
+      ${this.isOpen(field.key)
+        ? html`<div class="inside">
+            ${this.below(field.schema, value, [field.key])}
+            ${field.nullable ? html`<div class="ways"><t-button @click=${this.remover([field.key])}>Remove</t-button></div>` : nothing}
+          </div>`
+        : nothing}
+    </details>`;
+  }
+
+  private parts(field: Field): TemplateResult {
+    const value = this.value[field.key];
+    const entries = isObject(value) ? Object.entries(value) : [];
+    return html`<details ?open=${this.isOpen(field.key)} @toggle=${this.toggler(field.key)}>
+      <summary>${field.label} <span class="muted">${entries.length}</span> ${this.count([field.key])}</summary>
+      ${this.isOpen(field.key)
+        ? html`<div class="inside">
+            ${field.help === "" ? nothing : html`<p class="muted">${field.help}</p>`}
+            ${repeat(entries, ([key]) => key, ([key, part], at) => this.entry(field, key, part, at, entries.length))}
+            <div class="ways">
+              <t-button label=${`Add to ${field.label.toLowerCase()}`} @click=${this.newcomer(field, value)}>Add</t-button>
+            </div>
+          </div>`
+        : nothing}
+    </details>`;
+  }
+
+  private entry(field: Field, key: string, part: Json, at: number, count: number): TemplateResult {
+    const path = [field.key, key];
+    const mark = path.join("/");
+    const name = isObject(part) && typeof part["name"] === "string" ? part["name"] : "";
+    return html`<details ?open=${this.isOpen(mark)} @toggle=${this.toggler(mark)}>
+      <summary>${key} <span class="muted">${name}</span> ${this.count(path)}</summary>
+      ${this.isOpen(mark) && isObject(part)
+        ? html`<div class="inside">
+            <div class="ways">
+              <t-field label="Short name" error=${this.wrong(path)}
+                ><input .value=${key} autocomplete="off" autocapitalize="off" spellcheck="false" @change=${this.renamer(path)}
+              /></t-field>
+              <t-button label=${`Move ${key} up`} ?disabled=${at === 0} @click=${this.mover(path, -1)}>Up</t-button>
+              <t-button label=${`Move ${key} down`} ?disabled=${at === count - 1} @click=${this.mover(path, 1)}>Down</t-button>
+              <t-button label=${`Remove ${key}`} @click=${this.remover(path)}>Remove</t-button>
+            </div>
+            ${this.below(field.schema, part, path)}
+          </div>`
+        : nothing}
+    </details>`;
+  }
+
+  private below(schema: Schema, value: JsonObject, path: Path): TemplateResult {
+    return html`<t-form-part
+      .root=${this.root}
+      .schema=${schema}
+      .value=${value}
+      .path=${[...this.path, ...path]}
+      .findings=${this.findings}
+    ></t-form-part>`;
+  }
+
+  /** How many things do not fit below a path, in words. */
+  private count(path: Path): unknown {
+    const at = [...this.path, ...path].join("/");
+    const count = this.findings.filter((each) => `${pathOf(each.where).join("/")}/`.startsWith(`${at}/`)).length;
+    if (count === 0) return nothing;
+    return html`<span class="wrong">${count === 1 ? "1 problem" : `${String(count)} problems`}</span>`;
+  }
+
+  private wrong(path: Path): string {
+    const at = [...this.path, ...path].join("/");
+    const found = this.findings.find((each) => pathOf(each.where).join("/") === at);
+    return found === undefined ? "" : [found.problem, found.remedy].filter((each) => each !== "").join("; ");
+  }
+
+  private isOpen(mark: string): boolean {
+    return this.open.has(mark);
+  }
+
+  private toggler(mark: string): (event: Event) => void {
+    return (event) => {
+      if (!(event.target instanceof HTMLDetailsElement) || event.target.open === this.open.has(mark)) return;
+      const open = new Set(this.open);
+      if (event.target.open) open.add(mark);
+      else open.delete(mark);
+      this.open = open;
+    };
+  }
+
+  private setter(field: Field, read: (input: HTMLInputElement) => Json | undefined): (event: Event) => void {
+    return (event) => {
+      this.want({ what: "set", path: this.at([field.key]), value: read(event.target as HTMLInputElement) });
+    };
+  }
+
+  private adder(path: Path, field: Field): () => void {
+    return () => {
+      this.want({ what: "set", path: this.at(path), value: emptyOf(this.root, field.schema, field.key) });
+    };
+  }
+
+  private newcomer(field: Field, value: Json | undefined): () => void {
+    return () => {
+      const taken = isObject(value) ? value : undefined;
+      const key = freeName(taken, `new_${field.key.replace(/s$/, "")}`);
+      this.open = new Set([...this.open, `${field.key}/${key}`]);
+      this.want({ what: "set", path: this.at([field.key, key]), value: emptyOf(this.root, field.schema, key) });
+    };
+  }
+
+  private remover(path: Path): () => void {
+    return () => {
+      this.want({ what: "set", path: this.at(path), value: undefined });
+    };
+  }
+
+  private renamer(path: Path): (event: Event) => void {
+    return (event) => {
+      const name = (event.target as HTMLInputElement).value.trim();
+      const key = path.at(-1) ?? "";
+      if (this.open.has(path.join("/"))) this.open = new Set([...this.open, [...path.slice(0, -1), name].join("/")]);
+      if (name !== key) this.want({ what: "rename", path: this.at(path), name });
+    };
+  }
+
+  private mover(path: Path, by: -1 | 1): () => void {
+    return () => {
+      this.want({ what: "move", path: this.at(path), by });
+    };
+  }
+
+  private at(path: Path): Path {
+    return [...this.path, ...path];
+  }
+
+  private want(edit: FormEdit): void {
+    this.dispatchEvent(new CustomEvent("t-edit", { detail: edit, bubbles: true, composed: true }));
+  }
+}
+
+function split(text: string): string[] {
+  return text.split(",").map((each) => each.trim()).filter((each) => each !== "");
+}
+
+/** What was typed as a number; nothing where a field may say none. */
+function number(text: string, field: Field): Json | undefined {
+  const value = Number(text);
+  if (text.trim() === "" || !Number.isFinite(value)) return field.nullable ? null : undefined;
+  return value;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-form-part": FormPart;
+  }
+}

@@ -1,0 +1,173 @@
+/** Enrol a gateway: for which site, then the command with its one-time code, until it is used or too old. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { ActionController } from "../../controllers/action.js";
+import { TickController } from "../../controllers/ticker.js";
+import { base } from "../../elements/base/base-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { formatDuration } from "../../format/duration.js";
+import { apiContext } from "../../state/contexts.js";
+import type { CodeMade, GatewayRow } from "../../wire/admin-types.js";
+import { AdminApi } from "../../wire/admin-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/copy-text.js";
+import "../../elements/forms/field.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/values/qr-code.js";
+import "../../elements/feedback/status.js";
+
+const SITE_ID = /^[a-z][a-z0-9_]{0,62}$/;
+
+/**
+ * @fires t-changed a code was made: the list is old
+ * @fires t-close
+ */
+@customElement("t-enrol")
+export class Enrol extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      .made {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-5);
+      }
+      .made > div {
+        flex: 1 1 20rem;
+        display: grid;
+        align-content: start;
+        gap: var(--t-space-3);
+        min-inline-size: 0;
+      }
+      .left {
+        font-size: var(--t-size-l);
+        font-weight: var(--t-weight-strong);
+        font-variant-numeric: tabular-nums;
+      }
+    `,
+  ];
+
+  /** Sites that have a gateway already, to choose from. */
+  @property({ attribute: false }) sites: readonly string[] = [];
+  @property({ attribute: false }) gateways: readonly GatewayRow[] = [];
+  @property() zone = "UTC";
+  @state() private made: CodeMade | null = null;
+  @state() private wrong = "";
+  @query("#site") private readonly site!: HTMLInputElement;
+  @query("#name") private readonly name!: HTMLInputElement;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly action = new ActionController(this);
+  private known: ReadonlySet<string> = new Set();
+
+  constructor() {
+    super();
+    new TickController(this);
+  }
+
+  override firstUpdated(): void {
+    void this.site.closest("t-field")?.updateComplete.then(() => {
+      this.site.focus();
+    });
+  }
+
+  override render(): TemplateResult {
+    return this.made === null ? this.form() : this.code(this.made);
+  }
+
+  private form(): TemplateResult {
+    const { problem, busy } = this.action;
+    return html`<h2>Enrol a gateway</h2>
+      <form class="fields" novalidate @submit=${this.submit}>
+        <t-field label="Site" hint="As its site description calls it: small letters, digits and _" error=${this.wrong}>
+          <input id="site" list="sites" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="63" />
+        </t-field>
+        <datalist id="sites">${map(this.sites, (site) => html`<option value=${site}></option>`)}</datalist>
+        <t-field label="Name" hint="What people call this gateway; may stay empty">
+          <input id="name" autocomplete="off" maxlength="100" />
+        </t-field>
+        ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+        <div class="actions">
+          <t-button type="submit" kind="primary" ?busy=${busy}>Make a code</t-button>
+          <t-button @click=${this.close}>Cancel</t-button>
+        </div>
+      </form>`;
+  }
+
+  private code(made: CodeMade): TemplateResult {
+    const left = Math.max(0, made.expires_us / 1e6 - Date.now() / 1000);
+    const came = this.gateways.find((row) => !this.known.has(row.id) && row.revoked_us === 0);
+    if (came !== undefined) {
+      return html`<h2>It is enrolled</h2>
+        <p>
+          <t-status kind=${came.online ? "online" : "busy"} word=${came.online ? "online" : "has its key, not linked yet"}></t-status>
+          ${came.name === "" ? came.site : came.name} has a key of its own now; the code is used up.
+        </p>
+        <div class="actions"><t-button kind="primary" @click=${this.close}>Done</t-button></div>`;
+    }
+    if (left === 0) {
+      return html`<h2>The code is too old</h2>
+        <p>Nobody used it in time. It is void now; make another.</p>
+        <div class="actions">
+          <t-button kind="primary" @click=${this.anew}>Make another</t-button><t-button @click=${this.close}>Close</t-button>
+        </div>`;
+    }
+    return html`<div class="head">
+        <h2>Run this beside the robot</h2>
+        <span class="left" role="timer">${formatDuration(left)} left</span>
+      </div>
+      <div class="made">
+        <div>
+          <t-copy label="Command" .text=${made.command}></t-copy>
+          <t-copy label="Code alone" .text=${made.code}></t-copy>
+          ${made.fingerprint === ""
+            ? nothing
+            : html`<p class="muted">
+                The code carries the fingerprint of this hub's certificate, and the gateway believes no other:
+                <code style="overflow-wrap: anywhere">${made.fingerprint}</code>
+              </p>`}
+          <p class="muted">The code works once and is not shown again. This page says when the gateway has used it.</p>
+        </div>
+        ${made.qr === "" ? nothing : html`<t-qr .svg=${made.qr} label="QR code of the command"></t-qr>`}
+      </div>
+      <div class="actions">
+        <t-status kind="busy" word="waiting for the gateway"></t-status>
+        <t-button @click=${this.close}>Close</t-button>
+      </div>`;
+  }
+
+  private readonly submit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    const site = this.site.value.trim();
+    this.wrong = SITE_ID.test(site) ? "" : "It begins with a small letter; small letters, digits and _ follow.";
+    if (this.wrong !== "") return;
+    const name = this.name.value.trim();
+    this.known = new Set(this.gateways.map(({ id }) => id));
+    void this.action
+      .run("make a code", async () => {
+        this.made = await new AdminApi(this.api).makeCode(site, name);
+      })
+      .then((done) => {
+        if (done) this.dispatchEvent(new CustomEvent("t-changed"));
+      });
+  };
+
+  private readonly anew = (): void => {
+    this.made = null;
+  };
+
+  private readonly close = (): void => {
+    this.dispatchEvent(new CustomEvent("t-close"));
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-enrol": Enrol;
+  }
+}

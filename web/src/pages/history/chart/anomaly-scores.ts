@@ -1,0 +1,191 @@
+/** The anomaly detectors of the chosen signals: score under the charts, why in words, "not an anomaly". */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../../controllers/action.js";
+import { DetectorsController, type Watchers } from "../../../controllers/anomaly-detectors.js";
+import { LoadController } from "../../../controllers/load.js";
+import { base } from "../../../elements/base/base-style.js";
+import { indentOf, type ChartSeries, type Indent } from "../../../elements/chart/chart-model.js";
+import type { Painter } from "../../../elements/chart/paint-scheduler.js";
+import { anomalyMarks } from "../../../elements/chart/anomaly-marks.js";
+import { adviceFor } from "../../../format/error-advice.js";
+import type { Span } from "../../../series/time-window.js";
+import { apiContext } from "../../../state/contexts.js";
+import type { Detector } from "../../../state/anomaly-detectors.js";
+import type { History } from "../../../wire/api-types.js";
+import type { HistoryQuery, HubApi } from "../../../wire/hub-api.js";
+import { loadedOf } from "../data/history-loader.js";
+import "../../../elements/analysis/detector.js";
+import "../../../elements/feedback/loading.js";
+import "../../../elements/feedback/problem.js";
+
+/** Scores are written at least this often while samples come (µs). */
+const WRITTEN_US = 130e6;
+
+/** What this needs of the hub's HTTP interface. */
+export interface Scores extends Watchers {
+  history(site: string, query: HistoryQuery): Promise<History>;
+  forgive(site: string, address: string, detector: string): Promise<boolean>;
+}
+
+@customElement("t-anomalies")
+export class Anomalies extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-3);
+        min-inline-size: 0;
+      }
+      /* The same room at the sides as the charts above, so that moments stand below each other. */
+      t-detector {
+        padding: var(--t-space-3) var(--t-space-3) var(--t-space-2);
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
+      }
+      .said {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .said:empty {
+        display: none;
+      }
+    `,
+  ];
+
+  @property() site = "";
+  /** Names the site's description: another one has other detectors. */
+  @property() edition = "";
+  @property({ attribute: false }) channels: readonly string[] = [];
+  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) indent: Indent = indentOf(1, 60);
+  @property({ attribute: false }) painter: Painter | null = null;
+  @property({ attribute: false }) cursorUs: number | null = null;
+  /** The window is being moved: scores are asked for once it rests. */
+  @property({ type: Boolean }) moving = false;
+  @property({ type: Number }) width = 0;
+  @property() zone = "UTC";
+
+  /** Answers in the hub's place; the gallery has one for each state. */
+  @property({ attribute: false }) hub: Scores | null = null;
+
+  @consume({ context: apiContext, subscribe: true }) private readonly api: HubApi | undefined;
+
+  private readonly detectors = new DetectorsController(this);
+  private readonly scores = new LoadController<History>(this);
+  private readonly action = new ActionController(this);
+  private series = new Map<string, ChartSeries>();
+  private drawnOf: History | undefined;
+
+  protected override willUpdate(): void {
+    const { site, span, width } = this;
+    const api = this.hub ?? this.api;
+    if (api === undefined || site === "") return;
+    this.detectors.ask(api, site, this.edition);
+    if (width === 0 || this.moving) return;
+    const { fromUs, toUs } = span;
+    const channels = this.shown().map(({ scores }) => scores);
+    if (channels.length === 0) return;
+    // A window that follows the time is asked for anew now and then, not with each step.
+    const step = Math.max(1, (toUs - fromUs) / 60);
+    const key = `${site} ${String(Math.round(fromUs / step))} ${String(Math.round(step))} ${channels.join(" ")}`;
+    this.scores.ask(key, () => api.history(site, { channels, fromUs, toUs, width }));
+    if (this.scores.value !== this.drawnOf) this.draw(this.scores.value);
+  }
+
+  override render(): unknown {
+    if (this.detectors.state === "failed") {
+      const advice = adviceFor(this.detectors.error, "the anomaly detectors");
+      return html`<h2>Anomalies</h2>
+        <t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    }
+    if (!this.detectors.known) return html`<t-loading what="Loading the anomaly detectors"></t-loading>`;
+    const shown = this.shown();
+    if (shown.length === 0) {
+      // A site without any detector need not be told so below every chart.
+      if (this.detectors.book.list.length === 0) return nothing;
+      return html`<p class="said">No anomaly detector watches these signals.</p>`;
+    }
+    const { problem, done } = this.action;
+    return html`<h2>Anomalies</h2>
+      <p role="status" class="said">${done}</p>
+      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      ${this.scores.result.state === "failed" ? this.noScores(this.scores.result.error) : nothing}
+      ${repeat(
+        shown,
+        ({ scores }) => scores,
+        (one) => this.one(one),
+      )}`;
+  }
+
+  private noScores(error: unknown): TemplateResult {
+    const advice = adviceFor(error, "the scores of before");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.scoresAgain}></t-problem>`;
+  }
+
+  private one(one: Detector): TemplateResult {
+    return html`<t-detector
+      named
+      .detector=${one}
+      .series=${this.series.get(one.scores) ?? null}
+      .marks=${one.anomaly === null ? [] : anomalyMarks([one.anomaly])}
+      .span=${this.span}
+      .indent=${this.indent}
+      .painter=${this.painter}
+      .cursorUs=${this.cursorUs}
+      axis-width=${this.indent.left}
+      zone=${this.zone}
+      ?may-forgive=${this.detectors.book.mayForgive}
+      ?busy=${this.action.busy}
+      @t-forgive=${this.forgiveIt}
+    ></t-detector>`;
+  }
+
+  /** Detectors of the signals that are shown. */
+  private shown(): readonly Detector[] {
+    return this.detectors.book.list.filter(({ address }) => this.channels.includes(address));
+  }
+
+  private draw(history: History | undefined): void {
+    this.drawnOf = history;
+    this.series = new Map(
+      (history?.series ?? []).map((one, colour): [string, ChartSeries] => {
+        const { trace, gaps } = loadedOf(one, WRITTEN_US);
+        const plain = { address: one.address, name: "Score", unit: "", decimals: 2, states: [], stale: false };
+        return [one.address, { ...plain, colour, samples: trace, gaps }];
+      }),
+    );
+  }
+
+  private readonly forgiveIt = (event: CustomEvent<Detector>): void => {
+    event.stopPropagation();
+    void this.forgive(event.detail);
+  };
+
+  private async forgive({ address, detector, name }: Detector): Promise<void> {
+    const { site } = this;
+    const api = this.hub ?? this.api;
+    if (api === undefined) return;
+    const done = await this.action.run("tell the detector", () => api.forgive(site, address, detector), `Noted: ${address} is as usual for “${name}”.`);
+    if (done) this.again();
+  }
+
+  private readonly again = (): void => {
+    this.detectors.again();
+  };
+
+  private readonly scoresAgain = (): void => {
+    this.scores.again();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-anomalies": Anomalies;
+  }
+}

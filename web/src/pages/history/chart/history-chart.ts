@@ -1,0 +1,267 @@
+/** One chart of the history page with what its lines are and say: values at the cursor, least, mean, greatest. */
+
+import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, query } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { base } from "../../../elements/base/base-style.js";
+import type { Chart } from "../../../elements/chart/chart.js";
+import { indentOf, type ChartSeries, type Indent } from "../../../elements/chart/chart-model.js";
+import type { Painter } from "../../../elements/chart/paint-scheduler.js";
+import { momentText, readOut } from "../../../elements/chart/cursor-values.js";
+import { decimalsFor, formatNumber, NOTHING } from "../../../format/number.js";
+import { knownZone, timeText } from "../../../format/time.js";
+import { outlierWords } from "../../../series/outlier-text.js";
+import { OutlierMemo, type Outliers } from "../../../series/outliers.js";
+import { summary, type Summary } from "../../../series/columns.js";
+import { lengthOf, type Span } from "../../../series/time-window.js";
+import { SECOND_US } from "../../../series/zone-clock.js";
+import type { OutlierInfo, StatisticsInfo } from "../../../wire/api-types.js";
+import { historyChartStyle } from "./history-chart-style.js";
+import type { Loaded } from "../data/history-loader.js";
+import type { Mark } from "./event-marks.js";
+import type { Row, Together } from "../data/channel-rows.js";
+import { statisticsCells, statisticsHead } from "./statistics-cells.js";
+import { textBand, type TextBand } from "../data/text-band.js";
+import "../../../elements/chart/chart.js";
+
+/** Columns for statistics, where the chart has not been drawn yet. */
+const COLUMNS = 1000;
+/** The cursor finds a value within this part of the window. */
+const REACH = 0.015;
+const TEXTS = 100;
+const AXIS_WIDTH = 60;
+
+@customElement("t-history-chart")
+export class HistoryChart extends LitElement {
+  static override styles = [base, historyChartStyle];
+
+  @property({ attribute: false }) group: Together | null = null;
+  @property({ attribute: false }) data: ReadonlyMap<string, Loaded> = new Map();
+  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) cursorUs: number | null = null;
+  /** The same channels on another day, so much before (µs); 0 for none. */
+  @property({ attribute: false }) ghost: ReadonlyMap<string, Loaded> = new Map();
+  @property({ attribute: false }) ghostUs = 0;
+  /** The other day, as it is called beside its values. */
+  @property({ attribute: "ghost-name" }) ghostName = "";
+  /** What the hub counted of the window. */
+  @property({ attribute: false }) numbers: ReadonlyMap<string, StatisticsInfo> = new Map();
+  @property({ attribute: false }) marks: readonly Mark[] = [];
+  /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
+  @property({ type: Number }) outliers = 0;
+  /** What the hub found in all samples, where the chart holds only some. */
+  @property({ attribute: false }) fences: ReadonlyMap<string, OutlierInfo> = new Map();
+  /** It could not look: what the chart holds has to do. */
+  @property({ type: Boolean }) unfenced = false;
+  @property({ attribute: false }) painter: Painter | null = null;
+  /** When each channel was heard of last (µs), for a window without samples. */
+  @property({ attribute: false }) newest: ReadonlyMap<string, number> = new Map();
+  /** The first answer has come. */
+  @property({ type: Boolean }) loaded = false;
+  @property() zone = "UTC";
+  /** Several units in the chart, with an axis for each. */
+  @property({ type: Boolean }) joined = false;
+  /** Room beside the plot, the same for all charts of the page. */
+  @property({ attribute: false }) indent: Indent = indentOf(1, AXIS_WIDTH);
+  @property({ type: Number, attribute: "axis-width" }) axisWidth = AXIS_WIDTH;
+
+  @query("t-chart") private readonly chart!: Chart | null;
+
+  private series: readonly ChartSeries[] = [];
+  private points: ReadonlyMap<string, Outliers> = new Map();
+  private readonly memos = new Map<string, OutlierMemo>();
+
+  protected override willUpdate(changed: PropertyValues<this>): void {
+    const moved = changed.has("ghostUs") && changed.get("ghostUs") !== this.ghostUs;
+    if (changed.has("group") || changed.has("data") || changed.has("ghost") || moved) this.series = this.makeSeries();
+    this.seekOutliers();
+  }
+
+  override render(): TemplateResult | null {
+    const { group } = this;
+    if (group === null) return null;
+    return html`
+      ${this.table(group)}
+      <div class="place">
+        <t-chart
+          class=${group.type === "number" ? "number" : "band"}
+          zoomable
+          axis-width=${this.axisWidth}
+          ?many-axes=${this.joined}
+          .indent=${this.indent}
+          .series=${this.series}
+          .span=${this.span}
+          .cursorUs=${this.cursorUs}
+          .marks=${this.marks}
+          .outliers=${this.points}
+          .painter=${this.painter}
+          zone=${this.zone}
+          label=${`History of ${group.rows.map(({ name }) => name).join(", ")}`}
+        ></t-chart>
+        ${this.loaded && this.series.every((one) => !this.hasAny(one)) ? this.none(group) : nothing}
+      </div>
+      ${this.outlierList()}
+      ${group.type === "text" ? this.texts(group) : nothing}
+    `;
+  }
+
+  private seekOutliers(): void {
+    const numbers = this.outliers === 0 ? [] : this.series.filter(({ states }) => states.length === 0);
+    const found = numbers.flatMap(({ address, samples }): [string, Outliers][] => {
+      const by = this.unfenced || this.data.get(address)?.exact === true ? this.outliers : this.fences.get(address);
+      if (by === undefined) return [];
+      const memo = this.memos.get(address) ?? new OutlierMemo();
+      this.memos.set(address, memo);
+      return [[address, memo.of(samples, this.span, by)]];
+    });
+    // The same points are the same map: the chart is drawn again for others only.
+    const same = found.length === this.points.size && found.every(([address, one]) => this.points.get(address) === one);
+    if (!same) this.points = new Map(found);
+  }
+
+  /** How many outliers, and of what: of a long window the chart holds the extremes of each pixel, and the hub counts. */
+  private outlierList(): unknown {
+    const numbers = this.outliers === 0 ? [] : this.series.filter(({ states }) => states.length === 0);
+    if (numbers.length === 0) return nothing;
+    return html`<ul class="outliers" role="status" aria-label="Outliers">
+      ${map(numbers, (one) => html`<li><strong>${one.name}</strong> ${this.outlierLine(one)}</li>`)}
+    </ul>`;
+  }
+
+  private outlierLine({ address, unit, decimals }: ChartSeries): string {
+    const found = this.points.get(address);
+    if (found === undefined) return "All samples of the window are being counted…";
+    const whole = this.data.get(address)?.exact === true;
+    const fences = this.fences.get(address);
+    const places = decimalsFor(unit, decimals);
+    if (whole) return `${outlierWords(found, unit, places, true)}.`;
+    if (!this.unfenced && fences !== undefined) return `${outlierWords(found, unit, places, fences.exact || fences.stored)}.`;
+    const counted = this.numbers.get(address)?.count;
+    const more = counted === undefined ? "" : ` The window has ${formatNumber(counted, 0)} samples, and the hub could not count them now.`;
+    return `${outlierWords(found, unit, places, false)}.${more}`;
+  }
+
+  private table(group: Together): TemplateResult {
+    const { cursorUs } = this;
+    return html`<div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th scope="col">${group.type === "number" ? group.title || "without unit" : group.type}</th>
+            <th scope="col" class="at">
+              ${cursorUs === null ? "newest shown" : momentText(cursorUs, knownZone(this.zone), lengthOf(this.span))}
+              ${this.ghostName === "" ? nothing : html`<span class="then">${this.ghostName}</span>`}
+            </th>
+            ${statisticsHead(group.type === "number")}
+          </tr>
+        </thead>
+        <tbody>
+          ${repeat(
+            group.rows,
+            (row) => row.address,
+            (row, i) => this.line(row, i),
+          )}
+        </tbody>
+      </table>
+    </div>`;
+  }
+
+  private line(row: Row, index: number): TemplateResult {
+    const series = this.series.find(({ address }) => address === row.address);
+    const swatch = row.type === "number" ? html`<span class="swatch c${(index % 8) + 1}"></span>` : nothing;
+    return html`<tr>
+      <th scope="row">${swatch}${row.name} <span class="muted">${row.device.name}${row.former ? ", no longer in the description" : ""}</span></th>
+      <td class="at">${series === undefined ? NOTHING : html`${this.valueAt(series)} ${this.valueThen(series)}`}</td>
+      ${statisticsCells(row, this.numbers.get(row.address), series && this.drawn(series))}
+    </tr>`;
+  }
+
+  private valueAt(series: ChartSeries): unknown {
+    const at = this.cursorUs ?? Math.min(this.span.toUs, series.samples.newestUs);
+    const { text } = readOut(series, at, this.columnUs(), lengthOf(this.span) * REACH);
+    if (text === NOTHING) return this.whyNothing(series, at);
+    const spread = series.states.length > 0 ? -1 : text.indexOf(" (");
+    return spread < 0 ? text : html`${text.slice(0, spread)}<span class="spread">${text.slice(spread)}</span>`;
+  }
+
+  /** Where there is no value: the reason, if one is known. */
+  private whyNothing(series: ChartSeries, us: number): unknown {
+    const reason = series.gaps.find(({ from_us, to_us }) => us >= from_us && us <= to_us)?.reason ?? "";
+    return reason === "" ? NOTHING : html`<span class="why">${reason}</span>`;
+  }
+
+  private valueThen(series: ChartSeries): unknown {
+    const { ghost } = series;
+    if (ghost === undefined) return nothing;
+    const at = (this.cursorUs ?? this.span.toUs) - ghost.shiftUs;
+    const { text } = readOut({ ...series, samples: ghost.samples }, at, this.columnUs(), lengthOf(this.span) * REACH);
+    return html`<span class="then">${series.states.length > 0 ? text : (text.split(" (")[0] ?? NOTHING)}</span>`;
+  }
+
+  private drawn({ samples, states }: ChartSeries): Summary | undefined {
+    const { fromUs, toUs } = this.span;
+    return states.length > 0 ? undefined : summary(samples.columnsAt(this.columnUs()), fromUs, toUs);
+  }
+
+  // The chart's own columns where there is one: two resolutions would thin all of it twice.
+  private columnUs(): number {
+    return this.chart?.columnUs || Math.max(1, Math.round(lengthOf(this.span) / COLUMNS));
+  }
+
+  private none(group: Together): TemplateResult {
+    const newest = Math.max(...group.rows.map(({ address }) => this.newest.get(address) ?? 0));
+    const now = Date.now() * 1000;
+    return html`<div class="none">
+      <strong>No samples in this window</strong>
+      ${newest > 0 ? html`<span>The newest is of ${timeText(newest, knownZone(this.zone), now).local}.</span>` : nothing}
+    </div>`;
+  }
+
+  /** All texts of the window, to read and to copy: in the band there is no room for long ones. */
+  private texts(group: Together): TemplateResult | null {
+    const { fromUs, toUs } = this.span;
+    const held = this.data.get(group.rows[0]?.address ?? "")?.texts ?? [];
+    const texts = held.filter(({ timeUs }) => timeUs >= fromUs && timeUs <= toUs);
+    if (texts.length === 0) return null;
+    return html`<details>
+      <summary>${texts.length > TEXTS ? `The last ${String(TEXTS)} texts` : "All texts"}</summary>
+      <ol>
+        ${map(
+          texts.slice(-TEXTS).reverse(),
+          ({ timeUs, text }) => html`<li><time>${momentText(timeUs, knownZone(this.zone), lengthOf(this.span))}</time> ${text}</li>`,
+        )}
+      </ol>
+    </details>`;
+  }
+
+  private hasAny({ samples: { times, values } }: ChartSeries): boolean {
+    const { fromUs, toUs } = this.span;
+    return times.some((time, i) => time >= fromUs && time <= toUs && !Number.isNaN(values[i]));
+  }
+
+  private makeSeries(): ChartSeries[] {
+    return (this.group?.rows ?? []).flatMap((row, colour) => {
+      const held = this.data.get(row.address);
+      if (held === undefined) return [];
+      const { address, name, unit, decimals } = row;
+      const now = bandOf(row, held, row.states);
+      const ghost = this.ghostUs === 0 ? undefined : this.ghost.get(address);
+      const then = ghost && bandOf(row, ghost, now.words);
+      const plain = { address, name, unit, decimals, colour, samples: now.samples, gaps: held.gaps, stale: false };
+      if (then === undefined) return [{ ...plain, states: now.words }];
+      return [{ ...plain, states: then.words, ghost: { samples: then.samples, shiftUs: this.ghostUs } }];
+    });
+  }
+}
+
+/** A text is drawn as a state; all else is drawn as it is. */
+function bandOf(row: Row, held: Loaded, words: readonly string[]): TextBand {
+  return row.type === "text" ? textBand(held, row.maxAge * SECOND_US, words) : { words, samples: held.trace };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-history-chart": HistoryChart;
+  }
+}

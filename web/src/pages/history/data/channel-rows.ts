@@ -1,0 +1,106 @@
+/** The channels of a site that have a history, and how they share charts. */
+
+import type { DeviceInfo, SignalInfo, SiteDetail, StoredInfo } from "../../../wire/api-types.js";
+
+/** One channel that can be chosen. */
+export interface Row {
+  readonly address: string;
+  readonly device: Pick<DeviceInfo, "id" | "name">;
+  readonly name: string;
+  readonly type: "number" | "state" | "text";
+  readonly unit: string;
+  readonly decimals: number;
+  readonly states: readonly string[];
+  /** s */
+  readonly maxAge: number;
+  readonly primary: boolean;
+  /** The site's description had it once, and has it no longer. */
+  readonly former: boolean;
+}
+
+/** Rows that are drawn in one chart: numbers of a unit or a few, or one state, or one text. */
+export interface Together {
+  readonly key: string;
+  readonly title: string;
+  readonly type: Row["type"];
+  readonly rows: readonly Row[];
+}
+
+const TYPES = ["number", "state", "text", "position"] as const satisfies readonly SignalInfo["type"][];
+const PART_UNITS: Readonly<Record<string, string>> = { x: "m", y: "m", yaw: "rad", lat: "°", lon: "°", alt: "m" };
+const DEGREE_DIGITS = 6;
+/** Of a former signal its limit of age (s) is not known: what descriptions take when they say nothing. */
+const FORMER_AGE = 5;
+/** Chosen when the address chooses nothing. */
+const FIRST_CHOICE = 2;
+
+/** @param former channels that have history and are no longer described; they come last */
+export function rowsOf(detail: SiteDetail, former: readonly StoredInfo[] = []): Row[] {
+  const rows = detail.devices.flatMap((device) =>
+    device.signals.flatMap((signal) => signal.channels.map((channel) => rowOf(device, signal, channel))),
+  );
+  // What has come back since they were asked for stands under its device.
+  const described = new Set(rows.map(({ address }) => address));
+  return [...rows, ...former.filter(({ address }) => !described.has(address)).map((stored) => formerRow(detail, stored))];
+}
+
+function formerRow({ devices }: SiteDetail, { address, name, unit, type, states, decimals }: StoredInfo): Row {
+  const id = address.split("/")[0] ?? "";
+  const device = devices.find((one) => one.id === id) ?? { id, name: id };
+  const kind = TYPES.find((known) => known === type) ?? "number";
+  const signal = { name: name || address, type: kind, unit, states, decimals, max_age: FORMER_AGE, primary: false };
+  return { ...rowOf(device, signal, address), former: true };
+}
+
+/** What to show to somebody who has not chosen: the first main numbers. */
+export function firstChoice(rows: readonly Row[]): string[] {
+  const numbers = rows.filter(({ type }) => type === "number");
+  const main = numbers.filter(({ primary }) => primary);
+  return (main.length > 0 ? main : numbers).slice(0, FIRST_CHOICE).map(({ address }) => address);
+}
+
+/**
+ * Puts numbers of one unit together, in the order of the description.
+ *
+ * @param axes so many units may share a chart
+ */
+export function together(rows: readonly Row[], axes = 1): Together[] {
+  const found = new Map<string, { title: string; type: Row["type"]; rows: Row[] }>();
+  for (const row of rows) {
+    const key = row.type === "number" && row.unit !== "" ? `unit ${row.unit}` : row.address;
+    const group = found.get(key) ?? { title: row.type === "number" ? row.unit : row.name, type: row.type, rows: [] };
+    found.set(key, group);
+    group.rows.push(row);
+  }
+  const groups = [...found].map(([key, group]) => ({ key, ...group }));
+  return axes > 1 ? joined(groups, axes) : groups;
+}
+
+/** The units among some rows. */
+export function unitsOf(rows: readonly Row[]): string[] {
+  return [...new Set(rows.filter(({ type }) => type === "number").map(({ unit }) => unit))];
+}
+
+// Numbers first, since what is joined may have stood anywhere; numbers without a unit are one unit here.
+function joined(groups: readonly Together[], axes: number): Together[] {
+  const numbers = groups.filter(({ type }) => type === "number").flatMap(({ rows }) => rows);
+  const units = unitsOf(numbers);
+  const charts = Array.from({ length: Math.ceil(units.length / axes) }, (_, i): Together => {
+    const own = units.slice(i * axes, (i + 1) * axes);
+    const rows = numbers.filter(({ unit }) => own.includes(unit));
+    return { key: `units ${own.join(" ")}`, title: own.map((unit) => unit || "no unit").join(", "), type: "number", rows };
+  });
+  return [...charts, ...groups.filter(({ type }) => type !== "number")];
+}
+
+type Described = Pick<SignalInfo, "name" | "type" | "unit" | "states" | "decimals" | "max_age" | "primary">;
+
+function rowOf(device: Row["device"], signal: Described, channel: string): Row {
+  const plain = { address: channel, device, states: [], maxAge: signal.max_age, primary: signal.primary, former: false } as const;
+  if (signal.type !== "position") {
+    return { ...plain, name: signal.name, type: signal.type, unit: signal.unit, decimals: signal.decimals, states: signal.states };
+  }
+  const part = channel.slice(channel.lastIndexOf(".") + 1);
+  const unit = PART_UNITS[part] ?? "";
+  return { ...plain, name: `${signal.name}, ${part}`, type: "number", unit, decimals: unit === "°" ? DEGREE_DIGITS : -1 };
+}

@@ -1,0 +1,52 @@
+/** What happened in a window, asked again when the window leaves what is known or time has gone on. */
+
+import type { EventList } from "../../../wire/api-types.js";
+import { lengthOf, type Span } from "../../../series/time-window.js";
+import { SECOND_US } from "../../../series/zone-clock.js";
+import { Asker } from "./latest-request.js";
+
+export interface Happened {
+  events(site: string, span: Span, limit: number, signal?: AbortSignal): Promise<EventList>;
+}
+
+interface Question {
+  readonly site: string;
+  readonly span: Span;
+}
+
+const LIMIT = 1000;
+/** A window that follows is asked for again when this much time has come in (µs). */
+const EVERY_US = 5 * SECOND_US;
+const NOTHING_YET: EventList = { events: [], more: false };
+
+export class EventsLoader {
+  list: EventList = NOTHING_YET;
+  private readonly asker: Asker<Question, EventList>;
+
+  constructor(happened: Happened, changed: () => void) {
+    this.asker = new Asker<Question, EventList>({
+      fetch: ({ site, span }, signal) => happened.events(site, span, LIMIT, signal),
+      related: (running, next) => running.site === next.site,
+      answered: (list) => {
+        this.list = list;
+      },
+      changed,
+    });
+  }
+
+  get failed(): boolean {
+    return this.asker.state === "failed";
+  }
+
+  /** Asks for some more than the window, in steps, so that a small move asks for nothing new. */
+  ask(site: string, span: Span): void {
+    const step = Math.max(EVERY_US, 2 ** Math.floor(Math.log2(lengthOf(span) / 4)));
+    const fromUs = Math.max(0, Math.floor(span.fromUs / step) * step);
+    this.asker.ask({ site, span: { fromUs, toUs: Math.ceil(span.toUs / step) * step } });
+  }
+
+  close(): void {
+    this.asker.drop();
+    this.list = NOTHING_YET;
+  }
+}

@@ -1,0 +1,135 @@
+/** Asks the hub for windows, and keeps what it has until the next has come. */
+
+import { silences, type Gap } from "../../../series/gaps.js";
+import { Trace } from "../../../series/trace.js";
+import { lengthOf, type Span } from "../../../series/time-window.js";
+import { SECOND_US } from "../../../series/zone-clock.js";
+import { samplesOf } from "../../../tiles/chart/history-samples.js";
+import type { History, HistorySeries } from "../../../wire/api-types.js";
+import type { HistoryQuery } from "../../../wire/hub-api.js";
+import { Asker, type AskerState } from "./latest-request.js";
+
+export interface Past {
+  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History>;
+}
+
+/** One channel as it was loaded. */
+export interface Loaded {
+  readonly trace: Trace;
+  readonly gaps: readonly Gap[];
+  readonly texts: readonly { readonly timeUs: number; readonly text: string }[];
+  /** Every sample is there, and not the least and greatest of each pixel. */
+  readonly exact: boolean;
+  /** Samples or pairs of them in the answer. */
+  readonly count: number;
+}
+
+export interface Question {
+  readonly site: string;
+  /** Channels with their limits of age (s). */
+  readonly channels: readonly { readonly address: string; readonly maxAge: number }[];
+  readonly span: Span;
+  /** CSS pixels */
+  readonly width: number;
+}
+
+/** So much more is asked for on each side, so that a small move has something to show at once. */
+const MARGIN = 0.25;
+const MOST = 200_000;
+/** While the window moves, what is held does until it is this much coarser than the screen. */
+const COARSE = 1.3;
+
+export class HistoryLoader {
+  /** What is there, by address. A new map with each answer. */
+  data: ReadonlyMap<string, Loaded> = new Map();
+  private held: Question | null = null;
+  private readonly asker: Asker<Question, History>;
+
+  constructor(
+    private readonly past: Past,
+    changed: () => void,
+  ) {
+    this.asker = new Asker<Question, History>({
+      fetch: (question, signal) => this.past.history(question.site, queryOf(question), signal),
+      related: (running, next) => sameChannels(running, next) && overlap(running.span, next.span),
+      answered: (answer, question) => {
+        const ages = new Map(question.channels.map(({ address, maxAge }) => [address, maxAge * SECOND_US]));
+        this.data = new Map(answer.series.map((one) => [one.address, loadedOf(one, ages.get(one.address) ?? 0)]));
+        this.held = question;
+      },
+      changed,
+    });
+  }
+
+  get state(): AskerState {
+    return this.asker.state;
+  }
+
+  get error(): unknown {
+    return this.asker.error;
+  }
+
+  /** Ask, unless this was the last question. @param moving what is held does for as long as it is fine enough */
+  ask(question: Question, moving: boolean): void {
+    if (question.channels.length === 0) {
+      this.asker.drop("ready");
+      this.data = new Map();
+      this.held = null;
+    } else if (!moving || this.held === null || !covers(this.held, question)) {
+      this.asker.ask(question);
+    }
+  }
+
+  /** The next `ask` asks, also when the question is the same. */
+  forget(): void {
+    this.asker.forget();
+  }
+
+  /** Forget what is held: the next site may have signals of the same names. */
+  close(): void {
+    this.asker.drop();
+    this.data = new Map();
+    this.held = null;
+  }
+}
+
+function queryOf({ channels, span, width }: Question): HistoryQuery {
+  const { fromUs, toUs } = withMargin(span);
+  return { channels: channels.map(({ address }) => address), fromUs, toUs, width: Math.ceil(width * (1 + 2 * MARGIN)) };
+}
+
+function withMargin(span: Span): Span {
+  const more = lengthOf(span) * MARGIN;
+  return { fromUs: span.fromUs - more, toUs: span.toUs + more };
+}
+
+function sameChannels(a: Question, b: Question): boolean {
+  return a.site === b.site && a.channels.length === b.channels.length && a.channels.every(({ address }, i) => address === b.channels[i]?.address);
+}
+
+function overlap(a: Span, b: Span): boolean {
+  return a.fromUs < b.toUs && b.fromUs < a.toUs;
+}
+
+function covers(held: Question, wanted: Question): boolean {
+  const { fromUs, toUs } = withMargin(held.span);
+  const inside = wanted.span.fromUs >= fromUs && wanted.span.toUs <= toUs;
+  const fine = lengthOf(held.span) / held.width <= (COARSE * lengthOf(wanted.span)) / wanted.width;
+  return inside && fine && sameChannels(held, wanted);
+}
+
+/** @param maxAgeUs the signal's limit of age (µs) */
+export function loadedOf(series: HistorySeries, maxAgeUs: number): Loaded {
+  const { times, values, intervalUs } = samplesOf(series);
+  const trace = new Trace(Infinity, maxAgeUs, MOST);
+  trace.backfill(times, values, intervalUs);
+  const known = series.gaps;
+  // A silence that the hub has a reason for is told once, with the reason.
+  const silent = silences(trace.times, trace.allowedUs).filter(
+    (gap) => !known.some(({ from_us, to_us }) => from_us < gap.to_us && to_us > gap.from_us),
+  );
+  const texts = (series.text ?? []).flatMap((text, i) =>
+    typeof series.v[i] === "number" ? [] : [{ timeUs: series.t_us[i] ?? NaN, text }],
+  );
+  return { trace, gaps: [...known, ...silent], texts, exact: series.kind === "exact", count: series.t_us.length };
+}

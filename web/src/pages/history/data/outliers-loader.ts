@@ -1,0 +1,73 @@
+/** The quartiles of the shown window, of every sample in it, where the chart holds only some of them. */
+
+import type { OutlierInfo, OutlierList } from "../../../wire/api-types.js";
+import type { Span } from "../../../series/time-window.js";
+import { Asker, type AskerState } from "./latest-request.js";
+import { apart } from "./statistics-loader.js";
+
+export interface Finding {
+  outliers(site: string, channels: readonly string[], span: Span, k: number, signal?: AbortSignal): Promise<OutlierList>;
+}
+
+interface Question {
+  readonly site: string;
+  readonly channels: readonly string[];
+  readonly span: Span;
+  readonly k: number;
+}
+
+/** A window that follows is looked at again once it has moved by this part of itself. */
+const STEP = 0.05;
+/** What was found in a window is not said of one that is this much another. */
+const NEAR = 0.1;
+
+export class OutliersLoader {
+  private found: ReadonlyMap<string, OutlierInfo> = NONE;
+  private of: Question | null = null;
+  private asked: Question | null = null;
+  private readonly asker: Asker<Question, OutlierList>;
+
+  constructor(finding: Finding, changed: () => void) {
+    this.asker = new Asker<Question, OutlierList>({
+      fetch: ({ site, channels, span, k }, signal) => finding.outliers(site, channels, span, k, signal),
+      // It may take seconds: what nobody wants any more is given up.
+      related: () => false,
+      answered: (list, question) => {
+        this.found = new Map(list.outliers.map((one) => [one.address, one]));
+        this.of = question;
+      },
+      changed,
+    });
+  }
+
+  get state(): AskerState {
+    return this.asker.state;
+  }
+
+  /** @param following the window goes with the time: it is not looked at again with each step */
+  ask(site: string, channels: readonly string[], span: Span, k: number, following: boolean): void {
+    if (k === 0 || channels.length === 0) {
+      if (this.asked !== null) this.close();
+      return;
+    }
+    const before = this.asked;
+    const same = before !== null && before.site === site && before.k === k && before.channels.join("\n") === channels.join("\n");
+    if (same && following && apart(before.span, span) < STEP) return;
+    this.asked = { site, channels, span: { fromUs: Math.round(span.fromUs), toUs: Math.round(span.toUs) }, k };
+    this.asker.ask(this.asked);
+  }
+
+  /** What was found in a window, or in one that is hardly another. */
+  foundIn(site: string, span: Span, k: number): ReadonlyMap<string, OutlierInfo> {
+    const known = this.of !== null && this.of.site === site && this.of.k === k && apart(this.of.span, span) < NEAR;
+    return known ? this.found : NONE;
+  }
+
+  close(): void {
+    this.asker.drop();
+    this.of = null;
+    this.asked = null;
+  }
+}
+
+const NONE: ReadonlyMap<string, OutlierInfo> = new Map();

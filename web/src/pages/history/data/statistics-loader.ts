@@ -1,0 +1,69 @@
+/** What the shown window amounts to, of every sample in it, as the hub counts it. */
+
+import type { StatisticsInfo, StatisticsList } from "../../../wire/api-types.js";
+import { lengthOf, type Span } from "../../../series/time-window.js";
+import { Asker } from "./latest-request.js";
+
+export interface Counting {
+  statistics(site: string, channels: readonly string[], span: Span, signal?: AbortSignal): Promise<StatisticsList>;
+}
+
+interface Question {
+  readonly site: string;
+  readonly channels: readonly string[];
+  readonly span: Span;
+}
+
+/** A window that follows is counted again once it has moved by this part of itself. */
+const STEP = 0.01;
+/** Numbers of a window that is this much another are not shown. */
+const NEAR = 0.05;
+
+export class StatisticsLoader {
+  private found: ReadonlyMap<string, StatisticsInfo> = new Map();
+  private of: Question | null = null;
+  private asked: Question | null = null;
+  private readonly asker: Asker<Question, StatisticsList>;
+
+  constructor(counting: Counting, changed: () => void) {
+    this.asker = new Asker<Question, StatisticsList>({
+      fetch: ({ site, channels, span }, signal) => counting.statistics(site, channels, span, signal),
+      related: (running, next) => running.site === next.site,
+      answered: (list, question) => {
+        this.found = new Map(list.statistics.map((one) => [one.address, one]));
+        this.of = question;
+      },
+      changed,
+    });
+  }
+
+  /** @param following the window goes with the time: it is not counted at each step */
+  ask(site: string, channels: readonly string[], span: Span, following: boolean): void {
+    const question = { site, channels, span: { fromUs: Math.round(span.fromUs), toUs: Math.round(span.toUs) } };
+    const before = this.asked;
+    const same = before !== null && before.site === site && before.channels.join("\n") === channels.join("\n");
+    if (same && following && apart(before.span, span) < STEP) return;
+    this.asked = question;
+    if (channels.length === 0) this.asker.drop("ready");
+    else this.asker.ask(question);
+  }
+
+  /** The numbers of a window, as far as they are known of this one or one that is hardly another. */
+  numbersOf(site: string, span: Span): ReadonlyMap<string, StatisticsInfo> {
+    const known = this.of !== null && this.of.site === site && apart(this.of.span, span) < NEAR;
+    return known ? this.found : NONE;
+  }
+
+  close(): void {
+    this.asker.drop();
+    this.of = null;
+    this.asked = null;
+  }
+}
+
+const NONE: ReadonlyMap<string, StatisticsInfo> = new Map();
+
+/** How far the ends of two windows are from each other, as a part of the second. */
+export function apart(a: Span, b: Span): number {
+  return Math.max(Math.abs(a.fromUs - b.fromUs), Math.abs(a.toUs - b.toUs)) / lengthOf(b);
+}

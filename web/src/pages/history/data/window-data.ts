@@ -1,0 +1,74 @@
+/** All that is loaded for the window that is shown: samples, those of another day, events, statistics. */
+
+import type { EventList } from "../../../wire/api-types.js";
+import { pan } from "../../../series/time-window.js";
+import { EventsLoader, type Happened } from "./events-loader.js";
+import { HistoryLoader, type Loaded, type Past, type Question } from "./history-loader.js";
+import { OutliersLoader, type Finding } from "./outliers-loader.js";
+import { StatisticsLoader, type Counting } from "./statistics-loader.js";
+
+export interface Wanted extends Question {
+  /** The other day lies so much before (µs); 0 for none. */
+  readonly ghostUs: number;
+  /** Fingers or the wheel are at the window. */
+  readonly moving: boolean;
+  /** The window goes with the time. */
+  readonly following: boolean;
+  /** Outliers are wanted beyond so many times the distance of the quartiles; 0 for none. */
+  readonly outliers: number;
+}
+
+export class WindowData {
+  readonly now: HistoryLoader;
+  private readonly then: HistoryLoader;
+  private readonly happened: EventsLoader;
+  readonly statistics: StatisticsLoader;
+  readonly outliers: OutliersLoader;
+
+  constructor(api: Past & Happened & Counting & Finding, changed: () => void) {
+    this.now = new HistoryLoader(api, changed);
+    this.then = new HistoryLoader(api, changed);
+    this.happened = new EventsLoader(api, changed);
+    this.statistics = new StatisticsLoader(api, changed);
+    this.outliers = new OutliersLoader(api, changed);
+  }
+
+  get ghost(): ReadonlyMap<string, Loaded> {
+    return this.then.data;
+  }
+
+  get events(): EventList {
+    return this.happened.list;
+  }
+
+  /** What happened, or what was on the other day, could not be loaded. */
+  get without(): string {
+    if (this.then.state === "failed") return "The other day cannot be loaded now.";
+    return this.happened.failed ? "What happened cannot be loaded now." : "";
+  }
+
+  ask({ ghostUs, moving, following, outliers, ...question }: Wanted): void {
+    const { site, channels, span } = question;
+    this.now.ask(question, moving);
+    if (ghostUs !== 0) this.then.ask({ ...question, span: pan(span, -ghostUs) }, moving);
+    else if (this.then.data.size > 0) this.then.close();
+    this.happened.ask(site, span);
+    // Lines first: a day's statistics cost the hub as much as its chart, and the eye waits for the chart.
+    if (moving || this.now.state !== "ready") return;
+    const addresses = channels.map(({ address }) => address);
+    this.statistics.ask(site, addresses, span, following);
+    // Where the chart holds every sample it counts by itself.
+    const thinned = addresses.filter((address) => this.now.data.get(address)?.exact === false);
+    this.outliers.ask(site, thinned, span, outliers, following);
+  }
+
+  /** The next `ask` asks, also when the question is the same. */
+  forget(): void {
+    this.now.forget();
+    this.then.forget();
+  }
+
+  close(): void {
+    for (const each of [this.now, this.then, this.happened, this.statistics, this.outliers]) each.close();
+  }
+}

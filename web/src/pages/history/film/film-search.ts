@@ -1,0 +1,93 @@
+/** Which film shows a moment, and what to say where none does. Pure. */
+
+import type { FilmList, FilmRow, UnfilmedRow } from "../../../wire/films-api.js";
+
+/** What there is of one camera. */
+export interface Reel {
+  readonly stream: string;
+  readonly name: string;
+  /** By time. */
+  readonly films: readonly FilmRow[];
+  readonly unfilmed: readonly UnfilmedRow[];
+  /** It is being filmed now. */
+  readonly filming: boolean;
+}
+
+export type Showing =
+  | { readonly kind: "film"; readonly film: FilmRow }
+  /** A film of that time has not come whole to the hub. */
+  | { readonly kind: "coming"; readonly film: FilmRow }
+  | { readonly kind: "failed"; readonly film: FilmRow }
+  /** Only the recording of raw topics has it. */
+  | { readonly kind: "raw"; readonly recording: string }
+  /** No film of that time; the nearest before and after, if any in the window. */
+  | { readonly kind: "none"; readonly before: FilmRow | null; readonly after: FilmRow | null; readonly filming: boolean };
+
+/** Pictures stand for so long after the last of a film (µs): none is cut off as it comes. */
+const LAST_US = 100_000;
+
+/**
+ * @param names of cameras by their address
+ * @returns the cameras of which there is anything, in the order of the names
+ */
+export function reelsOf(list: FilmList, names: ReadonlyMap<string, string>): Reel[] {
+  const known = [...names.keys()];
+  const streams = new Set([...list.films, ...list.unfilmed].map(({ stream }) => stream));
+  const place = (stream: string): number => (known.includes(stream) ? known.indexOf(stream) : known.length);
+  return [...streams]
+    .sort((a, b) => place(a) - place(b) || a.localeCompare(b))
+    .map((stream) => ({
+      stream,
+      name: names.get(stream) ?? stream,
+      films: list.films.filter((film) => film.stream === stream).sort((a, b) => a.begin_us - b.begin_us),
+      unfilmed: list.unfilmed.filter((one) => one.stream === stream),
+      filming: list.filming.includes(stream),
+    }));
+}
+
+/** What of a camera shows a moment (µs). */
+export function showingAt({ films, unfilmed, filming }: Reel, us: number): Showing {
+  const has = (one: { readonly begin_us: number; readonly end_us: number }): boolean => one.begin_us <= us && us <= one.end_us + LAST_US;
+  // Of two that meet, the later one.
+  const there = films.filter(has);
+  const here = there.filter(({ state }) => state === "complete").at(-1) ?? there.at(-1);
+  if (here !== undefined) return { kind: here.state === "complete" ? "film" : here.state === "failed" ? "failed" : "coming", film: here };
+  const raw = unfilmed.find(has);
+  if (raw !== undefined) return { kind: "raw", recording: raw.recording };
+  const before = films.filter(({ end_us }) => end_us < us).at(-1) ?? null;
+  const after = films.find(({ begin_us }) => begin_us > us) ?? null;
+  return { kind: "none", before, after, filming };
+}
+
+/** Whether any camera has a film that can be played at a moment. */
+export function isFilmed(reels: readonly Reel[], us: number): boolean {
+  return reels.some((reel) => showingAt(reel, us).kind === "film");
+}
+
+/** When the next film begins after a moment; null for none. */
+export function nextBegin(reels: readonly Reel[], us: number): number | null {
+  const begins = reels.flatMap(({ films }) => films.filter(({ state, begin_us }) => state === "complete" && begin_us > us));
+  return begins.length === 0 ? null : Math.min(...begins.map(({ begin_us }) => begin_us));
+}
+
+/** Where playing begins when nobody has said: with the first film that reaches into the window. */
+export function firstMoment(reels: readonly Reel[], fromUs: number): number | null {
+  return isFilmed(reels, fromUs) ? fromUs : nextBegin(reels, fromUs);
+}
+
+/** The picture that stands at a time in a film: the last one that has come (0 for a time before the first). */
+export function pictureAt(times: Float64Array, us: number): number {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((times[middle] ?? Infinity) <= us) low = middle + 1;
+    else high = middle;
+  }
+  return Math.max(0, low - 1);
+}
+
+/** The moment (µs) a picture further on or back from where a film stands; null beyond its ends. */
+export function steppedUs(film: FilmRow, times: Float64Array, us: number, by: 1 | -1): number | null {
+  const time = times[pictureAt(times, us - film.begin_us) + by];
+  return time === undefined ? null : film.begin_us + time;
+}

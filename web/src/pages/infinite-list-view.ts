@@ -1,0 +1,42 @@
+/** An endless list as a page shows it, with what stands below: that more is coming, that it did not come, or that there is none. */
+
+import { html, nothing, type TemplateResult } from "lit";
+import { repeat } from "lit/directives/repeat.js";
+import type { EndlessRows, Row } from "../controllers/infinite-rows.js";
+import { adviceFor } from "../format/error-advice.js";
+import "../elements/feedback/loading.js";
+import "../elements/feedback/problem.js";
+
+/** The words about a list, and what it is made of. */
+interface Listed<R> {
+  /** Of its sheet, for who hears the page. */
+  readonly label: string;
+  /** What it is a list of, as the object of a sentence: `the logbook`. */
+  readonly what: string;
+  /** One row, as an `<li>`. */
+  readonly row: (row: R) => TemplateResult;
+  /** What is shown when it has no rows. */
+  readonly nothing: () => TemplateResult;
+}
+
+export function listed<R extends Row>(list: EndlessRows<R>, { label, what, row, nothing: none }: Listed<R>): TemplateResult {
+  const { rows, more, loading } = list;
+  return html`${rows.length === 0 && !more ? none() : nothing}
+    ${rows.length === 0
+      ? nothing
+      : html`<section class="sheet" aria-label=${label} aria-busy=${loading}>
+          <ul class="rows">
+            ${repeat(rows, ({ id }) => id, row)}
+          </ul>
+        </section>`}
+    ${ending(list, what)}`;
+}
+
+function ending<R extends Row>(list: EndlessRows<R>, what: string): TemplateResult {
+  const advice = list.failure === null ? null : adviceFor(list.failure, what);
+  return html`${advice === null
+      ? nothing
+      : html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${list.again}></t-problem>`}
+    ${list.loading || !list.asked ? html`<t-loading what=${`Loading ${what}`}></t-loading>` : nothing}
+    <p class="end">${list.more || list.rows.length === 0 ? "" : "This is where it begins."}</p>`;
+}

@@ -1,0 +1,254 @@
+/** The ways by which people can be told of alarms: mail, webhook, chat, push. Only admins set servers. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, state } from "lit/decorators.js";
+import { keyed } from "lit/directives/keyed.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { Tester } from "../../controllers/test-message.js";
+import { base } from "../../elements/base/base-style.js";
+import { focusIn } from "../../elements/base/focus.js";
+import { forms } from "../../elements/forms/form-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { adviceFor } from "../../format/error-advice.js";
+import { typedText } from "../../format/form-values.js";
+import { apiContext } from "../../state/contexts.js";
+import { NotifyApi, type WayAsk, type WayShape } from "../../wire/alarms-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/confirm.js";
+import "../../elements/feedback/empty.js";
+import "../../elements/forms/field.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/problem.js";
+import "../../elements/feedback/status.js";
+import "../../elements/feedback/delivery-result.js";
+import "../admin-tabs.js";
+
+type Kind = WayAsk["kind"];
+
+const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = [
+  { kind: "mail", name: "E-mail (SMTP)" },
+  { kind: "webhook", name: "Webhook" },
+  { kind: "chat", name: "ntfy, Matrix or Telegram" },
+  { kind: "push", name: "Push to browsers" },
+];
+
+@customElement("t-page-ways")
+export class PageWays extends LitElement {
+  static override styles = [base, sheets, forms];
+
+  /** Empty: a new one; null: none is being changed. */
+  @state() private editing: string | null = null;
+  @state() private kind: Kind = "mail";
+  @state() private removing: WayShape | null = null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly known = new LoadController<readonly WayShape[]>(this);
+  private readonly action = new ActionController(this);
+  private readonly tester = new Tester(this, this.action, (id) => new NotifyApi(this.api).testWay(id));
+
+  override willUpdate(): void {
+    this.known.ask("ways", async () => (await new NotifyApi(this.api).ways()).ways);
+  }
+
+  override render(): TemplateResult {
+    const { result, value } = this.known;
+    const advice = result.state === "failed" ? adviceFor(result.error, "the ways") : null;
+    return html`<t-admin-tabs page="ways"></t-admin-tabs>
+      <div class="head">
+        <div>
+          <h1>Notification</h1>
+          <p class="muted">The servers by which people are told of alarms. Each person then chooses on the account page.</p>
+        </div>
+        ${this.editing === null ? html`<t-button class="add" kind="primary" @click=${this.add}>Add a way</t-button>` : nothing}
+      </div>
+      ${advice === null ? nothing : html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`}
+      ${this.editing === null ? this.trouble() : nothing}
+      ${this.editing === null
+        ? nothing
+        : // Another form for each: what is typed for one way, a password too, is for no other.
+          keyed(this.editing, this.wish(value?.find(({ id }) => id === this.editing)))}
+      ${value === undefined ? (advice === null ? html`<t-loading what="Loading the ways"></t-loading>` : nothing) : this.list(value)}
+      <t-confirm
+        ?open=${this.removing !== null}
+        heading="Remove ${this.removing?.name ?? "this way"}?"
+        action="Remove"
+        ?busy=${this.action.busy}
+        .problem=${this.action.problem}
+        @t-confirm=${this.erase}
+        @t-close=${this.unask}
+      >
+        <p>Nobody is told by it any more; the rules that use it go, too.</p>
+      </t-confirm>`;
+  }
+
+  private trouble(): TemplateResult | typeof nothing {
+    const { problem } = this.action;
+    // What is to be removed says it where it is asked.
+    if (problem === null || this.removing !== null) return nothing;
+    return html`<t-problem class="wide" what=${problem.what} how=${problem.how}></t-problem>`;
+  }
+
+  private list(ways: readonly WayShape[]): TemplateResult {
+    if (ways.length === 0) {
+      return html`<t-empty heading="Nobody is told of alarms yet" icon="bell"><p>They are on every page all the same.</p></t-empty>`;
+    }
+    return html`<section class="sheet" aria-label="Ways">
+      <ul class="rows">
+        ${repeat(
+          ways,
+          ({ id }) => id,
+          (way) => this.way(way),
+        )}
+      </ul>
+    </section>`;
+  }
+
+  private way(way: WayShape): TemplateResult {
+    const kind = KINDS.find((one) => one.kind === way.kind)?.name ?? way.kind;
+    return html`<li data-way=${way.id}>
+      <div>
+        <div class="name">${way.name}</div>
+        <div class="facts">
+          <span>${kind}</span>${way.host === "" ? nothing : html`<span>${way.host}:${way.port}, ${way.security}</span>`}
+          ${way.sender === "" ? nothing : html`<span>${way.sender}</span>`}
+          ${way.secrets.length === 0 || way.kind === "push" ? nothing : html`<span>${way.secrets.join(", ")} kept, never shown</span>`}
+        </div>
+        <t-went .went=${this.tester.went(way.id)}></t-went>
+      </div>
+      <div class="actions">
+        <t-button label=${`Send a test: ${way.name}`} ?busy=${this.tester.busy(way.id)} @click=${this.tester.presser(way.id)}>Send a test</t-button>
+        <t-button class="change" label=${`Change ${way.name}`} @click=${this.changer(way)}>Change…</t-button>
+        <t-button label=${`Remove ${way.name}`} @click=${this.asker(way)}>Remove…</t-button>
+      </div>
+    </li>`;
+  }
+
+  private wish(way: WayShape | undefined): TemplateResult {
+    return html`<section class="sheet" aria-labelledby="wish">
+      <h2 id="wish">${way === undefined ? "A new way" : `Change ${way.name}`}</h2>
+      <form class="entry" novalidate autocomplete="off" @submit=${this.submitted}>
+        <t-field label="Name"><input name="name" maxlength="200" .value=${way?.name ?? ""} /></t-field>
+        ${way === undefined
+          ? html`<t-field label="Kind">
+              <select name="kind" @change=${this.choose}>
+                ${map(KINDS, ({ kind, name }) => html`<option value=${kind} .selected=${kind === this.kind}>${name}</option>`)}
+              </select>
+            </t-field>`
+          : nothing}
+        ${this.fields(way)}
+        <div class="actions">
+          <t-button type="submit" kind="primary" ?busy=${this.action.busy}>${way === undefined ? "Add it" : "Save"}</t-button>
+          <t-button @click=${this.close}>Cancel</t-button>
+        </div>
+        ${this.trouble()}
+      </form>
+    </section>`;
+  }
+
+  private fields(way: WayShape | undefined): TemplateResult {
+    const kept = (name: string): string => (way?.secrets.includes(name) === true ? "Kept; write only to change it" : "");
+    const secret = (name: string, label: string, hint: string): TemplateResult =>
+      html`<t-field label=${label} hint=${kept(name) || hint}><input name=${name} type="password" autocomplete="new-password" maxlength="2000" /></t-field>`;
+    switch (this.kind) {
+      case "mail":
+        return html`<t-field label="Server"><input name="host" maxlength="200" .value=${way?.host ?? ""} /></t-field>
+          <t-field label="Port"><input name="port" inputmode="numeric" .value=${String(way?.port ?? 587)} /></t-field>
+          <t-field label="Security" hint="A password goes only over TLS">
+            <select name="security">
+              ${map(["starttls", "tls", "none"], (word) => html`<option .selected=${word === (way?.security ?? "starttls")}>${word}</option>`)}
+            </select>
+          </t-field>
+          <t-field label="Sender"><input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} /></t-field>
+          <t-field label="User"><input name="user" maxlength="200" .value=${way?.user ?? ""} /></t-field>
+          ${secret("password", "Password", "Kept sealed, and never shown again")}`;
+      case "webhook":
+        return html`${secret("url", "Address", "https://…; kept sealed, and never shown again")}
+        ${secret("token", "Bearer token", "If the other side wants one")}`;
+      case "chat":
+        return html`${secret("url", "Address", "ntfys://host/topic, matrixs://user:password@host/#room, tgram://token/chat")}`;
+      case "push":
+        return html`<t-field label="Mail address of an admin" hint="For the push services, if something is wrong">
+          <input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} />
+        </t-field>`;
+    }
+  }
+
+  private readonly add = (): void => {
+    this.begin("", "mail");
+  };
+
+  private changer(way: WayShape): () => void {
+    return () => {
+      this.begin(way.id, way.kind);
+    };
+  }
+
+  private begin(id: string, kind: Kind): void {
+    this.action.clear();
+    this.kind = kind;
+    this.editing = id;
+    void focusIn(this, "form input");
+  }
+
+  /** Back to the button that opened the form. */
+  private readonly close = (): void => {
+    const { editing } = this;
+    this.action.clear();
+    this.editing = null;
+    void focusIn(this, editing === null || editing === "" ? ".add" : `li[data-way="${editing}"] .change`);
+  };
+
+  private readonly choose = (event: Event): void => {
+    if (event.target instanceof HTMLSelectElement) this.kind = event.target.value as Kind;
+  };
+
+  private readonly submitted = (event: Event): void => {
+    event.preventDefault();
+    if (this.editing === null || !(event.currentTarget instanceof HTMLFormElement)) return;
+    const data = new FormData(event.currentTarget);
+    const text = (name: string): string => typedText(data, name);
+    const secrets: Record<string, string> = {};
+    for (const key of ["password", "url", "token"]) if (text(key) !== "") secrets[key] = text(key);
+    const security = text("security");
+    const way: WayAsk = {
+      name: text("name"), kind: this.kind, host: text("host"), port: Number(text("port")) || 587,
+      security: security === "tls" || security === "none" ? security : "starttls", sender: text("sender"), user: text("user"), secrets,
+    };
+    const id = this.editing;
+    void this.action.run("keep the way", () => new NotifyApi(this.api).putWay(id, way)).then((done) => {
+      if (done) this.close();
+      this.known.again();
+    });
+  };
+
+  private asker(way: WayShape): () => void {
+    return () => {
+      this.action.clear();
+      this.removing = way;
+    };
+  }
+
+  private readonly unask = (): void => {
+    this.removing = null;
+  };
+
+  private readonly erase = (): void => {
+    const way = this.removing;
+    if (way === null) return;
+    void this.action.run("remove the way", () => new NotifyApi(this.api).removeWay(way.id)).then((done) => {
+      if (done) this.removing = null;
+      this.known.again();
+    });
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-ways": PageWays;
+  }
+}

@@ -1,0 +1,127 @@
+/** The matrix of roles: rows are places, columns are roles. Pure. */
+
+import {
+  ANY,
+  EVERYWHERE,
+  inheritedLevel,
+  levelAt,
+  ownLevel,
+  placeKey,
+  samePermissions,
+  withLevel,
+  type Level,
+  type Place,
+} from "../../state/rights.js";
+import type { RoleRow } from "../../wire/admin-types.js";
+import type { DeviceRow, Permission } from "../../wire/api-types.js";
+
+export interface Line extends Place {
+  readonly name: string;
+  /** 0: the hub, 1: a site, 2: a device. */
+  readonly depth: 0 | 1 | 2;
+  /** Something of it is public: who holds no right still sees that. */
+  readonly open: boolean;
+}
+
+export interface Cell {
+  /** What was given for this very place. */
+  readonly own: Level;
+  /** What wider places give. */
+  readonly inherited: Level;
+  /** What holds. */
+  readonly level: Level;
+}
+
+/** A role as it is being edited. */
+export interface Draft {
+  readonly role: RoleRow;
+  readonly permissions: readonly Permission[];
+}
+
+/** One cell that was changed, in words. */
+export interface Change {
+  readonly role: string;
+  readonly place: string;
+  readonly before: Level;
+  readonly after: Level;
+}
+
+/** The role that can do everything, always: nobody can lock everyone out. */
+export function isFixed(role: RoleRow): boolean {
+  return role.seeded && role.name === "admin";
+}
+
+/** Every place: the hub, its sites and devices, and what else a role names (a site that never came). */
+export function linesOf(devices: readonly DeviceRow[], roles: readonly RoleRow[]): readonly Line[] {
+  const lines: Line[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, open: false }];
+  const given = roles.flatMap(({ permissions }) => permissions);
+  const named = given.map(({ site }) => site).filter((site) => site !== ANY);
+  const names = new Map(devices.map((row) => [row.site, row.site_name]));
+  for (const site of new Set([...names.keys(), ...named])) {
+    const here = devices.filter((row) => row.site === site);
+    lines.push({ site, device: ANY, name: names.get(site) ?? site, depth: 1, open: here.some((row) => row.public) });
+    const others = given.filter((one) => one.site === site && one.device !== ANY).map(({ device }) => device);
+    for (const device of new Set([...here.map((row) => row.device), ...others])) {
+      const row = here.find((one) => one.device === device);
+      lines.push({ site, device, name: row?.name ?? device, depth: 2, open: row?.public ?? false });
+    }
+  }
+  return lines;
+}
+
+export function cellOf(permissions: readonly Permission[], place: Place): Cell {
+  return {
+    own: ownLevel(permissions, place),
+    inherited: inheritedLevel(permissions, place),
+    level: levelAt(permissions, place),
+  };
+}
+
+export function draftsOf(roles: readonly RoleRow[]): readonly Draft[] {
+  return roles.map((role) => ({ role, permissions: role.permissions }));
+}
+
+/** Takes in what the hub says now, and keeps what is not saved yet. */
+export function redrafted(drafts: readonly Draft[], roles: readonly RoleRow[]): readonly Draft[] {
+  return roles.map((role) => {
+    const held = drafts.find((draft) => draft.role.id === role.id && isChanged(draft));
+    return { role, permissions: held?.permissions ?? role.permissions };
+  });
+}
+
+/** Choosing what a wider place gives already gives nothing of its own. */
+export function edited(drafts: readonly Draft[], role: string, place: Place, level: Level): readonly Draft[] {
+  return drafts.map((draft) => {
+    if (draft.role.id !== role || isFixed(draft.role)) return draft;
+    const own = level === inheritedLevel(draft.permissions, place) ? "none" : level;
+    return { ...draft, permissions: withLevel(draft.permissions, place, own) };
+  });
+}
+
+export function isChanged(draft: Draft): boolean {
+  return !samePermissions(draft.permissions, draft.role.permissions);
+}
+
+/** Every place whose own level was changed, in the order of the matrix. */
+export function changesOf(drafts: readonly Draft[], lines: readonly Line[]): readonly Change[] {
+  return drafts.flatMap(({ role, permissions }) =>
+    lines
+      .filter((line) => ownLevel(permissions, line) !== ownLevel(role.permissions, line))
+      .map((line) => ({
+        role: role.name,
+        place: placeName(line, lines),
+        before: levelAt(role.permissions, line),
+        after: levelAt(permissions, line),
+      })),
+  );
+}
+
+function placeName(line: Line, lines: readonly Line[]): string {
+  if (line.depth !== 2) return line.name;
+  const site = lines.find((one) => one.depth === 1 && one.site === line.site);
+  return `${site?.name ?? line.site}, ${line.name}`;
+}
+
+export function lineKey(line: Line): string {
+  return placeKey(line);
+}

@@ -1,0 +1,233 @@
+/**
+ * The bar over every page: what interlocks lock, why and since when, and overrides while they last.
+ *
+ * One line of one height, also while nothing is locked: an interlock that locks or lets go must not
+ * move the page under a driver's thumb. All of them unfold when somebody asks for them.
+ */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, query, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LinkController } from "../../controllers/connection-state.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { TickController } from "../../controllers/ticker.js";
+import { base } from "../../elements/base/base-style.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/dialog.js";
+import "../../elements/forms/field.js";
+import "../../elements/base/icon.js";
+import "../../elements/command/interlock.js";
+import { formatDuration } from "../../format/duration.js";
+import type { InterlockNews } from "../../generated/wire.js";
+import { interlocksContext, sitesContext } from "../../state/contexts.js";
+import type { Interlock } from "../../state/interlocks.js";
+
+const MINUTE_S = 60;
+
+@customElement("t-interlocks")
+export class InterlockBar extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: block;
+        position: relative;
+      }
+      .strip {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        block-size: max(var(--t-touch), 2.5rem);
+        padding-inline: var(--t-space-4);
+        border-block-end: 1px solid var(--t-line);
+        border-inline-start: 4px solid var(--t-line);
+        background: var(--t-raised);
+        color: var(--t-muted);
+      }
+      .strip.locked {
+        border-inline-start-color: var(--t-warn);
+        color: var(--t-text);
+      }
+      .strip.unsafe {
+        border-inline-start-color: var(--t-bad);
+        color: var(--t-text);
+      }
+      .locked t-icon {
+        color: var(--t-warn);
+      }
+      .unsafe t-icon {
+        color: var(--t-bad);
+      }
+      .first {
+        flex: 1 1 0;
+        min-inline-size: 0;
+        overflow: hidden;
+        text-overflow: ellipsis;
+        white-space: nowrap;
+      }
+      .count {
+        flex: none;
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      /* In its place, not over the page: it would lie on STOP. */
+      .all {
+        max-block-size: 40dvh;
+        overflow: auto;
+      }
+      form {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+    `,
+  ];
+
+  @state() private chosen: InterlockNews | null = null;
+  @state() private unfolded = false;
+  /** Once there was something to say of interlocks, the line keeps its place. */
+  private placed = false;
+  @state() private problem = "";
+  @query("input[name=reason]") private readonly reason!: HTMLInputElement | null;
+  @query("input[name=minutes]") private readonly minutes!: HTMLInputElement | null;
+
+  private readonly interlocks = new StoreController(this, interlocksContext);
+  private readonly sites = new StoreController(this, sitesContext);
+  private readonly link = new LinkController(this, (connection) => [
+    connection.on("problem", (news) => {
+      if (news.about === "override") this.problem = news.message;
+    }),
+  ]);
+
+  constructor() {
+    super();
+    new TickController(this, 1000);
+  }
+
+  override willUpdate(): void {
+    this.placed ||= this.interlocks.store?.any === true;
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const store = this.interlocks.store;
+    const list = store?.list ?? [];
+    if (!this.placed && this.chosen === null) return nothing;
+    const unfolded = this.unfolded && list.length > 0;
+    return html`
+      ${this.strip(list, unfolded)}
+      <div class="all" id="all" ?hidden=${!unfolded}>
+        ${repeat(list, ({ news }) => `${news.site} ${news.interlock}`, (one) => this.line(one))}
+      </div>
+      ${this.dialog()}
+    `;
+  }
+
+  private strip(list: readonly Interlock[], unfolded: boolean): TemplateResult {
+    const first = list[0]?.news;
+    if (first === undefined) {
+      const known = this.interlocks.store?.any === true;
+      return html`<div class="strip" role="status">
+        <t-icon name="lock"></t-icon>
+        <span class="first">${known ? "Interlocks: nothing is locked." : "Interlocks: not known now."}</span>
+      </div>`;
+    }
+    const severe = list.some(({ news }) => news.unsafe || news.overridden_by !== "");
+    const more = list.length - 1;
+    return html`<div class="strip ${severe ? "unsafe" : "locked"}">
+      <t-icon name=${first.overridden_by === "" ? "lock" : "warn"}></t-icon>
+      <span class="first" role="status">${this.summary(first)}</span>
+      ${more > 0 ? html`<span class="count">and ${more} more</span>` : nothing}
+      <t-button kind="quiet" label=${unfolded ? "Hide interlocks" : "Show interlocks"} @click=${this.toggle}
+        >${unfolded ? "Hide" : "Show"}</t-button
+      >
+    </div>`;
+  }
+
+  private summary(news: InterlockNews): string {
+    const row = this.sites.store?.row(news.site);
+    const many = (this.sites.store?.list.length ?? 0) > 1;
+    const name = `${many ? `${row?.name ?? news.site}: ` : ""}${news.name}`;
+    if (news.overridden_by !== "") return `${name} – overridden by ${news.overridden_by}: “${news.reason}”`;
+    return `${name} – ${news.unsafe ? news.why || "unsafe now" : "safe now, released soon if it stays so"}`;
+  }
+
+  private readonly toggle = (): void => {
+    this.unfolded = !this.unfolded;
+  };
+
+  private line(one: Interlock): TemplateResult {
+    const { news } = one;
+    const store = this.interlocks.store;
+    const row = this.sites.store?.row(news.site);
+    const many = (this.sites.store?.list.length ?? 0) > 1;
+    const override = (): void => {
+      this.problem = "";
+      this.chosen = news;
+    };
+    const end = (): void => {
+      this.send(news, 0, "");
+    };
+    return html`<t-interlock
+      .news=${news}
+      .site=${many ? (row?.name ?? news.site) : ""}
+      .zone=${row?.zone ?? "UTC"}
+      .clears=${store?.left(one, news.clears_ms) ?? 0}
+      .override_=${store?.left(one, news.override_ms) ?? 0}
+      @t-override=${override}
+      @t-end-override=${end}
+    ></t-interlock>`;
+  }
+
+  private dialog(): TemplateResult {
+    const longest = this.chosen?.longest_s ?? 0;
+    return html`<t-dialog
+      heading="Override ${this.chosen?.name ?? "interlock"}?"
+      ?open=${this.chosen !== null}
+      @t-close=${this.close}
+    >
+      <form novalidate @submit=${this.submitted}>
+        <p>
+          <strong>${this.chosen?.why || "Safe now, but not for long enough yet"}.</strong> Only this is overridden: the
+          gateway will refuse nothing for it until the time is over, and then act again if it is still unsafe. The
+          override ends early when anything else locks, or when this becomes unknown. Everybody sees who did this and
+          why.
+        </p>
+        <t-field label="Reason" .error=${this.problem}><input name="reason" type="text" maxlength="500" autocomplete="off" /></t-field>
+        <t-field label="Minutes" hint="At most ${formatDuration(longest)}">
+          <input name="minutes" type="text" inputmode="decimal" autocomplete="off" value="10" />
+        </t-field>
+      </form>
+      <t-button slot="actions" @click=${this.close}>Keep it locked</t-button>
+      <t-button slot="actions" kind="danger" @click=${this.submitted}>Override</t-button>
+    </t-dialog>`;
+  }
+
+  private readonly close = (): void => {
+    this.chosen = null;
+  };
+
+  private readonly submitted = (event: Event): void => {
+    event.preventDefault();
+    const { chosen } = this;
+    if (!chosen) return;
+    const reason = this.reason?.value.trim() ?? "";
+    const seconds = Number(this.minutes?.value.replace(",", ".") ?? Number.NaN) * MINUTE_S;
+    if (reason === "") this.problem = "Say why: it is written down and shown to everybody.";
+    else if (!(seconds > 0 && seconds <= chosen.longest_s)) {
+      this.problem = `Give more than 0 and at most ${formatDuration(chosen.longest_s)}.`;
+    } else {
+      this.send(chosen, seconds, reason, chosen.condition);
+      this.chosen = null;
+    }
+  };
+
+  private send(news: InterlockNews, seconds: number, reason: string, condition = ""): void {
+    const { site, interlock } = news;
+    this.link.connection?.send({ t: "override", site, interlock, seconds, reason, condition });
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-interlocks": InterlockBar;
+  }
+}

@@ -1,0 +1,86 @@
+/** Warns a person who holds a device before the session ends: nobody is cut off while driving without a word. */
+
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, state } from "lit/decorators.js";
+import { ContextConsumer } from "@lit/context";
+import { LinkController } from "../../controllers/connection-state.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { TickController } from "../../controllers/ticker.js";
+import { base } from "../../elements/base/base-style.js";
+import { formatDuration } from "../../format/duration.js";
+import { robotNewsContext, sessionContext } from "../../state/contexts.js";
+import { isNear, timeLeft, type TimeLeft } from "../../state/session-time-left.js";
+import "../../elements/feedback/banner.js";
+import "../../elements/forms/button.js";
+
+/** Whoever holds a device is asked about this often: the end moves with what the person does. */
+const ASK_EVERY_MS = 30_000;
+
+@customElement("t-session-end")
+export class SessionEnd extends LitElement {
+  static override styles = [base];
+
+  @state() private failed = false;
+  private askedAt = 0;
+  private hubAheadUs = 0;
+  private readonly session = new StoreController(this, sessionContext);
+  private readonly news = new ContextConsumer(this, { context: robotNewsContext });
+
+  constructor() {
+    super();
+    new TickController(this);
+    new LinkController(this, (connection) => [
+      connection.on("greeting", ({ time_us }) => {
+        this.hubAheadUs = time_us - Date.now() * 1000;
+      }),
+    ]);
+  }
+
+  override willUpdate(): void {
+    if (this.news.value?.holdsAny() !== true || performance.now() - this.askedAt < ASK_EVERY_MS) return;
+    this.askedAt = performance.now();
+    void this.session.store?.refresh().catch(() => undefined);
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const person = this.session.store?.person ?? null;
+    if (person === null || this.news.value?.holdsAny() !== true) return nothing;
+    const left = timeLeft(person, Date.now() * 1000 + this.hubAheadUs);
+    return isNear(left) ? this.warning(left) : nothing;
+  }
+
+  private warning(left: TimeLeft): TemplateResult {
+    const time = formatDuration(left.seconds);
+    if (left.kind === "whole") {
+      return html`<t-banner kind="warn"
+        >This session has lasted as long as it may and ends in ${time}; you will lose control then. Bring the vehicle to
+        rest, and sign in anew.</t-banner
+      >`;
+    }
+    return html`<t-banner kind="warn"
+      >You will be signed out in ${time}, and lose control then.
+      <t-button @click=${this.stay}>Stay signed in</t-button>
+      ${this.failed ? html`<strong>The hub did not answer.</strong>` : nothing}</t-banner
+    >`;
+  }
+
+  private readonly stay = (): void => {
+    void this.ask();
+  };
+
+  private async ask(): Promise<void> {
+    try {
+      await this.session.store?.stay();
+      this.failed = false;
+    } catch {
+      this.failed = true;
+    }
+    this.requestUpdate();
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-session-end": SessionEnd;
+  }
+}

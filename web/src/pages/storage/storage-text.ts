@@ -1,0 +1,62 @@
+/** What the forecast says, in sentences. */
+
+import { formatBytes } from "../../format/bytes.js";
+import { formatDate } from "../../format/time.js";
+import type { Outlook, StorageUse } from "../../wire/admin-types.js";
+
+const YEAR_DAYS = 365.25;
+const LONG_DAYS = 730;
+
+/** `12 days`, `3.1 years`. */
+export function daysText(days: number): string {
+  if (days >= LONG_DAYS) return `${(days / YEAR_DAYS).toFixed(1)} years`;
+  if (days < 2) return `${String(Math.max(1, Math.round(days * 24)))} hours`;
+  return `${String(Math.round(days))} days`;
+}
+
+/** How long a signal is kept; 0 is for good. */
+export function keepText(days: number): string {
+  if (days === 0) return "for good";
+  const shown = Number(days.toFixed(2));
+  return `${String(shown)} ${shown === 1 ? "day" : "days"}`;
+}
+
+/** When the room is used up, and what is kept then. */
+export function forecastText(use: StorageUse, zone: string): string {
+  const { full_us: full, limit_bytes: limit, oldest_us: oldest, kept_days: kept } = use;
+  if (use.blocks_bytes === 0) return "How fast it grows is known once the first samples are put together in blocks.";
+  if (use.day_bytes === 0) return "Nothing came in the last week, so nothing fills up.";
+  if (full === null) {
+    if (use.free_bytes === null && limit === 0) return "The disk of the database server is not the hub's to see: watch it there, or set a limit.";
+    return "At the last week's rate there is room for a hundred years and more.";
+  }
+  const then = oldest === null ? "" : ` The oldest sample is of ${formatDate(oldest, zone)} then.`;
+  if (!use.by_limit) {
+    return `At the last week's rate the disk is full on ${formatDate(full, zone)}.${then} On a full disk nothing is stored until there is room: set a limit in time.`;
+  }
+  const long = kept === null ? "" : ` About ${daysText(kept)} are kept at this rate.`;
+  if (use.blocks_bytes >= limit) return `The limit of ${formatBytes(limit)} is reached: the oldest samples go as new ones come.${long}`;
+  return `At the last week's rate the limit of ${formatBytes(limit)} is reached on ${formatDate(full, zone)}.${then} From then on the oldest go.${long}`;
+}
+
+export interface Warning {
+  readonly kind: "info" | "warn" | "bad";
+  readonly text: string;
+}
+
+/** What an admin is told on every page; null while there is nothing to tell. */
+export function warningOf({ trouble, warn, full_us: full, free_bytes: free }: Outlook, zone: string): Warning | null {
+  if (trouble !== "") return { kind: "bad", text: `The hub cannot store samples now (${trouble}). Gateways keep theirs until it can.` };
+  const left = free === null ? "" : ` Only ${formatBytes(free)} are free.`;
+  const day = full === null ? "" : formatDate(full, zone);
+  switch (warn) {
+    case "full":
+      return { kind: "bad", text: `The hub's disk is nearly full.${left} On a full disk nothing is stored.` };
+    case "soon":
+      return { kind: "warn", text: `At the last week's rate the hub's disk is full on ${day}.` };
+    case "limit":
+      return { kind: "info", text: `The history reaches its limit on ${day}; from then on the oldest samples go.` };
+    case "":
+      return null;
+  }
+}

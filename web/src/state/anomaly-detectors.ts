@@ -1,0 +1,120 @@
+/** How the anomaly detectors of a site stand: the hub's list, and what was told since. */
+
+import type { AnomalyNews } from "../generated/wire.js";
+import type { AnomalyInfo, AnomalyList } from "../wire/api-types.js";
+
+/** One detector of a signal. */
+export interface Detector {
+  /** Of the signal. */
+  readonly address: string;
+  /** Its word in the site description. */
+  readonly detector: string;
+  readonly name: string;
+  /** A score from here on is an anomaly. */
+  readonly bar: number;
+  readonly score: number;
+  /** The channel of its scores. */
+  readonly scores: string;
+  /** A person can tell it what is usual. */
+  readonly learns: boolean;
+  /** So many samples until it has learned; 0 once it has. */
+  readonly learning: number;
+  /** An anomaly is on. */
+  readonly on: boolean;
+  readonly anomaly: Anomaly | null;
+}
+
+/** One anomaly; µs since the epoch, UTC. */
+export interface Anomaly {
+  /** The channel of the scores of the detector that tells it. */
+  readonly scores: string;
+  readonly fromUs: number;
+  /** Infinity while it is on. */
+  readonly toUs: number;
+  readonly why: string;
+  /** A person said that it was none. */
+  readonly forgiven: boolean;
+}
+
+/** Of each detector so many anomalies are remembered. */
+const MOST = 50;
+
+/**
+ * Puts the list and the news together: what was told while the list was on its way is newer than it.
+ */
+export class DetectorBook {
+  mayForgive = false;
+  private known: ReadonlyMap<string, Detector> = new Map();
+  private listed: readonly Detector[] = [];
+  private readonly since = new Map<string, AnomalyNews>();
+  private readonly past = new Map<string, readonly Anomaly[]>();
+
+  /** All of them; another array whenever one stands otherwise. */
+  get list(): readonly Detector[] {
+    return this.listed;
+  }
+
+  of(address: string): readonly Detector[] {
+    return this.list.filter((one) => one.address === address);
+  }
+
+  /** The anomalies of a signal that this page knows of, in order of time. */
+  anomalies(address: string): readonly Anomaly[] {
+    const all = this.of(address).flatMap(({ scores }) => this.past.get(scores) ?? []);
+    return all.sort((a, b) => a.fromUs - b.fromUs);
+  }
+
+  /** The list is being asked for: what is told from now on is newer. */
+  asking(): void {
+    this.since.clear();
+  }
+
+  answered(list: AnomalyList): void {
+    this.mayForgive = list.may_forgive;
+    this.become(new Map(list.detectors.map((one) => [one.scores, fromList(one)])));
+    for (const one of this.known.values()) this.remember(one);
+    for (const news of this.since.values()) this.put(news);
+  }
+
+  /** Takes news; gives whether it is about a detector that is known. */
+  hear(news: AnomalyNews): boolean {
+    this.since.set(scoresOf(news), news);
+    return this.put(news);
+  }
+
+  private put(news: AnomalyNews): boolean {
+    const before = this.known.get(scoresOf(news));
+    if (before === undefined) return false;
+    const { on, score, learning } = news;
+    const now: Detector = { ...before, on, score, learning, anomaly: anomalyOf(before.scores, news) };
+    this.become(new Map(this.known).set(before.scores, now));
+    this.remember(now);
+    return true;
+  }
+
+  private become(known: ReadonlyMap<string, Detector>): void {
+    this.known = known;
+    this.listed = [...known.values()];
+  }
+
+  private remember({ scores, anomaly }: Detector): void {
+    if (anomaly === null) return;
+    const others = (this.past.get(scores) ?? []).filter(({ fromUs }) => fromUs !== anomaly.fromUs);
+    this.past.set(scores, [...others, anomaly].slice(-MOST));
+  }
+}
+
+function scoresOf({ address, detector }: AnomalyNews): string {
+  return `${address}~${detector}`;
+}
+
+function fromList(one: AnomalyInfo): Detector {
+  const { address, detector, name, bar, score, scores, learns, learning, began_us } = one;
+  const on = began_us >= 0;
+  return { address, detector, name, bar, score, scores, learns, learning, on, anomaly: anomalyOf(scores, { ...one, on }) };
+}
+
+function anomalyOf(scores: string, said: Pick<AnomalyNews, "from_us" | "to_us" | "why" | "forgiven" | "on">): Anomaly | null {
+  const { from_us, to_us, why, forgiven, on } = said;
+  return from_us === 0 ? null : { scores, fromUs: from_us, toUs: on ? Infinity : to_us, why, forgiven };
+}

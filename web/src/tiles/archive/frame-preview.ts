@@ -1,0 +1,103 @@
+/** How one picture of the archive looks: drawn with a stretch, and how its values lie. */
+
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { base } from "../../elements/base/base-style.js";
+import { onPicture } from "../../elements/camera/picture-overlay.js";
+import { previewPath, STRETCHES, type Histogram, type Stretch } from "../../wire/archive-api.js";
+import "../../elements/forms/choice.js";
+import "../../elements/values/histogram.js";
+import "../../elements/feedback/problem.js";
+
+const DRAWN_PX = 1024;
+
+/** The ways to stretch a picture, as a choice shows them. */
+const STRETCH_OPTIONS = STRETCHES.map((id) => ({ id, label: id }));
+
+/** The picture, with the choice of how it is stretched. */
+@customElement("t-frame-look")
+export class FrameLook extends LitElement {
+  static override styles = [
+    base,
+    onPicture,
+    css`
+      :host {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr);
+        gap: var(--t-space-4);
+        min-inline-size: 0;
+      }
+      .picture {
+        position: relative;
+        background: #000;
+        border-radius: var(--t-radius-s);
+        overflow: hidden;
+      }
+      img {
+        display: block;
+        inline-size: 100%;
+        max-block-size: 75vh;
+        object-fit: contain;
+        filter: var(--t-picture-filter, none);
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property() frame = "";
+  /** What the picture shows. */
+  @property() target = "";
+  @state() private stretch: Stretch = "asinh";
+  @state() private broken = "";
+
+  override render(): TemplateResult {
+    const path = previewPath(this.site, this.frame, this.stretch, DRAWN_PX);
+    return html`<t-choice
+        label="Stretch"
+        .options=${STRETCH_OPTIONS}
+        .chosen=${this.stretch}
+        @t-choose=${this.choose}
+      ></t-choice>
+      ${this.broken === path
+        ? html`<t-problem what="The picture cannot be drawn." how="Download the file to look at it."></t-problem>`
+        : html`<div class="picture">
+            <img
+              alt=${`The picture of ${this.target || "no named target"}, drawn with the ${this.stretch} stretch`}
+              src=${path}
+              @error=${this.notDrawn}
+            />
+            <div class="tint"></div>
+          </div>`}`;
+  }
+
+  private readonly notDrawn = (event: Event): void => {
+    if (event.target instanceof HTMLImageElement) this.broken = event.target.getAttribute("src") ?? "";
+  };
+
+  private readonly choose = (event: CustomEvent<string>): void => {
+    this.stretch = STRETCHES.find((each) => each === event.detail) ?? "asinh";
+  };
+}
+
+/** How a picture's values lie, as bars and in numbers. */
+export function pixelValues(histogram: Histogram): TemplateResult {
+  const shown = (value: number | null): string => (value === null ? "–" : String(Number(value.toPrecision(6))));
+  return html`<div>
+    <h3>Pixel values</h3>
+    <t-histogram
+      .counts=${histogram.counts}
+      .low=${histogram.low ?? Number.NaN}
+      .high=${histogram.high ?? Number.NaN}
+    ></t-histogram>
+    <p class="muted">
+      least ${shown(histogram.minimum)}, median ${shown(histogram.median)}, greatest ${shown(histogram.maximum)}, deviation
+      ${shown(histogram.deviation)}
+    </p>
+  </div>`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-frame-look": FrameLook;
+  }
+}

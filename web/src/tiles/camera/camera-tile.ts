@@ -1,0 +1,341 @@
+/**
+ * One stream of a site: media socket to canvas, with the picture's age and what is seen on it.
+ *
+ * Long, because a picture's whole way through the page is read together.
+ */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { LinkController } from "../../controllers/connection-state.js";
+import "../../elements/camera/camera-view.js";
+import type { CameraLink, CameraView } from "../../elements/camera/camera-view.js";
+import type { Shot } from "../../generated/wire.js";
+import { MediaSocket, mediaPath, socketUrl } from "../../wire/media-socket.js";
+import { ContrastCheck } from "./contrast-check.js";
+import "./film-button.js";
+import { Film, playsFilms } from "./h264-player.js";
+import { InStep, type Seen } from "./box-sync.js";
+import { Newest } from "./jpeg-player.js";
+import { ObjectsDesk } from "./object-detection.js";
+import type { Detects } from "./object-filter.js";
+
+const MIME: Readonly<Record<string, string>> = { jpeg: "image/jpeg", png: "image/png", webp: "image/webp" };
+/** The age on the picture changes this often. */
+const AGE_EVERY_MS = 100;
+const RATE_WINDOW_MS = 2000;
+/** A film that breaks so often is not tried again: single pictures from then on. */
+const MOST_BREAKS = 3;
+
+type Picture = ImageBitmap | VideoFrame;
+
+/** Asked once for all cameras of the page. */
+let films: Promise<boolean> | undefined;
+let breaks = 0;
+
+/**
+ * @fires t-picture after each picture: detail is when it was taken, on this page's clock, or null
+ */
+@customElement("t-camera")
+export class Camera extends LitElement {
+  static override styles = css`
+    :host {
+      display: block;
+    }
+    :host([hidden]) {
+      display: none;
+    }
+    t-objects-choice {
+      margin-block-start: var(--t-space-2);
+    }
+    :host(:fullscreen) {
+      background: #000;
+    }
+    :host(:fullscreen) t-objects-choice {
+      position: absolute;
+      inset: 4rem auto auto var(--t-space-2);
+      max-inline-size: 22rem;
+    }
+    :host(:fullscreen) t-camera-view {
+      aspect-ratio: auto;
+      block-size: 100%;
+      border: 0;
+    }
+  `;
+
+  @property() site = "";
+  /** Address of the stream, `device/stream`; empty for none. */
+  @property() stream = "";
+  @property() name = "";
+  @property({ type: Boolean }) online = true;
+  @property({ type: Boolean }) full = false;
+  /** The page makes itself full, and not the picture alone. */
+  @property({ type: Boolean }) paged = false;
+  /** What is looked for on its pictures; null where nothing is. */
+  @property({ attribute: false }) detect: Detects | null | undefined = null;
+  /** This person drives by this picture: it is never held back for what is seen on it. */
+  @property({ type: Boolean }) driving = false;
+
+  @state() private media: CameraLink = "connecting";
+  @state() private why = "";
+  @state() private takenAt: number | null = null;
+  @state() private drawn = false;
+  @state() private seen: Seen | null = null;
+  @query("t-camera-view") private readonly view!: CameraView;
+
+  private readonly link = new LinkController(this);
+  private socket: MediaSocket | null = null;
+  private newest: Newest | null = null;
+  private readonly contrast = new ContrastCheck();
+  private film: Film | null = null;
+  private forms: readonly string[] | null = null;
+  private last: Shot | null = null;
+  private inSight = true;
+  private readonly sight = new IntersectionObserver((entries) => {
+    this.inSight = entries.at(-1)?.isIntersecting ?? true;
+    this.glance();
+  });
+  private readonly objects = new ObjectsDesk(this, storage());
+  private readonly inStep = new InStep<Picture, Shot>();
+  private dueTimer: ReturnType<typeof setTimeout> | undefined;
+  private arrivals: number[] = [];
+  private timer: ReturnType<typeof setInterval> | undefined;
+  private opened = "";
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    this.timer = setInterval(() => {
+      this.seen = this.inStep.seen(performance.now());
+      this.requestUpdate();
+    }, AGE_EVERY_MS);
+    this.sight.observe(this);
+    document.addEventListener("visibilitychange", this.glance);
+    document.addEventListener("fullscreenchange", this.fullChanged);
+    films ??= playsFilms();
+    void films.then((able) => {
+      this.forms = able && breaks < MOST_BREAKS ? ["h264", "jpeg"] : ["jpeg"];
+      this.requestUpdate();
+    });
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    clearInterval(this.timer);
+    this.sight.disconnect();
+    document.removeEventListener("visibilitychange", this.glance);
+    document.removeEventListener("fullscreenchange", this.fullChanged);
+    this.shut();
+    this.opened = "";
+  }
+
+  override willUpdate(): void {
+    this.objects.about({ site: this.site, stream: this.stream, detects: this.detect ?? null });
+  }
+
+  override updated(): void {
+    this.inStep.hurry(this.driving);
+    if (this.driving) this.pump();
+    this.ask();
+    // A camera of a site that is away is not asked for over and over.
+    const { forms } = this;
+    const wanted = this.stream !== "" && this.online && forms !== null ? mediaPath(this.site, this.stream, forms) : "";
+    if (wanted === this.opened) return;
+    this.opened = wanted;
+    this.shut();
+    if (wanted !== "") this.openSocket(wanted);
+  }
+
+  override render(): TemplateResult {
+    const now = performance.now();
+    const { connection } = this.link;
+    const things = this.objects.on ? (this.seen?.things ?? []) : [];
+    const heard = this.inStep.lastHeard;
+    const lost = connection !== undefined && connection.state !== "open";
+    return html`<t-camera-view
+      .link=${this.linkNow()}
+      .why=${this.why || (lost ? "The connection to the hub is lost." : "")}
+      .name=${this.name}
+      .age=${this.takenAt === null ? Number.NaN : now - this.takenAt}
+      .rate=${this.rate(now)}
+      .drawn=${this.drawn}
+      .time=${this.last?.time_us ?? 0}
+      .small=${this.last?.small ?? false}
+      .full=${this.full}
+      .things=${this.objects.framed(things)}
+      ?earlier=${this.seen?.standing === "earlier"}
+      @t-fullscreen=${this.fullAsked}
+        >${this.objects.over(things, heard === null ? null : now - heard, this.driving)}${
+          this.online ? html`<t-film-button slot="tool" site=${this.site} stream=${this.stream}></t-film-button>` : nothing
+        }</t-camera-view
+      >${this.objects.below(this.driving)}`;
+  }
+
+  private linkNow(): CameraLink {
+    if (this.stream === "") return "none";
+    return this.online ? this.media : "offline";
+  }
+
+  private rate(now: number): number {
+    const recent = this.arrivals.filter((at) => now - at < RATE_WINDOW_MS).length;
+    return (recent * 1000) / RATE_WINDOW_MS;
+  }
+
+  private openSocket(path: string): void {
+    this.media = "connecting";
+    this.why = "";
+    this.drawn = false;
+    this.takenAt = null;
+    const newest = new Newest({
+      decode: (shot) => this.decode(shot),
+      draw: (bitmap, shot) => {
+        this.ready(bitmap, shot);
+      },
+      failed: (shot) => {
+        if (shot.format in MIME) return;
+        this.media = "unsupported";
+        this.why = `It comes as ${shot.format}; this page can show ${Object.keys(MIME).join(", ")}.`;
+      },
+    });
+    this.newest = newest;
+    const film = new Film({
+      draw: (frame, shot) => {
+        this.ready(frame, shot);
+      },
+      broken: () => {
+        breaks += 1;
+        if (breaks === MOST_BREAKS) this.forms = ["jpeg"];
+        this.socket?.again();
+        this.requestUpdate();
+      },
+    });
+    this.film = film;
+    this.socket = new MediaSocket(
+      { url: socketUrl(path, location) },
+      {
+        onShot: (shot, shown) => {
+          if (shot.format === "h264") film.take(shot, shown);
+          else newest.take(shot, shown);
+        },
+        onBoxes: (boxes) => {
+          const now = performance.now();
+          this.objects.heard(boxes);
+          this.inStep.see(boxes, now);
+          this.seen = this.inStep.seen(now);
+        },
+        onTrouble: (why) => {
+          this.media = "bad";
+          this.why = why;
+        },
+        onState: (state, why) => {
+          this.media = state === "open" || state === "refused" ? state : "connecting";
+          this.why = state === "lost" ? "The picture's connection is lost; trying again." : why;
+        },
+      },
+    );
+    this.glance();
+  }
+
+  /** A camera that nobody has in sight makes do with a picture now and then. */
+  private readonly glance = (): void => {
+    this.socket?.glance(document.hidden || !this.inSight);
+    this.ask();
+  };
+
+  /** Boxes are asked for while somebody sees them. */
+  private ask(): void {
+    const on = this.objects.on && !document.hidden && this.inSight;
+    this.socket?.boxes(on);
+    if (!on) this.inStep.blind();
+  }
+
+  private readonly fullAsked = (event: Event): void => {
+    if (this.paged) return;
+    event.stopPropagation();
+    if (document.fullscreenElement === null) void this.requestFullscreen().catch(() => undefined);
+    else void document.exitFullscreen();
+  };
+
+  private readonly fullChanged = (): void => {
+    // `document.fullscreenElement` is the outermost host, and not this.
+    if (!this.paged) this.full = this.matches(":fullscreen");
+  };
+
+  private decode(shot: Shot): Promise<ImageBitmap> {
+    const type = MIME[shot.format];
+    if (type === undefined) return Promise.reject(new TypeError(shot.format));
+    // The bytes are a view on one frame of the socket, which is ours alone.
+    return createImageBitmap(new Blob([shot.data as Uint8Array<ArrayBuffer>], { type }));
+  }
+
+  /** Decoded, and so paid for: that it may wait for its boxes is nothing the hub could help with. */
+  private ready(picture: Picture, shot: Shot): void {
+    const age = this.link.connection?.ageOf(shot.hub_us) ?? Number.NaN;
+    this.inStep.take(picture, shot, age, performance.now());
+    this.pump();
+  }
+
+  /** Draws what is due, and comes back for the next. */
+  private readonly pump = (): void => {
+    clearTimeout(this.dueTimer);
+    const due = this.inStep.due(performance.now());
+    if (due !== null) this.draw(due.picture, due.shot);
+    const { dueAt } = this.inStep;
+    if (dueAt !== null) this.dueTimer = setTimeout(this.pump, Math.max(0, dueAt - performance.now()));
+  };
+
+  private draw(picture: Picture, shot: Shot): void {
+    const now = performance.now();
+    if (!this.contrast.shows(picture, now)) {
+      // The last good one stays and grows old: it turns grey, and the vehicle slows down.
+      picture.close();
+      this.media = "bad";
+      this.why = "The picture shows nothing: no contrast at all. Is the lens covered, or the line too narrow?";
+      return;
+    }
+    this.view.draw(picture);
+    this.seen = this.inStep.seen(now);
+    if (this.media === "bad") {
+      this.media = "open";
+      this.why = "";
+    }
+    this.last = shot;
+    // For tests and measurements; see `bench/`.
+    (globalThis as { __talaiaPictured?: (timeUs: number, format: string) => void }).__talaiaPictured?.(shot.time_us, shot.format);
+    const age = this.link.connection?.ageOf(shot.hub_us) ?? Number.NaN;
+    this.takenAt = Number.isFinite(age) ? now - Math.max(0, age) : null;
+    this.drawn = true;
+    this.arrivals = [...this.arrivals.slice(-120), now];
+    this.dispatchEvent(new CustomEvent("t-picture", { detail: this.takenAt }));
+  }
+
+  private shut(): void {
+    this.socket?.close();
+    this.newest?.close();
+    this.film?.close();
+    this.film = null;
+    clearTimeout(this.dueTimer);
+    this.inStep.close();
+    this.seen = null;
+    this.last = null;
+    this.socket = null;
+    this.newest = null;
+    this.dispatchEvent(new CustomEvent("t-picture", { detail: null }));
+  }
+}
+
+/** A browser that forbids storage throws at the mere mention of it. */
+function storage(): Storage | null {
+  try {
+    return window.localStorage;
+  } catch {
+    return null;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-camera": Camera;
+  }
+  interface GlobalEventHandlersEventMap {
+    "t-picture": CustomEvent<number | null>;
+  }
+}

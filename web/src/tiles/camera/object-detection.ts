@@ -1,0 +1,160 @@
+/** What one camera's tile knows of objects: the person's choice, what was seen, and how the detector is. */
+
+import { html, nothing, type LitElement } from "lit";
+import { createRef, ref } from "lit/directives/ref.js";
+import { StoreController } from "../../controllers/context-store.js";
+import type { Detector, Objects } from "../../elements/camera/objects-overlay.js";
+import "../../elements/camera/objects-overlay.js";
+import type { ObjectsChoice as ChoicePanel, Wanted } from "../../elements/camera/objects-choice.js";
+import "../../elements/camera/objects-choice.js";
+import type { ShotBoxes, Thing } from "../../generated/wire.js";
+import { sessionContext } from "../../state/contexts.js";
+import { AS_DESCRIBED, keepObjects, readObjects, type ObjectsChoice } from "../../state/objects-choice.js";
+import { seesOnlyPublic } from "../../state/rights.js";
+import { sitePath } from "../../state/router.js";
+import { choosable, counted, framed, sureOf, type Detects } from "./object-filter.js";
+
+/** A detector that says nothing for so long is silent (ms). */
+const SILENT_MS = 3000;
+
+/** Whose picture it is. */
+export interface Subject {
+  readonly site: string;
+  readonly stream: string;
+  readonly detects: Detects | null;
+}
+
+const NOTHING: readonly Thing[] = [];
+
+export class ObjectsDesk {
+  private subject: Subject = { site: "", stream: "", detects: null };
+  private choice: ObjectsChoice = AS_DESCRIBED;
+  private readFor = "";
+  private classes = new Set<string>();
+  private framedOf: readonly Thing[] = NOTHING;
+  private framedNow: readonly Thing[] = NOTHING;
+  private open = false;
+  private readonly strip = createRef<Objects>();
+  private readonly panel = createRef<ChoicePanel>();
+  private readonly session;
+
+  constructor(
+    private readonly host: LitElement,
+    private readonly notes: Pick<Storage, "getItem" | "setItem" | "removeItem"> | null,
+  ) {
+    this.session = new StoreController(host, sessionContext);
+  }
+
+  /** Call it from `willUpdate`: what was chosen is read again for another person or camera. */
+  about(subject: Subject): void {
+    const wanted = JSON.stringify([this.person, subject.site, subject.stream]);
+    this.subject = subject;
+    if (wanted === this.readFor) return;
+    this.readFor = wanted;
+    this.classes = new Set();
+    this.choice = readObjects(this.notes, this.person, subject.site, subject.stream);
+    this.refresh();
+  }
+
+  /** Boxes are wanted of the hub. */
+  get on(): boolean {
+    return this.subject.detects !== null && this.choice.on;
+  }
+
+  heard({ things }: ShotBoxes): void {
+    for (const { label } of things) this.classes.add(label);
+  }
+
+  /** What is framed of these things; the same list for the same things. */
+  framed(things: readonly Thing[]): readonly Thing[] {
+    const { detects } = this.subject;
+    if (things !== this.framedOf) {
+      this.framedOf = things;
+      this.framedNow = detects === null || things.length === 0 ? NOTHING : framed(things, this.choice, detects);
+    }
+    return this.framedNow;
+  }
+
+  /**
+   * What lies over the picture.
+   *
+   * @param quiet - since when nothing has come from the detector (ms); null while nothing ever came
+   */
+  over(things: readonly Thing[], quiet: number | null, driving: boolean): unknown {
+    const { detects } = this.subject;
+    if (detects === null) return nothing;
+    const detector: Detector = quiet === null ? "waiting" : quiet > SILENT_MS ? "silent" : "telling";
+    return html`<t-objects
+      slot="top"
+      ${ref(this.strip)}
+      ?on=${this.choice.on}
+      detector=${detector}
+      .counts=${counted(this.framed(things))}
+      why=${this.logbook}
+      ?busy=${driving}
+      ?open=${this.open}
+      @t-objects-switch=${this.switched}
+      @t-objects-open=${this.opened}
+    ></t-objects>`;
+  }
+
+  /** What stands below it: never over a picture, and not while somebody drives by it. */
+  below(driving: boolean): unknown {
+    const { detects } = this.subject;
+    if (driving || !this.on) this.open = false;
+    if (detects === null || !this.open) return nothing;
+    return html`<t-objects-choice
+      ${ref(this.panel)}
+      .classes=${choosable(detects, this.classes, this.choice)}
+      .confidence=${sureOf(this.choice, detects)}
+      .plain=${this.choice.classes === null && this.choice.confidence === null}
+      @t-objects-want=${this.wanted}
+      @t-close=${this.closed}
+    ></t-objects-choice>`;
+  }
+
+  private get logbook(): string {
+    const person = this.session.store?.person;
+    return person && !seesOnlyPublic(person) ? sitePath(this.subject.site, "logbook") : "";
+  }
+
+  private get person(): string {
+    return this.session.store?.person?.name ?? "";
+  }
+
+  private readonly switched = (event: CustomEvent<boolean>): void => {
+    this.choose({ ...this.choice, on: event.detail });
+  };
+
+  private readonly wanted = (event: CustomEvent<Wanted>): void => {
+    this.choose({ ...this.choice, ...event.detail });
+  };
+
+  private readonly opened = (event: CustomEvent<boolean>): void => {
+    this.open = event.detail;
+    this.host.requestUpdate();
+    if (!this.open) return;
+    void this.host.updateComplete.then(async () => {
+      const panel = this.panel.value;
+      await panel?.updateComplete;
+      panel?.focus();
+    });
+  };
+
+  private readonly closed = (): void => {
+    this.open = false;
+    this.host.requestUpdate();
+    this.strip.value?.focus();
+  };
+
+  private choose(choice: ObjectsChoice): void {
+    this.choice = choice;
+    keepObjects(this.notes, this.person, this.subject.site, this.subject.stream, choice);
+    this.refresh();
+  }
+
+  private refresh(): void {
+    this.framedOf = this.framedNow = NOTHING;
+    this.host.requestUpdate();
+  }
+}

@@ -1,0 +1,209 @@
+/** The samples behind a page of live charts: one subscription, one trace for each channel. */
+
+import { Trace } from "../../series/trace.js";
+import type { Gap } from "../../series/gaps.js";
+import { LiveEdge } from "../../series/live-edge.js";
+import { lengthOf, type Span } from "../../series/time-window.js";
+import { SECOND_US } from "../../series/zone-clock.js";
+import type { History, SignalInfo } from "../../wire/api-types.js";
+import type { HistoryQuery } from "../../wire/hub-api.js";
+import type { Batch } from "../../wire/subscriptions.js";
+import { samplesOf } from "./history-samples.js";
+
+/** What the feed needs of a connection. */
+export interface Source {
+  subscribe(site: string, channels: readonly string[], everyMs: number, listener: (batch: Batch) => void): () => void;
+}
+
+/** What the feed needs of the hub's HTTP interface. */
+export interface Past {
+  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History>;
+}
+
+/** Twenty pictures' worth a second; a chart is drawn hardly more often. */
+const EVERY_MS = 50;
+/** A back-fill never needs more pixels than a wide chart has. */
+const BACKFILL_PX = 1200;
+/** Channels in one question: an address may not get too long. */
+const AT_ONCE = 24;
+
+/** The history has a score at least this often while samples come (s). */
+const WRITTEN_S = 130;
+
+/** One channel of the feed. */
+export interface Channel {
+  readonly trace: Trace;
+  /** Stretches that the hub knows to be missing; added to in place. */
+  readonly gaps: Gap[];
+  /** The newest text; null for a number. */
+  text: string | null;
+  /** When the newest sample was taken (µs since the epoch); NaN before the first. */
+  timeUs: number;
+  /** This page's monotonic clock (ms) at the moment when it was fresh. */
+  freshAtMs: number;
+}
+
+export type BackfillState = "idle" | "loading" | "done" | "failed";
+
+export class ChartFeed {
+  readonly edge = new LiveEdge();
+  backfill: BackfillState = "idle";
+  private readonly channels = new Map<string, Channel>();
+  private readonly ageLimits = new Map<string, number>();
+  private scores: ReadonlySet<string> = new Set();
+  private readonly filledFrom = new Map<string, number>();
+  private asked = "";
+  private wanted: readonly string[] = [];
+  private cancel: (() => void) | null = null;
+  private asking: AbortController | null = null;
+  private lengthUs: number;
+
+  /**
+   * @param changed called when a sample or a back-fill has come in
+   * @param now this page's monotonic clock (ms)
+   */
+  constructor(
+    readonly site: string,
+    private readonly source: Source,
+    private readonly past: Past,
+    private readonly changed: () => void,
+    lengthUs: number,
+    private readonly now: () => number = () => performance.now(),
+  ) {
+    this.lengthUs = lengthUs;
+  }
+
+  /**
+   * Listen to these signals and no others. What was heard of others is kept.
+   *
+   * @param scores channels of the scores of their anomaly detectors
+   */
+  listen(signals: readonly SignalInfo[], scores: readonly string[] = []): void {
+    for (const signal of signals) for (const channel of signal.channels) this.ageLimits.set(channel, signal.max_age);
+    for (const channel of scores) this.ageLimits.set(channel, WRITTEN_S);
+    this.scores = new Set(scores);
+    const wanted = [...signals.flatMap((signal) => signal.channels), ...scores];
+    const key = wanted.join("\n");
+    if (key === this.asked) return;
+    this.asked = key;
+    this.wanted = wanted;
+    const before = this.cancel;
+    // What is not listened to any more has a hole from now on.
+    for (const address of this.filledFrom.keys()) if (!wanted.includes(address)) this.filledFrom.delete(address);
+    this.cancel = wanted.length === 0 ? null : this.source.subscribe(this.site, wanted, EVERY_MS, this.taker());
+    before?.();
+  }
+
+  close(): void {
+    this.cancel?.();
+    this.cancel = null;
+    this.asked = "";
+    this.asking?.abort();
+    this.asking = null;
+  }
+
+  channel(address: string): Channel {
+    let channel = this.channels.get(address);
+    if (channel === undefined) {
+      const trace = new Trace(this.keptUs(address), (this.ageLimits.get(address) ?? 5) * SECOND_US);
+      channel = { trace, gaps: [], text: null, timeUs: NaN, freshAtMs: NaN };
+      this.channels.set(address, channel);
+    }
+    return channel;
+  }
+
+  /** Age of the newest sample (s); NaN before the first. */
+  ageOf(address: string): number {
+    return (this.now() - (this.channels.get(address)?.freshAtMs ?? NaN)) / 1000;
+  }
+
+  /** The window that ends now, by the robot's clock. */
+  readonly window = (nowMs: number): Span => {
+    const toUs = this.edge.known ? this.edge.at(nowMs) : Date.now() * 1000;
+    return { fromUs: toUs - this.lengthUs, toUs };
+  };
+
+  /** Show so much time (µs) from now on. */
+  show(lengthUs: number): void {
+    if (lengthUs === this.lengthUs) return;
+    this.lengthUs = lengthUs;
+    for (const [address, { trace }] of this.channels) trace.spanUs = this.keptUs(address);
+    void this.fill(false);
+  }
+
+  /** A tenth more is kept, so that the left edge of a chart never shows a sample dropping out. */
+  private keptUs(address: string): number {
+    return this.lengthUs * 1.1 + this.leadUs(address);
+  }
+
+  /** The history has a score that stays the same once a minute: the line begins with one from before the window. */
+  private leadUs(address: string): number {
+    return this.scores.has(address) ? WRITTEN_S * SECOND_US : 0;
+  }
+
+  /** A listener of its own for each subscription: its second first batch means a lost connection. */
+  private taker(): (batch: Batch) => void {
+    let begun = false;
+    return (batch) => {
+      this.take(batch);
+      // What came before is asked for: of new channels, or of all after a loss.
+      if (batch.first) void this.fill(begun);
+      begun ||= batch.first;
+    };
+  }
+
+  private take(batch: Batch): void {
+    const { channel: index, timeUs, value, texts, ageMs } = batch.columns;
+    const now = this.now();
+    for (let i = 0; i < index.length; i += 1) {
+      const address = batch.channels[index[i] ?? -1];
+      if (address === undefined) continue;
+      this.takeOne(this.channel(address), timeUs[i] ?? NaN, value[i] ?? NaN, texts[i] ?? null, now, ageMs[i] ?? 0);
+    }
+    this.changed();
+  }
+
+  private takeOne(held: Channel, timeUs: number, value: number, text: string | null, now: number, ageMs: number): void {
+    this.edge.observe(timeUs, now, ageMs);
+    held.trace.take(timeUs, value);
+    if (held.timeUs > timeUs) return;
+    held.timeUs = timeUs;
+    held.text = text;
+    held.freshAtMs = now - ageMs;
+  }
+
+  private async fill(again: boolean): Promise<void> {
+    const span = this.window(this.now());
+    const missing = this.wanted.filter((address) => again || (this.filledFrom.get(address) ?? Infinity) > span.fromUs);
+    if (missing.length === 0) return;
+    this.asking?.abort();
+    const asking = new AbortController();
+    this.asking = asking;
+    this.backfill = "loading";
+    try {
+      for (const some of [missing.filter((address) => !this.scores.has(address)), missing.filter((address) => this.scores.has(address))]) {
+        for (let i = 0; i < some.length; i += AT_ONCE) await this.fillSome(some.slice(i, i + AT_ONCE), span, asking.signal);
+      }
+      this.backfill = "done";
+    } catch {
+      if (asking.signal.aborted) return;
+      this.backfill = "failed";
+    }
+    this.changed();
+  }
+
+  private async fillSome(channels: readonly string[], span: Span, signal: AbortSignal): Promise<void> {
+    const answer = await this.past.history(
+      this.site,
+      { channels, fromUs: span.fromUs - lengthOf(span) * 0.05 - this.leadUs(channels[0] ?? ""), toUs: span.toUs, width: BACKFILL_PX },
+      signal,
+    );
+    for (const series of answer.series) {
+      const { times, values, intervalUs } = samplesOf(series);
+      const held = this.channel(series.address);
+      held.trace.backfill(times, values, intervalUs);
+      held.gaps.splice(0, Infinity, ...series.gaps);
+      this.filledFrom.set(series.address, span.fromUs);
+    }
+  }
+}

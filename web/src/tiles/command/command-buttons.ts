@@ -1,0 +1,179 @@
+/** Commands as a row of buttons: what each became of, and why one is locked, stands below them. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
+import type { CommandLine } from "../../controllers/drive/command-client.js";
+import { isFinal, type Asked } from "../../controllers/drive/command-machine.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { WatchController } from "../../controllers/store-controller.js";
+import { base } from "../../elements/base/base-style.js";
+import { PHASES } from "../../elements/command/command-phases.js";
+import { lockWords } from "../../format/interlock-reason.js";
+import { interlocksContext } from "../../state/contexts.js";
+import type { DeviceInfo } from "../../wire/api-types.js";
+import { interruptDialog } from "./interrupt-dialog.js";
+import type { Deed } from "../observatory/roles.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/dialog.js";
+import "../../elements/base/icon.js";
+import "../../elements/feedback/status.js";
+
+@customElement("t-deeds")
+export class Deeds extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-2);
+        min-inline-size: 0;
+      }
+      .row {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-2);
+      }
+      .row t-button {
+        flex: 1 1 auto;
+        min-inline-size: 6rem;
+      }
+      ul {
+        display: grid;
+        gap: var(--t-space-1);
+        margin: 0;
+        padding: 0;
+        list-style: none;
+      }
+      li {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        gap: 0 var(--t-space-2);
+        overflow-wrap: anywhere;
+      }
+      .locked {
+        display: grid;
+        grid-template-columns: auto minmax(0, 1fr);
+        gap: var(--t-space-2);
+        color: var(--t-warn);
+        font-size: var(--t-size-s);
+      }
+      progress {
+        flex: 1 0 100%;
+        block-size: 0.5rem;
+        accent-color: var(--t-accent);
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) device: DeviceInfo | null = null;
+  @property({ attribute: false }) line: CommandLine | null = null;
+  @property({ attribute: false }) deeds: readonly Deed[] = [];
+  @property({ type: Boolean }) online = true;
+
+  @state() private asking: Deed | null = null;
+
+  private readonly interlocks = new StoreController(this, interlocksContext);
+  private readonly watched = new WatchController(this);
+
+  override willUpdate(): void {
+    this.watched.watch(this.line);
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    if (this.deeds.length === 0) return nothing;
+    return html`<div class="row" role="group" aria-label="Commands">
+        ${repeat(this.deeds, ({ label }) => label, (deed) => this.button(deed))}
+      </div>
+      ${this.online ? nothing : html`<t-status kind="offline" word="not connected: nothing can be asked"></t-status>`}
+      <ul role="status">
+        ${repeat(this.news(), ({ id }) => id, (asked) => this.outcome(asked))}
+      </ul>
+      ${map(
+        this.locks(),
+        ([why, names]) => html`<div class="locked"><t-icon name="lock"></t-icon><span>${names.join(", ")}: ${why}</span></div>`,
+      )}
+      ${this.dialog()}${interruptDialog(this.news(), this.line)}`;
+  }
+
+  private button(deed: Deed): TemplateResult {
+    const lock = this.lockOf(deed);
+    const asked = this.line?.desk.latest(this.device?.id ?? "", deed.command.id) ?? null;
+    // What is asked for again while it is under way is refused by nobody's mistake; STOP never waits.
+    const busy = asked !== null && !isFinal(asked.phase) && deed.kind !== "danger" && deed.command.arguments.length !== 1;
+    const ask = (): void => {
+      if (deed.command.confirm) this.asking = deed;
+      else this.ask(deed);
+    };
+    return html`<t-button kind=${deed.kind} ?disabled=${!this.online || lock !== ""} ?busy=${busy} @click=${ask}
+      >${lock === "" ? nothing : html`<t-icon name="lock"></t-icon>`}${deed.label}${deed.command.confirm ? "…" : ""}</t-button
+    >`;
+  }
+
+  private lockOf({ command }: Deed): string {
+    const lock = this.interlocks.store?.lockOf(this.site, this.device?.id ?? "", command.id) ?? null;
+    return lock === null ? "" : lockWords(lock);
+  }
+
+  /** Buttons by the reason that locks them: each reason is said once. */
+  private locks(): ReadonlyMap<string, readonly string[]> {
+    const found = new Map<string, string[]>();
+    for (const deed of this.online ? this.deeds : []) {
+      const why = this.lockOf(deed);
+      if (why !== "") found.set(why, [...(found.get(why) ?? []), deed.label]);
+    }
+    return found;
+  }
+
+  private news(): readonly Asked[] {
+    const ids = new Set(this.deeds.map(({ command }) => command.id));
+    const asked = [...ids].map((id) => this.line?.desk.latest(this.device?.id ?? "", id) ?? null);
+    return asked.filter((one) => one !== null).sort((a, b) => b.since - a.since).slice(0, 3);
+  }
+
+  private outcome(asked: Asked): TemplateResult {
+    const name = this.deeds.find(({ command }) => command.id === asked.command)?.command.name ?? asked.command;
+    const { kind, word } = PHASES[asked.phase];
+    return html`<li>
+      <t-status kind=${kind} .word=${`${name}: ${word}`}></t-status>
+      ${asked.message === "" ? nothing : html`<span>${asked.message}</span>`}
+      ${asked.phase === "running" && asked.progress > 0
+        ? html`<progress max="1" .value=${asked.progress} aria-label="Progress of ${name}"></progress>`
+        : nothing}
+    </li>`;
+  }
+
+  private dialog(): TemplateResult {
+    const name = this.asking?.label ?? "";
+    return html`<t-dialog heading="${name}?" ?open=${this.asking !== null} @t-close=${this.calledOff}>
+      <p>${this.asking?.command.description || "This is sent to the robot once."}</p>
+      <t-button slot="actions" @click=${this.calledOff}>Do not send</t-button>
+      <t-button slot="actions" kind="primary" @click=${this.confirmed}>${name}</t-button>
+    </t-dialog>`;
+  }
+
+  private readonly calledOff = (): void => {
+    this.asking = null;
+  };
+
+  private readonly confirmed = (): void => {
+    const deed = this.asking;
+    this.asking = null;
+    // What was asked for a moment ago may be locked by now.
+    if (deed !== null && this.online && this.lockOf(deed) === "") this.ask(deed);
+  };
+
+  private ask(deed: Deed): void {
+    const units = deed.command.arguments.map(({ id, unit }) => [id, unit] as const);
+    this.line?.ask(this.device?.id ?? "", deed.command.id, deed.args, Object.fromEntries(units));
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-deeds": Deeds;
+  }
+}

@@ -1,0 +1,98 @@
+/** The one-shot commands of a site's devices, tied to the connection. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import type { CommandLine } from "../../controllers/drive/command-client.js";
+import { base } from "../../elements/base/base-style.js";
+import "../../elements/layout/card.js";
+import "./command-card.js";
+import type { CommandInfo, DeviceInfo } from "../../wire/api-types.js";
+
+@customElement("t-commands")
+export class Commands extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      .list {
+        display: grid;
+        grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr));
+        gap: var(--t-space-3);
+      }
+      .without {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .without ul {
+        margin: var(--t-space-1) 0 0;
+        padding-inline-start: var(--t-space-5);
+      }
+      .device {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) devices: readonly DeviceInfo[] = [];
+  @property({ attribute: false }) line: CommandLine | null = null;
+  @property({ type: Boolean }) online = true;
+  @property() heading = "Commands";
+  /** Ids of commands that the page shows elsewhere. */
+  @property({ attribute: false }) shownElsewhere: ReadonlySet<string> = new Set();
+
+
+  override render(): TemplateResult | typeof nothing {
+    const rows = this.devices.flatMap((device) =>
+      device.commands.filter(({ id }) => !this.shownElsewhere.has(id)).map((command) => ({ device, command })),
+    );
+    const policies = this.devices.filter((device) => device.link_loss !== "");
+    if (rows.length === 0 && policies.length === 0) return nothing;
+    return html`
+      ${rows.length === 0 ? nothing : html`<h2>${this.heading}</h2>`}
+      <div class="list">
+        ${repeat(
+          rows,
+          ({ device, command }) => `${device.id}/${command.id}`,
+          ({ device, command }) => this.card(device, command),
+        )}
+      </div>
+      ${policies.length === 0
+        ? nothing
+        : html`<div class="without">
+            <strong>When the hub is out of reach</strong> the gateway acts by itself:
+            <ul>
+              ${repeat(
+                policies,
+                (device) => device.id,
+                (device) => html`<li>${device.name}: ${device.link_loss}.</li>`,
+              )}
+            </ul>
+          </div>`}
+    `;
+  }
+
+  private card(device: DeviceInfo, command: CommandInfo): TemplateResult {
+    return html`<t-card>
+      <span class="device">${device.name}</span>
+      <t-command-card
+        .site=${this.site}
+        .device=${device}
+        .command=${command}
+        .line=${this.line}
+        .online=${this.online}
+      ></t-command-card>
+    </t-card>`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-commands": Commands;
+  }
+}

@@ -1,0 +1,264 @@
+/** A camera that takes exposures: the form, how far it is, the newest picture, its cooler. */
+
+import { consume } from "@lit/context";
+import { css, html, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { isFinal } from "../../controllers/drive/command-machine.js";
+import { LoadController } from "../../controllers/load.js";
+import { WatchController } from "../../controllers/store-controller.js";
+import { base } from "../../elements/base/base-style.js";
+import { formatBytes } from "../../format/bytes.js";
+import { formatDuration } from "../../format/duration.js";
+import { formatDec, formatRa } from "../../format/sexagesimal.js";
+import { apiContext } from "../../state/contexts.js";
+import { archivePath } from "../../state/router.js";
+import { ArchiveApi, filePath, type FrameDetail } from "../../wire/archive-api.js";
+import type { CommandInfo, SignalInfo } from "../../wire/api-types.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { pixelValues } from "../archive/frame-preview.js";
+import { NO_DEVICE, Part, partStyle } from "./device-part.js";
+import { cameraDeeds, cameraSignals, type CameraSignals, type Deed } from "./roles.js";
+import "../../elements/layout/card.js";
+import "../../elements/feedback/empty.js";
+import "../../elements/feedback/loading.js";
+import "../../elements/feedback/status.js";
+import "../../elements/values/time.js";
+import "../camera/camera-tile.js";
+import "../command/command-card.js";
+import "../command/command-buttons.js";
+import "../signal-value.js";
+
+/** The archive is asked for something newer this often (ms), and when an exposure ends. */
+const AGAIN_MS = 15_000;
+/** A picture needs a moment to come from the camera into the archive (ms). */
+const COMES_MS = 4000;
+/** A countdown that has not moved for so long (ms) is none. */
+const COUNTS_MS = 3000;
+
+@customElement("t-part-camera")
+export class CameraPart extends Part {
+  static override styles = [
+    base,
+    partStyle,
+    css`
+      .two {
+        grid-template-rows: auto 1fr;
+      }
+      @media (min-width: 60.01rem) {
+        .exposure {
+          grid-column: 2;
+          grid-row: 1 / span 2;
+        }
+      }
+      .forms {
+        display: grid;
+        gap: var(--t-space-5);
+      }
+      .forms > * + * {
+        padding-block-start: var(--t-space-4);
+        border-block-start: 1px solid var(--t-line);
+      }
+      .progress {
+        display: grid;
+        gap: var(--t-space-1);
+        font-variant-numeric: tabular-nums;
+      }
+      progress {
+        inline-size: 100%;
+        block-size: 0.75rem;
+        accent-color: var(--t-accent);
+      }
+      .facts {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-1) var(--t-space-4);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      .ways {
+        display: flex;
+        flex-wrap: wrap;
+        gap: var(--t-space-4);
+      }
+      .ways a {
+        display: inline-flex;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        font-weight: var(--t-weight-strong);
+      }
+    `,
+  ];
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly newest = new LoadController<FrameDetail | null>(this);
+  private readonly watched = new WatchController(this);
+  private longest = 0;
+  private left = Number.NaN;
+  private movedMs = 0;
+  private under = false;
+  private ends = 0;
+
+  override willUpdate(): void {
+    const signals = cameraSignals(this.device ?? NO_DEVICE);
+    this.watch(...Object.values<SignalInfo | undefined>({ ...signals }));
+    this.watched.watch(this.line);
+    this.follow(signals);
+    const device = this.device?.id ?? "";
+    if (device === "") return;
+    const turn = Math.floor(Date.now() / AGAIN_MS);
+    const late = this.ends > 0 && Date.now() > this.ends + COMES_MS ? this.ends : 0;
+    this.newest.ask(`${this.site} ${device} ${String(turn)} ${String(late)}`, () => this.load(device));
+  }
+
+  /** The length of an exposure is the most that was ever left of it. */
+  private follow({ state, remaining }: CameraSignals): void {
+    const { fresh, value } = this.known(remaining);
+    const now = Date.now();
+    if (fresh && value !== this.left) {
+      // What stands there when the page opens may be the length of the next one, or of the last.
+      this.movedMs = Number.isNaN(this.left) ? 0 : now;
+      this.left = value;
+    }
+    const before = this.under;
+    const told = this.known(state);
+    const counts = now - this.movedMs < COUNTS_MS || this.asked();
+    this.under = state === undefined ? fresh && value > 0 && counts : told.fresh && /^expos/i.test(told.word);
+    if (this.under && fresh) this.longest = Math.max(this.longest, value);
+    if (before && !this.under) {
+      this.longest = 0;
+      this.ends = now;
+    }
+  }
+
+  /** An exposure was asked for here, and its end is not known yet. */
+  private asked(): boolean {
+    const device = this.device ?? NO_DEVICE;
+    const asks = cameraDeeds(device).expose.map(({ id }) => this.line?.desk.latest(device.id, id) ?? null);
+    return asks.some((one) => one !== null && !isFinal(one.phase));
+  }
+
+  private async load(device: string): Promise<FrameDetail | null> {
+    const archive = new ArchiveApi(this.api, this.site);
+    const { frames } = await archive.find(new URLSearchParams({ device, limit: "1" }).toString());
+    const [frame] = frames;
+    if (frame === undefined) return null;
+    const held = this.newest.value;
+    return held?.frame.id === frame.id ? held : archive.frame(frame.id);
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const { device } = this;
+    if (device === null) return nothing;
+    return html`<section class="two" aria-label="Camera">
+      <div class="card">${this.picture()}</div>
+      <div class="card exposure">${this.exposure()}</div>
+      ${this.cooler()}
+    </section>`;
+  }
+
+  private picture(): unknown {
+    const found = this.newest.value;
+    if (found === undefined) {
+      return this.newest.result.state === "failed" ? this.streams() : html`<t-loading what="Loading the newest picture"></t-loading>`;
+    }
+    if (found === null) return this.streams();
+    const { frame, histogram } = found;
+    const exposure = frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(4)))} s`;
+    return html`<div>
+        <h2>${frame.target === "" ? "Newest picture" : frame.target}</h2>
+        <div class="facts">
+          <span><t-time .us=${frame.time_us} .zone=${this.detail?.zone ?? "UTC"}></t-time></span>
+          <span>${[frame.kind, frame.filter, exposure].filter(Boolean).join(" · ")}</span>
+          ${frame.ra_deg === null || frame.dec_deg === null
+            ? nothing
+            : html`<span>${formatRa(frame.ra_deg / 15)} ${formatDec(frame.dec_deg)}</span>`}
+          <span>${frame.width} × ${frame.height} px</span>
+        </div>
+      </div>
+      <t-frame-look .site=${this.site} .frame=${frame.id} .target=${frame.target}></t-frame-look>
+      ${pixelValues(histogram)}
+      <div class="ways">
+        <a download=${frame.name} href=${filePath(this.site, frame.id)}>Download FITS (${formatBytes(frame.bytes)})</a>
+        <a href=${archivePath(this.site, frame.device)}>All its pictures</a>
+      </div>`;
+  }
+
+  /** Without a picture in the archive, what it shows now. */
+  private streams(): unknown {
+    const streams = this.device?.streams ?? [];
+    if (streams.length === 0) {
+      return html`<t-empty heading="No picture yet" icon="camera">
+        <p>A picture comes here by itself after an exposure, and into the archive.</p>
+      </t-empty>`;
+    }
+    return html`<div>
+        <h2>Newest picture</h2>
+        <p class="note">None of its files is in the archive; this is what it shows itself.</p>
+      </div>
+      ${map(
+        streams,
+        ({ address, name, detect }) => html`<t-camera
+          .site=${this.site}
+          .stream=${address}
+          .name=${name}
+          .detect=${detect}
+          .online=${this.online}
+        ></t-camera>`,
+      )}`;
+  }
+
+  private exposure(): TemplateResult {
+    const { state, remaining, filter } = cameraSignals(this.device ?? NO_DEVICE);
+    const { expose, abort } = cameraDeeds(this.device ?? NO_DEVICE);
+    const stops = abort.map((deed): Deed => ({ ...deed, kind: this.under ? "danger" : "plain" }));
+    return html`<h2>Exposure</h2>
+      <div class="readings">${map([state, filter], (signal) => this.reading(signal, "l"))}</div>
+      ${this.progress(remaining)} ${this.lookOnly()}
+      <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${stops} .online=${this.online}></t-deeds>
+      <div class="forms">${map(expose, (command) => this.form(command))}</div>`;
+  }
+
+  private progress(remaining: SignalInfo | undefined): unknown {
+    const { fresh, value } = this.known(remaining);
+    if (remaining === undefined) return nothing;
+    if (!fresh) return html`<t-status kind="unknown" word="How far it is, is not known"></t-status>`;
+    if (!this.under) return html`<t-status kind="ok" word="No exposure under way"></t-status>`;
+    return html`<div class="progress">
+      <t-status kind="busy" .word=${`Exposing, ${formatDuration(Math.ceil(value))} left`}></t-status>
+      <progress max=${this.longest} .value=${this.longest - value} aria-label="Exposure"></progress>
+    </div>`;
+  }
+
+  private cooler(): unknown {
+    const { temperature, cooler, power } = cameraSignals(this.device ?? NO_DEVICE);
+    const { cool, cooler: deeds } = cameraDeeds(this.device ?? NO_DEVICE);
+    if (temperature === undefined && cooler === undefined && cool.length === 0) return nothing;
+    return html`<div class="card">
+      <h2>Cooler</h2>
+      <div class="readings">${map([temperature, cooler, power], (signal) => this.reading(signal, "l"))}</div>
+      <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>
+      ${map(cool, (command) => this.form(command))}
+    </div>`;
+  }
+
+  private form(command: CommandInfo): TemplateResult {
+    return html`<t-command-card
+      .site=${this.site}
+      .device=${this.device}
+      .command=${command}
+      .line=${this.line}
+      .online=${this.online}
+    ></t-command-card>`;
+  }
+
+  private reading(signal: SignalInfo | undefined, size: "m" | "l"): unknown {
+    return signal === undefined ? nothing : html`<t-signal-value size=${size} .site=${this.site} .signal=${signal}></t-signal-value>`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-part-camera": CameraPart;
+  }
+}

@@ -1,0 +1,97 @@
+/** What every drawn part of a device is given, and how it reads the device's signals. */
+
+import { css, html, LitElement, nothing } from "lit";
+import { property } from "lit/decorators.js";
+import type { CommandLine } from "../../controllers/drive/command-client.js";
+import { LiveValuesController } from "../../controllers/live-values.js";
+import { outOfRange, stateWord } from "../../format/state-label.js";
+import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api-types.js";
+import type { Known } from "./weather-verdict.js";
+
+/** Stands in before the page has handed a device over. */
+export const NO_DEVICE: DeviceInfo = {
+  id: "", name: "", kind: "other", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "",
+  pointing: null, unguarded: false, rights: [],
+};
+
+export const partStyle = css`
+  :host {
+    display: grid;
+    grid-template-columns: minmax(0, 1fr);
+    gap: var(--t-space-4);
+    min-inline-size: 0;
+  }
+  .two {
+    display: grid;
+    grid-template-columns: minmax(0, 5fr) minmax(0, 4fr);
+    gap: var(--t-space-4);
+    align-items: start;
+  }
+  .card {
+    display: grid;
+    grid-template-columns: minmax(0, 1fr);
+    gap: var(--t-space-4);
+    align-content: start;
+    padding: var(--t-space-4);
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
+    box-shadow: var(--t-shadow);
+    min-inline-size: 0;
+  }
+  .readings {
+    display: grid;
+    grid-template-columns: repeat(auto-fill, minmax(min(9.5rem, 100%), 1fr));
+    gap: var(--t-space-3) var(--t-space-4);
+  }
+  .note {
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+  }
+  @media (max-width: 60rem) {
+    .two {
+      grid-template-columns: minmax(0, 1fr);
+    }
+  }
+`;
+
+export abstract class Part extends LitElement {
+  @property() site = "";
+  @property({ attribute: false }) device: DeviceInfo | null = null;
+  @property({ attribute: false }) detail: SiteDetail | null = null;
+  @property({ attribute: false }) line: CommandLine | null = null;
+  @property({ type: Boolean }) online = false;
+
+  protected readonly live = new LiveValuesController(this);
+
+  /** The signals that this part reads; some of them may not be there. */
+  protected watch(...signals: readonly (SignalInfo | undefined)[]): void {
+    this.live.observe(this.site, signals.flatMap((signal) => signal?.channels.slice(0, 1) ?? []));
+  }
+
+  /** A value that is old or impossible, or whose link is down, is not fresh: its number is not to be believed. */
+  protected known(signal: SignalInfo | undefined): Known {
+    const channel = signal?.channels[0];
+    if (signal === undefined || channel === undefined) return { fresh: false, value: Number.NaN, word: "" };
+    const reading = this.live.reading(channel);
+    const value = reading?.value ?? Number.NaN;
+    const fresh = this.online && this.live.freshness(channel, signal.max_age) === "live" && !outOfRange(signal, value);
+    const word = signal.type === "state" ? stateWord(signal.states, value) : (reading?.text ?? "");
+    return { fresh, value, word };
+  }
+
+  /** Whether it is on, of a state that is off or on; null when that is not known. */
+  protected isOn(signal: SignalInfo | undefined): boolean | null {
+    const now = this.known(signal);
+    return now.fresh && !Number.isNaN(now.value) ? Math.round(now.value) === 1 : null;
+  }
+
+  protected get mayUse(): boolean {
+    return this.device?.rights.includes("use") ?? false;
+  }
+
+  /** Said in the place of the buttons to whoever may only look. */
+  protected lookOnly(): unknown {
+    return this.mayUse ? nothing : html`<p class="note">You may look. Whoever may use it finds its commands here.</p>`;
+  }
+}

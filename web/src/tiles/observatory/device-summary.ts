@@ -1,0 +1,102 @@
+/** What tells most of a device, at a glance: a few values, and of the weather the verdict. */
+
+import { css, html, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { StoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { formatDec, formatRa } from "../../format/sexagesimal.js";
+import { interlocksContext } from "../../state/contexts.js";
+import type { SignalInfo } from "../../wire/api-types.js";
+import { NO_DEVICE, Part } from "./device-part.js";
+import { outletsOf, telescopeSignals, tellingSignals } from "./roles.js";
+import { limitLines, rulesAbout, verdictOf, VERDICT_KINDS, VERDICT_WORDS } from "./weather-verdict.js";
+import "../../elements/feedback/status.js";
+import "../../elements/values/value.js";
+import "../signal-value.js";
+
+@customElement("t-telling")
+export class Telling extends Part {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: start;
+        gap: var(--t-space-2) var(--t-space-5);
+        min-inline-size: 0;
+      }
+      .verdict {
+        flex: 1 0 100%;
+        font-size: var(--t-size-l);
+      }
+      .one {
+        display: grid;
+        gap: 2px;
+      }
+      .name {
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+    `,
+  ];
+
+  private readonly interlocks = new StoreController(this, interlocksContext);
+
+  override willUpdate(): void {
+    const device = this.device ?? NO_DEVICE;
+    const outlets = device.kind === "power" ? outletsOf(device).map(({ signal }) => signal) : [];
+    this.watch(...(device.kind === "weather" ? device.signals : [...tellingSignals(device), ...outlets]));
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const { device } = this;
+    if (device === null) return nothing;
+    return html`${this.verdict()} ${this.outlets()} ${map(tellingSignals(device), (signal) => this.value(signal))}`;
+  }
+
+  private value(signal: SignalInfo): TemplateResult {
+    const { ra, dec } = this.device?.kind === "telescope" ? telescopeSignals(this.device) : { ra: undefined, dec: undefined };
+    if (signal !== ra && signal !== dec) return html`<t-signal-value size="m" .site=${this.site} .signal=${signal}></t-signal-value>`;
+    const { fresh, value } = this.known(signal);
+    const text = signal === dec ? formatDec(value) : formatRa(signal.unit === "°" ? value / 15 : value);
+    return html`<span class="one"
+      ><span class="name">${signal === ra ? "RA" : "Dec"}</span
+      ><t-value
+        bare
+        .state=${fresh ? "live" : this.online ? this.live.freshness(signal.channels[0] ?? "", signal.max_age) : "stale"}
+        .text=${text}
+      ></t-value
+    ></span>`;
+  }
+
+  private verdict(): unknown {
+    const { device, detail } = this;
+    if (device?.kind !== "weather" || detail === null) return nothing;
+    const rules = rulesAbout(detail.rules, device.id);
+    const lines = limitLines(rules, device.id, device.signals, (signal) => this.known(signal));
+    const { word } = verdictOf(this.online, rules, ({ id }) => this.interlocks.store?.of(this.site, id)?.news, lines);
+    if (word === "none") return nothing;
+    return html`<t-status class="verdict" kind=${VERDICT_KINDS[word]} .word=${VERDICT_WORDS[word]}></t-status>`;
+  }
+
+  private outlets(): unknown {
+    const { device } = this;
+    const outlets = device?.kind === "power" ? outletsOf(device) : [];
+    if (outlets.length === 0) return nothing;
+    const on = outlets.map(({ signal }) => this.isOn(signal));
+    const unknown = on.filter((one) => one === null).length;
+    const text = `${String(on.filter((one) => one === true).length)} of ${String(outlets.length)} on`;
+    return html`<span class="one"
+      ><span class="name">Outlets</span
+      ><t-value bare .state=${unknown === outlets.length ? "unknown" : "live"} .text=${unknown === 0 ? text : `${text}, ${String(unknown)} ?`}></t-value
+    ></span>`;
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-telling": Telling;
+  }
+}

@@ -1,0 +1,217 @@
+/** A dome or a sliding roof: drawn, in words, and what it can be asked. */
+
+import { css, html, nothing, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { base } from "../../elements/base/base-style.js";
+import { formatAzimuth } from "../../format/sexagesimal.js";
+import { formatWithUnit } from "../../format/unit.js";
+import type { EnclosureInfo, PartInfo, SightingInfo, SignalInfo } from "../../wire/api-types.js";
+import { sensorsDisagree, type RoofSensor } from "./sensor-agreement.js";
+import { NO_DEVICE, Part, partStyle } from "./device-part.js";
+import { domeDeeds, domeSignals, shutterOf, telescopeSignals, type DomeSignals, type ShutterState } from "./roles.js";
+import "../../elements/observatory/dome-drawing.js";
+import "../../elements/feedback/status.js";
+import type { StatusKind } from "../../elements/feedback/status.js";
+import "../command/command-card.js";
+import "../command/command-buttons.js";
+import "../signal-value.js";
+
+const SAID: Readonly<Record<ShutterState, { kind: StatusKind; word: string }>> = {
+  open: { kind: "warn", word: "Open" },
+  closed: { kind: "ok", word: "Closed" },
+  opening: { kind: "busy", word: "Opening" },
+  closing: { kind: "busy", word: "Closing" },
+  partial: { kind: "warn", word: "Partly open" },
+  error: { kind: "bad", word: "In error" },
+  unknown: { kind: "unknown", word: "Unknown" },
+};
+
+@customElement("t-part-dome")
+export class DomePart extends Part {
+  static override styles = [
+    base,
+    partStyle,
+    css`
+      .big {
+        font-size: var(--t-size-xl);
+      }
+      .head {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: baseline;
+        gap: var(--t-space-1) var(--t-space-4);
+      }
+    `,
+  ];
+
+  override willUpdate(): void {
+    const signals = this.signals();
+    this.watch(...Object.values<SignalInfo | undefined>({ ...signals }), this.telescopeAzimuth(), ...this.sensors());
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const { device } = this;
+    if (device === null) return nothing;
+    const signals = this.signals();
+    const roof = this.roof(signals);
+    // Described as one that does not turn, it has no dial, whatever its device may say.
+    const turns = signals.azimuth !== undefined && (this.enclosure()?.can.can_rotate ?? true);
+    const azimuth = this.known(turns ? signals.azimuth : undefined);
+    const opening = this.known(signals.opening);
+    const telescope = this.known(this.telescopeAzimuth());
+    // Whoever sees only what is public is not told of what turns and what does not.
+    const blind = signals.azimuth === undefined && !device.rights.includes("view");
+    // One word of its controller is no proof, and is not shown as one.
+    const judged = this.judged();
+    const doubted = roof === "closed" && judged !== undefined && !judged.closed;
+    const { buttons, forms } = domeDeeds(device);
+    return html`<section class="two" aria-label="Dome">
+      <div class="card">
+        <t-dome-drawing
+          .roof=${roof}
+          .azimuth=${azimuth.fresh ? azimuth.value : Number.NaN}
+          .opening=${opening.fresh && roof !== "unknown" ? opening.value / 100 : Number.NaN}
+          .telescope=${telescope.fresh ? telescope.value : Number.NaN}
+          .turns=${turns || blind}
+          .blind=${blind}
+          .segments=${this.openings()}
+          ?turning=${this.isOn(signals.turning) === true}
+        ></t-dome-drawing>
+        ${!turns
+          ? nothing
+          : html`<p class="note">
+              Seen from the south and from a little above; the plan beside it from straight above.${telescope.fresh ? " The line in the plan is where the telescope looks." : ""}
+            </p>`}
+      </div>
+      <div class="card">
+        <div class="head">
+          <t-status class="big" kind=${doubted ? "warn" : SAID[roof].kind} .word=${doubted ? "Says closed" : SAID[roof].word}></t-status>
+          ${!turns
+            ? nothing
+            : html`<span>looking to <strong>${azimuth.fresh ? formatAzimuth(azimuth.value) : "an unknown azimuth"}</strong></span>`}
+        </div>
+        ${this.proof(roof)}
+        <div class="readings">
+          ${map([turns ? signals.azimuth : undefined, signals.opening, ...this.positions(), signals.parked, signals.local], (signal) => this.reading(signal))}
+        </div>
+        ${this.lookOnly()}
+        <t-deeds .site=${this.site} .device=${device} .line=${this.line} .deeds=${buttons} .online=${this.online}></t-deeds>
+        ${map(
+          forms,
+          (command) => html`<t-command-card
+            .site=${this.site}
+            .device=${device}
+            .command=${command}
+            .line=${this.line}
+            .online=${this.online}
+          ></t-command-card>`,
+        )}
+      </div>
+    </section>`;
+  }
+
+  /** Parked is not closed, and neither is the command's success: the sensors say it. */
+  private proof(roof: ShutterState): unknown {
+    const judged = this.judged();
+    if (judged === undefined) return nothing;
+    if (judged.closed) return html`<t-status kind="ok" word="Every sensor says closed"></t-status>`;
+    if (judged.disagree) {
+      return html`<t-status kind="bad" word="Its sensors disagree: it counts as not closed"></t-status>
+        <p class="note">${judged.said}</p>`;
+    }
+    return html`<t-status
+        kind=${roof === "closed" || roof === "unknown" ? "warn" : "unknown"}
+        word=${roof === "closed" ? "Not every sensor says closed" : "Not closed by its sensors"}
+      ></t-status>
+      <p class="note">${judged.said}</p>`;
+  }
+
+  /** What all its sensors say together; undefined where no enclosure is described. */
+  private judged(): { readonly closed: boolean; readonly disagree: boolean; readonly said: string } | undefined {
+    const enclosure = this.enclosure();
+    if (enclosure === undefined) return undefined;
+    const [whole = [], ...segments] = [enclosure, ...enclosure.segments].map(({ closed }) => closed.map((one) => this.sensor(one)));
+    const flap = enclosure.flap?.closed.map((one) => this.sensor(one)) ?? [];
+    const lines = [...whole, ...segments.flat(), ...flap];
+    return {
+      closed: lines.every(({ closed }) => closed === true),
+      disagree: sensorsDisagree(whole, segments, [flap]),
+      said: lines.map(({ name, word }) => `${name}: ${word}`).join(", "),
+    };
+  }
+
+  private sensor(sighting: SightingInfo): RoofSensor {
+    const found = this.signalAt(sighting.signal);
+    const { fresh, word, value } = this.known(found);
+    const name = found?.name ?? sighting.signal;
+    if (!fresh) return { name, word: "unknown", closed: null };
+    if (found?.type !== "number") return { name, word, closed: sighting.states.includes(word) };
+    const inside = (sighting.above === null || value > sighting.above) && (sighting.below === null || value < sighting.below);
+    return { name, word: formatWithUnit(value, found.unit, found.decimals), closed: inside };
+  }
+
+  /** How far each segment is open, 0 to 1, west first; empty where it has none, or one does not say. */
+  private openings(): readonly number[] {
+    const segments = this.enclosure()?.segments ?? [];
+    return segments.map(({ position }) => {
+      const { fresh, value } = this.known(this.signalAt(position));
+      return fresh ? value / 100 : Number.NaN;
+    });
+  }
+
+  /** What says how far segments and flap are open. */
+  private positions(): readonly (SignalInfo | undefined)[] {
+    const enclosure = this.enclosure();
+    const parts = enclosure === undefined ? [] : partsOf(enclosure);
+    const flap = enclosure?.flap?.position === "" ? enclosure.flap.closed.map(({ signal }) => signal) : [];
+    return [...parts.map(({ position }) => position).filter((each) => each !== ""), ...flap].map((each) => this.signalAt(each));
+  }
+
+  private reading(signal: SignalInfo | undefined): unknown {
+    return signal === undefined ? nothing : html`<t-signal-value size="m" .site=${this.site} .signal=${signal}></t-signal-value>`;
+  }
+
+  private signals(): DomeSignals {
+    return domeSignals(this.device ?? NO_DEVICE);
+  }
+
+  private roof({ shutter }: DomeSignals): ShutterState {
+    const now = this.known(shutter);
+    return now.fresh ? shutterOf(now.word) : "unknown";
+  }
+
+  /** The roof that this device moves, if the description has one. */
+  private enclosure(): EnclosureInfo | undefined {
+    return this.detail?.enclosures.find(({ close }) => close.startsWith(`${this.device?.id ?? ""}/`));
+  }
+
+  private sensors(): readonly (SignalInfo | undefined)[] {
+    const enclosure = this.enclosure();
+    if (enclosure === undefined) return [];
+    const all = [enclosure, ...partsOf(enclosure)];
+    return [
+      ...all.flatMap(({ closed }) => closed.map(({ signal }) => signal)),
+      ...all.map(({ position }) => position).filter((each) => each !== ""),
+    ].map((each) => this.signalAt(each));
+  }
+
+  private signalAt(address: string): SignalInfo | undefined {
+    return this.detail?.devices.flatMap(({ signals }) => signals).find((signal) => signal.address === address);
+  }
+
+  private telescopeAzimuth(): SignalInfo | undefined {
+    const telescopes = this.detail?.devices.filter(({ kind }) => kind === "telescope") ?? [];
+    return telescopes.length === 1 && telescopes[0] !== undefined ? telescopeSignals(telescopes[0]).az : undefined;
+  }
+}
+
+function partsOf({ segments, flap }: EnclosureInfo): readonly PartInfo[] {
+  return flap === null ? segments : [...segments, flap];
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-part-dome": DomePart;
+  }
+}

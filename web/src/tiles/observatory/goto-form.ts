@@ -1,0 +1,338 @@
+/** Where the telescope shall look: by name or by coordinates, how it stands tonight, and the way there. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import type { CommandLine } from "../../controllers/drive/command-client.js";
+import { base } from "../../elements/base/base-style.js";
+import { checkArgument, startOf, type ArgumentValue } from "../../elements/command/argument-check.js";
+import { formatNumber } from "../../format/number.js";
+import { adviceFor } from "../../format/error-advice.js";
+import { formatAzimuth, formatDec, formatRa } from "../../format/sexagesimal.js";
+import { formatClock } from "../../format/time.js";
+import { typedText } from "../../format/form-values.js";
+import { moonFrom, sunFrom } from "../../sky/sun-and-moon.js";
+import { nightOf, visibilityOf, visibilityWords, type Night, type Visibility } from "../../sky/night-visibility.js";
+import type { Place } from "../../sky/coordinates.js";
+import { apiContext } from "../../state/contexts.js";
+import type { DeviceInfo } from "../../wire/api-types.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { partStyle } from "./device-part.js";
+import type { Deed, Slew } from "./roles.js";
+import { aimOf, catalogueTarget, ownTargets, refusalOf, typedTarget, type Target } from "./sky-target.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/choice.js";
+import "../../elements/forms/field.js";
+import "../../elements/base/icon.js";
+import "../../elements/observatory/night-curve.js";
+import "../../elements/feedback/problem.js";
+import "../command/command-buttons.js";
+
+const WAYS = [
+  { id: "name", label: "By name" },
+  { id: "place", label: "By coordinates" },
+] as const;
+const EQUINOXES = [
+  { id: "j2000", label: "J2000" },
+  { id: "date", label: "of date" },
+] as const;
+const EVERY_MS = 60_000;
+
+/** @fires t-target detail is the target that was chosen, or null */
+@customElement("t-goto")
+export class Goto extends LitElement {
+  static override styles = [
+    base,
+    partStyle,
+    css`
+      form {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      .pair {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr) minmax(0, 1fr) auto;
+        align-items: start;
+        gap: var(--t-space-3);
+      }
+      /* Beside the field itself, whatever stands above and below that. */
+      form t-button {
+        margin-block-start: calc(var(--t-size-s) * 1.45 + var(--t-space-1));
+      }
+      .one {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr) auto;
+        align-items: start;
+        gap: var(--t-space-3);
+      }
+      fieldset {
+        display: grid;
+        gap: var(--t-space-1);
+        margin: 0;
+        padding: 0;
+        border: 0;
+        min-inline-size: 0;
+      }
+      legend {
+        padding: 0;
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+      }
+      label {
+        display: grid;
+        grid-template-columns: auto minmax(0, 1fr);
+        gap: 0 var(--t-space-3);
+        align-items: center;
+        min-block-size: var(--t-touch);
+        cursor: pointer;
+      }
+      input[type="radio"] {
+        inline-size: 1.2rem;
+        block-size: 1.2rem;
+        margin: 0;
+      }
+      dl {
+        display: grid;
+        grid-template-columns: auto minmax(0, 1fr);
+        gap: var(--t-space-1) var(--t-space-4);
+        margin: 0;
+      }
+      dt {
+        color: var(--t-muted);
+      }
+      dd {
+        margin: 0;
+        font-variant-numeric: tabular-nums;
+      }
+      .warn {
+        display: grid;
+        grid-template-columns: auto minmax(0, 1fr);
+        gap: var(--t-space-2);
+        color: var(--t-warn);
+        font-weight: var(--t-weight-strong);
+      }
+      @media (max-width: 45rem) {
+        .pair t-button {
+          grid-column: 1 / -1;
+          margin-block-start: 0;
+        }
+        .pair {
+          grid-template-columns: minmax(0, 1fr) minmax(0, 1fr);
+        }
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) device: DeviceInfo | null = null;
+  @property({ attribute: false }) line: CommandLine | null = null;
+  @property({ type: Boolean }) online = true;
+  @property({ attribute: false }) place: Place | null = null;
+  @property({ attribute: false }) slew: Slew | null = null;
+  @property() zone = "UTC";
+  /** The moment (ms since 1970). */
+  @property({ type: Number }) ms = 0;
+
+  @state() private way: "name" | "place" = "name";
+  @state() private dated = false;
+  @state() private found: readonly Target[] | null = null;
+  @state() private target: Target | null = null;
+  @state() private problem = "";
+  @state() private busy = false;
+  @state() private failure: unknown = null;
+  @query("form") private readonly form!: HTMLFormElement;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private night: { night: Night; seen: Visibility; moon: readonly number[] } | null = null;
+  private computed = 0;
+
+  override willUpdate(): void {
+    if (this.target === null || this.place === null) this.night = null;
+    else if (this.night === null || this.ms - this.computed >= EVERY_MS) this.compute(this.target, this.place);
+  }
+
+  private compute(target: Target, place: Place): void {
+    const night = nightOf(target.at(this.ms), place, this.ms);
+    const moon = night.points.map(({ ms }) => moonFrom(place, ms).alt);
+    this.night = { night, seen: visibilityOf(night, this.limits.horizon), moon };
+    this.computed = this.ms;
+  }
+
+  override render(): TemplateResult {
+    return html`<section class="card" aria-labelledby="to">
+      <h2 id="to">Go to</h2>
+      <form novalidate @submit=${this.submitted}>
+        <t-choice label="How to say where to" .options=${WAYS} .chosen=${this.way} @t-choose=${this.turnTo}></t-choice>
+        ${this.way === "name" ? this.byName() : this.byPlace()}
+      </form>
+      ${this.failure === null ? nothing : this.failed()} ${this.choices()}
+      ${this.target === null ? nothing : this.about(this.target)}
+    </section>`;
+  }
+
+  private byName(): TemplateResult {
+    return html`<div class="one">
+      <t-field label="Name" hint="M 31, NGC 7000, Orion Nebula, Vega, α Lyr, Moon" .error=${this.problem}>
+        <input name="name" autocomplete="off" autocapitalize="off" spellcheck="false" maxlength="60" />
+      </t-field>
+      <t-button type="submit" ?busy=${this.busy}>Find</t-button>
+    </div>`;
+  }
+
+  private byPlace(): TemplateResult {
+    return html`<div class="pair">
+        <t-field label="Right ascension" hint="05:34:32 or 5.5756 (h)" .error=${this.problem.startsWith("Right") ? this.problem : ""}>
+          <input name="ra" autocomplete="off" spellcheck="false" maxlength="40" />
+        </t-field>
+        <t-field label="Declination" hint="−05:23:28 or −5.39 (°)" .error=${this.problem.startsWith("Decl") ? this.problem : ""}>
+          <input name="dec" autocomplete="off" spellcheck="false" maxlength="40" />
+        </t-field>
+        <t-button type="submit">Look</t-button>
+      </div>
+      <t-choice label="Equinox" .options=${EQUINOXES} .chosen=${this.dated ? "date" : "j2000"} @t-choose=${this.turnEquinox}></t-choice>`;
+  }
+
+  private failed(): TemplateResult {
+    const advice = adviceFor(this.failure, "the catalogue of names");
+    return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+  }
+
+  private choices(): unknown {
+    const { found } = this;
+    if (found === null || found.length < 2) return nothing;
+    return html`<fieldset>
+      <legend>Which one?</legend>
+      ${map(
+        found,
+        (one, i) => html`<label
+          ><input type="radio" name="which" .value=${String(i)} .checked=${one === this.target} @change=${this.picked} /><span><strong>${one.name}</strong> <span class="muted">${one.about}</span></span></label
+        >`,
+      )}
+    </fieldset>`;
+  }
+
+  private about(target: Target): TemplateResult {
+    const { place, night } = this;
+    const dated = target.at(this.ms);
+    const aim = place === null ? null : aimOf(target, place, this.ms);
+    const refusal = aim === null || place === null ? "" : refusalOf(aim, place, this.ms, this.limits);
+    const words =
+      aim === null || place === null || night === null
+        ? ""
+        : visibilityWords(aim, sunFrom(place, this.ms).alt, night.seen, this.limits.horizon, (ms) => formatClock(ms * 1000, this.zone).slice(0, 5));
+    return html`<div>
+        <h3>${target.name}</h3>
+        <p class="muted">${target.about}</p>
+      </div>
+      <dl>
+        ${target.j2000 === null ? nothing : html`<dt>J2000</dt><dd>${formatRa(target.j2000.ra)} ${formatDec(target.j2000.dec)}</dd>`}
+        <dt>Of date</dt>
+        <dd>${formatRa(dated.ra)} ${formatDec(dated.dec)}</dd>
+        ${aim === null ? nothing : html`<dt>Now</dt><dd>${formatNumber(aim.alt, 1)}° high, azimuth ${formatAzimuth(aim.az)}</dd>`}
+      </dl>
+      ${night === null
+        ? html`<p class="note">How it stands tonight needs the site's place, which is not open to you.</p>`
+        : html`<p>${words}</p>
+            <t-night-curve
+              .night=${night.night}
+              .seen=${night.seen}
+              .moon=${night.moon}
+              .limit=${this.limits.horizon}
+              .ms=${this.ms}
+              .zone=${this.zone}
+              .words=${words}
+            ></t-night-curve>`}
+      ${refusal === "" ? nothing : html`<p class="warn"><t-icon name="warn"></t-icon><span>${refusal}</span></p>`} ${this.send(target, dated)}`;
+  }
+
+  private send(target: Target, { ra, dec }: { ra: number; dec: number }): unknown {
+    const { slew } = this;
+    if (slew === null) return html`<p class="note">You may look, but not send the telescope there.</p>`;
+    const others = slew.command.arguments.filter(({ id }) => id !== slew.ra && id !== slew.dec);
+    const inDegrees = slew.command.arguments.find(({ id }) => id === slew.ra)?.unit === "°";
+    const args: Record<string, ArgumentValue> = { [slew.ra]: inDegrees ? ra * 15 : ra, [slew.dec]: dec };
+    for (const other of others) {
+      const start = checkArgument(other, startOf(other));
+      if (start.ok) args[other.id] = start.value;
+    }
+    const deeds: readonly Deed[] = [{ command: slew.command, args, label: `${slew.command.name} ${target.name}`, kind: "primary" }];
+    return html`<t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>`;
+  }
+
+  private get limits(): { horizon: number; sun: number } {
+    return { horizon: this.device?.pointing?.horizon ?? 0, sun: this.device?.pointing?.sun ?? 0 };
+  }
+
+  private choose(target: Target | null): void {
+    this.target = target;
+    this.night = null;
+    this.dispatchEvent(new CustomEvent("t-target", { detail: target }));
+  }
+
+  private readonly picked = (event: Event): void => {
+    if (event.target instanceof HTMLInputElement) this.choose(this.found?.[Number(event.target.value)] ?? null);
+  };
+
+  private readonly turnTo = (event: CustomEvent<string>): void => {
+    this.way = event.detail === "place" ? "place" : "name";
+    this.problem = "";
+    this.found = null;
+  };
+
+  private readonly turnEquinox = (event: CustomEvent<string>): void => {
+    this.dated = event.detail === "date";
+    if (this.target !== null) this.look();
+  };
+
+  private readonly submitted = (event: Event): void => {
+    event.preventDefault();
+    this.problem = "";
+    this.failure = null;
+    if (this.way === "place") this.look();
+    else void this.find(this.typed("name"));
+  };
+
+  private typed(name: string): string {
+    return typedText(new FormData(this.form), name);
+  }
+
+  private look(): void {
+    const made = typedTarget(this.typed("ra"), this.typed("dec"), this.dated);
+    this.found = null;
+    this.problem = typeof made === "string" ? made : "";
+    this.choose(typeof made === "string" ? null : made);
+  }
+
+  private async find(name: string): Promise<void> {
+    if (name === "") {
+      this.problem = "Write a name.";
+      return;
+    }
+    this.busy = true;
+    const own = ownTargets(name);
+    try {
+      const { available, objects } = await this.api.sky(this.site, name);
+      this.found = [...own, ...objects.map(catalogueTarget)];
+      if (this.found.length === 0) {
+        this.problem = available
+          ? `Nothing goes by the name ${name}. Planets and comets are not in the catalogue: give their coordinates.`
+          : `This hub knows the bright stars and the Moon only: install talaia[observatory] on it for NGC, IC and Messier.`;
+      }
+    } catch (error) {
+      this.found = own;
+      if (own.length === 0) this.failure = error;
+    }
+    this.busy = false;
+    this.choose(this.found[0] ?? null);
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-goto": Goto;
+  }
+  interface GlobalEventHandlersEventMap {
+    "t-target": CustomEvent<Target | null>;
+  }
+}

@@ -1,0 +1,181 @@
+/**
+ * Whether the weather lets the roof open: the word of the interlocks that decide, and by which
+ * numbers. It is never kinder than what is known: what is missing or old makes it *unknown*. Pure.
+ */
+
+import type { InterlockNews } from "../../generated/wire.js";
+import { formatWithUnit } from "../../format/unit.js";
+import type { LimitInfo, RuleInfo, SignalInfo } from "../../wire/api-types.js";
+
+export type VerdictWord = "safe" | "warn" | "wait" | "unsafe" | "overridden" | "unknown" | "none";
+
+export const VERDICT_WORDS: Readonly<Record<VerdictWord, string>> = {
+  safe: "Safe",
+  warn: "Warning",
+  wait: "Wait",
+  unsafe: "Unsafe",
+  overridden: "Overridden",
+  unknown: "Unknown",
+  none: "No rule",
+};
+/** The shape and colour that a status shows it with. */
+export const VERDICT_KINDS: Readonly<Record<VerdictWord, "ok" | "warn" | "bad" | "unknown">> = {
+  safe: "ok",
+  warn: "warn",
+  wait: "warn",
+  unsafe: "bad",
+  overridden: "warn",
+  unknown: "unknown",
+  none: "unknown",
+};
+
+/** What is known of a signal now. */
+export interface Known {
+  readonly fresh: boolean;
+  readonly value: number;
+  /** Of a state: its word. */
+  readonly word: string;
+}
+
+export interface LimitLine {
+  readonly rule: string;
+  readonly name: string;
+  readonly signal: string;
+  readonly stands: "fine" | "beyond" | "returning" | "unknown";
+  readonly now: string;
+  readonly limit: string;
+  /** How far it is on the way to its limit, 0 to 1; NaN for states and for limits below. */
+  readonly part: number;
+}
+
+export interface Verdict {
+  readonly word: VerdictWord;
+  /** The first cause, as a sentence. */
+  readonly why: string;
+  readonly since_us: number;
+  readonly rule: string;
+}
+
+/** The rules of which a condition is about this device. */
+export function rulesAbout(rules: readonly RuleInfo[], device: string): readonly RuleInfo[] {
+  return rules.filter(({ conditions }) =>
+    conditions.some(({ limits }) => limits.some(({ signal }) => signal.startsWith(`${device}/`))),
+  );
+}
+
+/** Each limit that these rules set for a device's signals, with how it stands. */
+export function limitLines(
+  rules: readonly RuleInfo[], device: string, signals: readonly SignalInfo[], known: (signal: SignalInfo) => Known,
+): readonly LimitLine[] {
+  const lines = rules.flatMap((rule) =>
+    rule.conditions.flatMap(({ limits, lasting }) =>
+      limits
+        .filter(({ signal }) => signal.startsWith(`${device}/`))
+        .flatMap((limit) => {
+          const signal = signals.find(({ address }) => address === limit.signal);
+          if (signal === undefined) return [];
+          const other = signals.find(({ address }) => address === (limit.minus || limit.humidity));
+          const now = limit.minus + limit.humidity === "" ? known(signal) : apart(known(signal), other && known(other), limit.humidity !== "");
+          const less = limit.humidity !== "" ? "dew point" : other?.name;
+          return [
+            {
+              rule: rule.name,
+              name: less === undefined ? signal.name : `${signal.name} minus ${less}`,
+              signal: signal.address,
+              stands: standsOf(limit, now),
+              now: now.fresh ? (signal.type === "state" ? now.word : formatWithUnit(now.value, signal.unit, signal.decimals)) : "unknown",
+              limit: limitWords(limit, signal, lasting),
+              part: now.fresh && limit.above !== null && limit.above > 0 ? now.value / limit.above : Number.NaN,
+            },
+          ];
+        }),
+    ),
+  );
+  const rank = { beyond: 0, unknown: 1, returning: 2, fine: 3 } as const;
+  return [...lines].sort((a, b) => rank[a.stands] - rank[b.stands]);
+}
+
+/** How far two values are apart, or a temperature (°C) from the dew point at a humidity (%). */
+function apart(one: Known, other: Known | undefined, humid: boolean): Known {
+  const value = one.value - (humid ? dewPoint(one.value, other?.value ?? Number.NaN) : (other?.value ?? Number.NaN));
+  return { fresh: one.fresh && other?.fresh === true && !Number.isNaN(value), value, word: "" };
+}
+
+/** As the gateway computes it: the Magnus form with the coefficients of Alduchov and Eskridge (1996). */
+function dewPoint(temperature: number, humidity: number): number {
+  if (!(humidity > 0)) return Number.NaN;
+  const gamma = Math.log(Math.min(humidity, 100) / 100) + (17.625 * temperature) / (243.04 + temperature);
+  return (243.04 * gamma) / (17.625 - gamma);
+}
+
+function standsOf(limit: LimitInfo, { fresh, value, word }: Known): LimitLine["stands"] {
+  if (!fresh) return "unknown";
+  if (limit.states.length > 0 && limit.states.includes(word)) return "beyond";
+  if (limit.safe_states.length > 0 && !limit.safe_states.includes(word)) return "beyond";
+  if ((limit.above !== null && value > limit.above) || (limit.below !== null && value < limit.below)) return "beyond";
+  // Between the limit that closes and the one that lets go again: what it means, the gateway knows.
+  const high = limit.until_below !== null && value >= limit.until_below;
+  const low = limit.until_above !== null && value <= limit.until_above;
+  return high || low ? "returning" : "fine";
+}
+
+function limitWords(limit: LimitInfo, { unit, decimals }: SignalInfo, lasting: number): string {
+  const say = (value: number): string => formatWithUnit(value, unit, Number.isInteger(value) ? 0 : decimals);
+  const parts = [
+    limit.above === null ? "" : `above ${say(limit.above)}${limit.until_below === null ? "" : ` until below ${say(limit.until_below)}`}`,
+    limit.below === null ? "" : `below ${say(limit.below)}${limit.until_above === null ? "" : ` until above ${say(limit.until_above)}`}`,
+    limit.states.length === 0 ? "" : `when ${limit.states.join(" or ")}`,
+    limit.safe_states.length === 0 ? "" : `unless ${limit.safe_states.join(" or ")}`,
+  ].filter((part) => part !== "");
+  return (parts.length === 0 ? "when unknown" : parts.join(", ")) + (lasting > 0 ? ` for ${String(lasting)} s` : "");
+}
+
+/** What decides, of these rules' news, and the lines by which. */
+export function verdictOf(
+  online: boolean, rules: readonly RuleInfo[], news: (rule: RuleInfo) => InterlockNews | undefined, lines: readonly LimitLine[],
+): Verdict {
+  const none = { why: "", since_us: 0, rule: "" };
+  if (!online) return { ...none, word: "unknown", why: "Nothing comes from the site: how the weather is, nobody knows here." };
+  if (rules.length === 0) return { ...none, word: "none" };
+  const missing = lines.find(({ stands }) => stands === "unknown");
+  const told = rules.map((rule) => ({ rule, said: news(rule) }));
+  const bad = told.find(({ said }) => said?.unsafe === true && said.overridden_by === "");
+  if (bad?.said !== undefined) {
+    const word = missing === undefined ? "unsafe" : "unknown";
+    return { word, why: bad.said.why === "" ? causeOf(lines) : `${bad.said.why}.${nowOf(bad.said.why, lines)}`, since_us: bad.said.since_us, rule: bad.rule.name };
+  }
+  const over = told.find(({ said }) => (said?.overridden_by ?? "") !== "");
+  if (over?.said !== undefined) {
+    const why = `${over.said.overridden_by} has overridden ${over.rule.name}.`;
+    return { word: "overridden", why, since_us: 0, rule: over.rule.name };
+  }
+  if (missing !== undefined) {
+    return { ...none, word: "unknown", why: `${missing.name} is unknown, and that counts as unsafe.`, rule: missing.rule };
+  }
+  const silent = told.find(({ said }) => said === undefined);
+  if (silent !== undefined) {
+    return { ...none, word: "unknown", why: `The gateway has not said yet how ${silent.rule.name} stands.`, rule: silent.rule.name };
+  }
+  const waits = told.find(({ said }) => said?.locked === true);
+  if (waits?.said !== undefined) {
+    return { word: "wait", why: "Safe now, but not for long enough yet.", since_us: waits.said.since_us, rule: waits.rule.name };
+  }
+  const beyond = lines.find(({ stands }) => stands === "beyond");
+  if (beyond !== undefined) {
+    return { ...none, word: "warn", why: `${beyond.name} is ${beyond.now}, beyond its limit (${beyond.limit}).`, rule: beyond.rule };
+  }
+  const nearest = lines.filter(({ part }) => part > 0).sort((a, b) => b.part - a.part)[0];
+  const near = nearest === undefined ? "" : ` Nearest to its limit: ${nearest.name}, ${nearest.now} (unsafe ${nearest.limit}).`;
+  return { ...none, word: "safe", why: `Every value is within its limits.${near}` };
+}
+
+/** The number behind a reason that names a limit only. */
+function nowOf(why: string, lines: readonly LimitLine[]): string {
+  const line = lines.find(({ name, part }) => why.startsWith(name) && !Number.isNaN(part));
+  return line === undefined || why.includes(line.now) ? "" : ` Now ${line.now}.`;
+}
+
+function causeOf(lines: readonly LimitLine[]): string {
+  const worst = lines[0];
+  return worst === undefined || worst.stands === "fine" ? "" : `${worst.name}: ${worst.now} (closes ${worst.limit}).`;
+}

@@ -1,0 +1,107 @@
+/** STOP (software) tied to its line: `t-stop` is the panel, `t-stop-bar` the button alone. */
+
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import type { StopLine } from "../../controllers/drive/stop-client.js";
+import "../../elements/stop/stop-button.js";
+import "../../elements/stop/stop-state.js";
+
+/** Draws an element again when its line changes, and while time matters. */
+abstract class OnStopLine extends LitElement {
+  @property({ attribute: false }) line: StopLine | null = null;
+  private stopWatching: (() => void) | null = null;
+  private watched: StopLine | null = null;
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.stopWatching?.();
+    this.stopWatching = null;
+    this.watched = null;
+  }
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    this.requestUpdate();
+  }
+
+  override willUpdate(): void {
+    if (this.watched === this.line) return;
+    this.stopWatching?.();
+    this.watched = this.line;
+    this.stopWatching =
+      this.line?.watch(() => {
+        this.requestUpdate();
+      }) ?? null;
+  }
+}
+
+@customElement("t-stop-bar")
+export class StopBar extends OnStopLine {
+  override render(): TemplateResult | typeof nothing {
+    const { line } = this;
+    if (!line) return nothing;
+    return html`<t-stop-button
+      .stop=${{ phase: line.desk.phase, waiting: line.waiting }}
+      .online=${line.online}
+      @t-stop=${this.press}
+    ></t-stop-button>`;
+  }
+
+  private readonly press = (): void => {
+    this.line?.press();
+  };
+}
+
+@customElement("t-stop")
+export class StopPanel extends OnStopLine {
+  @property() zone = "UTC";
+  /** Epoch of my lease; 0 without one. */
+  @property({ type: Number }) epoch = 0;
+  @property({ type: Boolean, attribute: "may-use" }) mayUse = false;
+
+  override render(): TemplateResult | typeof nothing {
+    const { line } = this;
+    if (!line) return nothing;
+    const { desk } = line;
+    return html`<t-stop-state
+      .phase=${desk.phase}
+      .who=${desk.latched?.who ?? ""}
+      .time=${desk.latched?.time_us ?? 0}
+      .zone=${this.zone}
+      .answered=${desk.answeredIn ?? Number.NaN}
+      .trouble=${desk.trouble}
+      .online=${line.online}
+      .step=${desk.reset.kind}
+      .armed=${line.armedFor}
+      .hindrance=${this.hindrance()}
+      @t-reset-ask=${this.ask}
+      @t-reset-go=${this.go}
+      @t-reset-keep=${this.keep}
+    ></t-stop-state>`;
+  }
+
+  private hindrance(): string {
+    if (!this.mayUse) return "Only people who may use this device can release STOP.";
+    if (this.line?.online !== true) return "The site is offline: STOP stays latched.";
+    return this.epoch === 0 ? "Take control first: whoever releases STOP answers for what moves next." : "";
+  }
+
+  private readonly ask = (): void => {
+    this.line?.askReset(this.epoch);
+  };
+
+  private readonly go = (): void => {
+    this.line?.release(this.epoch);
+  };
+
+  private readonly keep = (): void => {
+    this.line?.keepStopped();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-stop-bar": StopBar;
+    "t-stop": StopPanel;
+  }
+}

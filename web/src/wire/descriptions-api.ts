@@ -1,0 +1,69 @@
+/** What may be asked of the hub about a site's description. */
+
+import type {
+  ChangeAnswer,
+  CheckAnswer,
+  DescriptionList,
+  DescriptionText,
+  DifferenceAnswer,
+  EditAnswer,
+} from "../generated/api.js";
+import type { HubApi } from "./hub-api.js";
+
+export type {
+  ChangeAnswer,
+  CheckAnswer,
+  DescriptionList,
+  DescriptionText,
+  DifferenceAnswer,
+  DifferenceShape as DifferencePart,
+  EditAnswer,
+  FindingShape as Finding,
+  VersionShape as Version,
+} from "../generated/api.js";
+
+/** A JSON schema, or a part of one. */
+export type Schema = Readonly<Record<string, unknown>>;
+
+export class DescriptionsApi {
+  constructor(private readonly hub: Pick<HubApi, "ask">) {}
+
+  /** @param below only versions below this number; 0 for the newest */
+  list(site: string, below = 0): Promise<DescriptionList> {
+    return this.hub.ask("GET", `${at(site)}${below > 0 ? `?below=${String(below)}` : ""}`);
+  }
+
+  text(site: string, number: number): Promise<DescriptionText> {
+    return this.hub.ask("GET", `${at(site)}/${String(number)}`);
+  }
+
+  difference(site: string, before: number, after: number): Promise<DifferenceAnswer> {
+    return this.hub.ask("GET", `${at(site)}/${String(before)}/difference?to=${String(after)}`);
+  }
+
+  /** @param against the version that it is held against; 0 for none */
+  check(site: string, text: string, against: number, signal?: AbortSignal): Promise<CheckAnswer> {
+    return this.hub.ask("POST", `${at(site)}/check`, { text, against }, { signal });
+  }
+
+  /** The text that says `wanted` instead of what it says: comments and order stay. */
+  edit(site: string, text: string, wanted: object): Promise<EditAnswer> {
+    return this.hub.ask("POST", `${at(site)}/edit`, { text, site: wanted });
+  }
+
+  send(site: string, text: string, base: string): Promise<ChangeAnswer> {
+    return this.hub.ask("POST", at(site), { text, base });
+  }
+
+  restore(site: string, number: number, base: string): Promise<ChangeAnswer> {
+    return this.hub.ask("POST", `${at(site)}/${String(number)}/restore`, { base });
+  }
+
+  schema(): Promise<Schema> {
+    return this.hub.ask("GET", "/api/description-schema");
+  }
+}
+
+function at(site: string): string {
+  return `/api/sites/${encodeURIComponent(site)}/descriptions`;
+}

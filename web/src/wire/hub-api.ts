@@ -1,0 +1,207 @@
+/** The hub's HTTP interface as functions. */
+
+import type {
+  AnomalyList, DeviceRow, EventList, History, OutlierList, Person, SiteDetail, SiteRow, SkyList, StatisticsList, StoredInfo,
+} from "./api-types.js";
+
+/** The hub answered, and the answer was no. */
+export class Refused extends Error {
+  constructor(
+    readonly status: number,
+    readonly code: string,
+    message: string,
+    /** Seconds until another try makes sense; 0 when the hub did not say. */
+    readonly retryAfter = 0,
+  ) {
+    super(message);
+  }
+}
+
+/** The hub did not answer. */
+export class Unreachable extends Error {}
+
+/** A stretch of time: µs since the epoch, UTC. */
+interface Window {
+  readonly fromUs: number;
+  readonly toUs: number;
+}
+
+/** What is asked of a chart's window. */
+export interface HistoryQuery extends Window {
+  readonly channels: readonly string[];
+  /** Pixels; at most two points come for each. */
+  readonly width: number;
+}
+
+export type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
+
+/** With this header a question does not count as the person's doing: the session's idle time goes on. */
+const BACKGROUND = { "talaia-background": "1" } as const;
+
+/** What is said besides the question itself. */
+export interface AskOptions {
+  readonly signal?: AbortSignal | undefined;
+  /** Whether the page asks by itself; when not said, everything that changes nothing is taken so. */
+  readonly background?: boolean;
+}
+
+export class HubApi {
+  constructor(private readonly fetcher: typeof fetch = fetch.bind(globalThis)) {}
+
+  /**
+   * Who is signed in; null when nobody is.
+   *
+   * @param background false: the person asks, and the session lives longer for it
+   */
+  async me(background = true): Promise<Person | null> {
+    try {
+      return await this.ask<Person>("GET", "/api/me", undefined, { background });
+    } catch (error) {
+      if (error instanceof Refused && error.status === 401) return null;
+      throw error;
+    }
+  }
+
+  /** @param code the second factor's six digits, or a recovery code; empty when none was asked for */
+  login(name: string, password: string, code = ""): Promise<Person> {
+    return this.ask("POST", "/api/login", code === "" ? { name, password } : { name, password, code });
+  }
+
+  async logout(): Promise<void> {
+    await this.ask("POST", "/api/logout", {});
+  }
+
+  async setup(token: string, name: string, password: string): Promise<void> {
+    await this.ask("POST", "/api/setup", { token, name, password });
+  }
+
+  sites(): Promise<readonly SiteRow[]> {
+    return this.ask("GET", "/api/sites");
+  }
+
+  site(site: string): Promise<SiteDetail> {
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}`);
+  }
+
+  /** Every device that is open to the person, of every site. */
+  async devices(): Promise<readonly DeviceRow[]> {
+    return (await this.ask<{ devices: readonly DeviceRow[] }>("GET", "/api/devices")).devices;
+  }
+
+  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History> {
+    const search = windowQuery(query, query.channels);
+    search.set("width", String(Math.round(query.width)));
+    const path = `/api/sites/${encodeURIComponent(site)}/history?${search.toString()}`;
+    return this.ask("GET", path, undefined, { signal });
+  }
+
+  /** What a window (µs) amounts to, of every sample in it. */
+  statistics(site: string, channels: readonly string[], span: Window, signal?: AbortSignal): Promise<StatisticsList> {
+    const search = windowQuery(span, channels);
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/statistics?${search.toString()}`, undefined, { signal });
+  }
+
+  /** The quartiles of a window (µs), of every sample in it, and how many lie `k` times their distance beyond them. */
+  outliers(site: string, channels: readonly string[], span: Window, k: number, signal?: AbortSignal): Promise<OutlierList> {
+    const search = windowQuery(span, channels);
+    search.set("k", String(k));
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/outliers?${search.toString()}`, undefined, { signal });
+  }
+
+  /** What goes by a name in the hub's catalogue of the sky. */
+  sky(site: string, name: string): Promise<SkyList> {
+    const query = new URLSearchParams({ name }).toString();
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/sky?${query}`);
+  }
+
+  /** Channels that have history and that the site's description no longer has. */
+  async former(site: string): Promise<readonly StoredInfo[]> {
+    const path = `/api/sites/${encodeURIComponent(site)}/stored?former=true`;
+    return (await this.ask<{ channels: readonly StoredInfo[] }>("GET", path)).channels;
+  }
+
+  /** The anomaly detectors of a site, and what each says now. */
+  anomalies(site: string): Promise<AnomalyList> {
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/anomalies`);
+  }
+
+  /** Says that a detector's latest peak was no anomaly; gives whether it learned. */
+  async forgive(site: string, address: string, detector: string): Promise<boolean> {
+    const path = `/api/sites/${encodeURIComponent(site)}/anomalies/forgiven`;
+    return (await this.ask<{ learned: boolean }>("POST", path, { address, detector })).learned;
+  }
+
+  /** What happened in a window (µs), newest first. */
+  events(site: string, span: Window, limit: number, signal?: AbortSignal): Promise<EventList> {
+    const search = windowQuery(span);
+    search.set("limit", String(limit));
+    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/events?${search.toString()}`, undefined, { signal });
+  }
+
+  /**
+   * Asks the hub for anything; what is asked for often has a function of its own.
+   *
+   * @throws Refused when the hub says no
+   * @throws Unreachable when there is no hub, or something else answers in its place
+   */
+  async ask<T>(method: Method, path: string, body?: object, options: AskOptions = {}): Promise<T> {
+    // A touch of the page keeps the session (state/touched.ts); what pages ask for again and again does not.
+    const { signal, background = method === "GET" } = options;
+    const headers = new Headers({ accept: "application/json", ...(background ? BACKGROUND : {}) });
+    const request: RequestInit = { method, credentials: "same-origin", headers };
+    if (signal !== undefined) request.signal = signal;
+    if (body !== undefined) {
+      request.body = JSON.stringify(body);
+      headers.set("content-type", "application/json");
+    }
+    let response: Response;
+    try {
+      response = await this.fetcher(path, request);
+    } catch (error) {
+      if (signal?.aborted === true) throw error;
+      throw new Unreachable("The hub does not answer.", { cause: error });
+    }
+    if (response.ok) return (response.status === 204 ? undefined : await response.json()) as T;
+    if (response.status === 502 || response.status === 503 || response.status === 504) {
+      throw new Unreachable("The hub is not ready.");
+    }
+    throw await refusal(response);
+  }
+}
+
+function windowQuery({ fromUs, toUs }: Window, channels: readonly string[] = []): URLSearchParams {
+  const search = new URLSearchParams(channels.map((channel) => ["channel", channel]));
+  search.set("from_us", String(Math.max(0, Math.round(fromUs))));
+  search.set("to_us", String(Math.round(toUs)));
+  return search;
+}
+
+/** Where a file with a window's samples is to be had. */
+export interface ExportQuery extends HistoryQuery {
+  readonly format: "csv" | "parquet" | "arrow";
+}
+
+/** The address of a file of samples; `width` 0 for every sample, else what so many pixels show. */
+export function exportPath(site: string, query: ExportQuery): string {
+  const search = windowQuery(query, query.channels);
+  search.set("format", query.format);
+  if (query.width > 0) search.set("width", String(Math.round(query.width)));
+  return `/api/sites/${encodeURIComponent(site)}/export?${search.toString()}`;
+}
+
+async function refusal(response: Response): Promise<Refused> {
+  const retryAfter = Number(response.headers.get("retry-after") ?? "0") || 0;
+  let said: unknown = null;
+  try {
+    said = await response.json();
+  } catch {
+    // No JSON: the status alone has to speak.
+  }
+  const { code, message } = (said ?? {}) as { code?: unknown; message?: unknown };
+  return new Refused(
+    response.status,
+    typeof code === "string" ? code : "unknown",
+    typeof message === "string" ? message : `The hub answered ${String(response.status)}.`,
+    retryAfter,
+  );
+}

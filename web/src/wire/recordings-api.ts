@@ -1,0 +1,32 @@
+/** What may be asked of the hub about recordings of raw topics. */
+
+import type { RecordingListShape } from "../generated/api.js";
+import type { HubApi } from "./hub-api.js";
+
+export type {
+  RecorderShape as RecorderRow,
+  RecordingListShape as RecordingList,
+  RecordingShape as RecordingRow,
+} from "../generated/api.js";
+
+export class RecordingsApi {
+  constructor(private readonly hub: Pick<HubApi, "ask">) {}
+
+  list(site: string): Promise<RecordingListShape> {
+    return this.hub.ask("GET", `/api/sites/${encodeURIComponent(site)}/recordings`);
+  }
+
+  /** The gateway does it; whether it did is seen in the list. */
+  async record(site: string, on: boolean, why: string): Promise<void> {
+    await this.hub.ask("POST", `/api/sites/${encodeURIComponent(site)}/recordings`, { on, why });
+  }
+
+  async remove(site: string, recording: string): Promise<void> {
+    await this.hub.ask("DELETE", `/api/sites/${encodeURIComponent(site)}/recordings/${encodeURIComponent(recording)}`);
+  }
+}
+
+/** Where a recording's file is. */
+export function recordingPath(site: string, recording: string): string {
+  return `/api/sites/${encodeURIComponent(site)}/recordings/${encodeURIComponent(recording)}/file`;
+}

@@ -1,0 +1,29 @@
+/** What may be asked of the hub about what cameras have seen. */
+
+import type { SightingLabels, SightingList } from "../generated/api.js";
+import type { HubApi } from "./hub-api.js";
+
+export type { LabelShape as SeenLabel, SeenShape as Sighting } from "../generated/api.js";
+
+const at = (site: string, more = ""): string => `/api/sites/${encodeURIComponent(site)}/sightings${more}`;
+
+export class SightingsApi {
+  constructor(
+    private readonly hub: Pick<HubApi, "ask">,
+    private readonly site: string,
+  ) {}
+
+  /** @param query what is asked for, as the hub reads it */
+  find(query: string): Promise<SightingList> {
+    return this.hub.ask("GET", at(this.site, `?${query}`));
+  }
+
+  async labels(): Promise<SightingLabels["labels"]> {
+    return (await this.hub.ask<SightingLabels>("GET", at(this.site, "/labels"))).labels;
+  }
+}
+
+/** Where a sighting's picture is. */
+export function sightingPicturePath(site: string, id: string): string {
+  return at(site, `/${encodeURIComponent(id)}/picture`);
+}

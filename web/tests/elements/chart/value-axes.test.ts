@@ -1,0 +1,47 @@
+import { describe, expect, it } from "vitest";
+import { Axes } from "../../../src/elements/chart/value-axes.js";
+import { indentOf, type ChartSeries } from "../../../src/elements/chart/chart-model.js";
+import { Trace } from "../../../src/series/trace.js";
+
+const AXIS = { limits: { minimum: null, maximum: null }, least: 0 };
+const SPAN = { fromUs: 0, toUs: 10e6 };
+
+function series(address: string, unit: string, values: readonly number[], change: Partial<ChartSeries> = {}): ChartSeries {
+  const samples = new Trace(Infinity, 5e6);
+  values.forEach((value, i) => {
+    samples.take(i * 1e6, value);
+  });
+  return { address, name: address, unit, decimals: -1, colour: 0, samples, states: [], gaps: [], stale: false, ...change };
+}
+
+describe("value axes", () => {
+  const volts = series("v", "V", [11, 12], { colour: 2 });
+  const fast = series("a", "m/s", [0, 100]);
+  const slow = series("b", "m/s", [-100, 0]);
+
+  it("are one for all numbers, unless each unit is to have its own", () => {
+    const one = new Axes([volts, fast], false, AXIS);
+    expect(one.looks).toEqual([{ title: "", colour: -1 }]);
+    expect(one.ranges([volts, fast], SPAN, 1)).toHaveLength(1);
+    const many = new Axes([volts, fast, slow], true, AXIS);
+    expect(many.looks).toEqual([{ title: "V", colour: 2 }, { title: "m/s", colour: -1 }]);
+    const [v, speed] = many.ranges([volts, fast, slow], SPAN, 1);
+    expect(v?.low).toBeGreaterThan(10);
+    expect(v?.high).toBeLessThan(13);
+    expect(speed?.low).toBeLessThanOrEqual(-100);
+    expect([volts, fast, slow].map((one) => many.indexOf(one))).toEqual([0, 1, 1]);
+  });
+
+  it("are none beside states, and cover what another day holds", () => {
+    expect(new Axes([series("s", "", [0, 1], { states: ["off", "on"] })], true, AXIS).looks).toEqual([]);
+    const then = series("v", "V", [30, 40]);
+    const both = { ...volts, ghost: { samples: then.samples, shiftUs: 0 } };
+    expect(new Axes([both], false, AXIS).ranges([both], SPAN, 1)[0]?.high).toBeGreaterThanOrEqual(40);
+  });
+
+  it("take turns left and right, and leave a little room where there is none", () => {
+    expect([0, 1, 2, 4].map((axes) => indentOf(axes, 50))).toEqual([
+      { left: 10, right: 10 }, { left: 50, right: 10 }, { left: 50, right: 50 }, { left: 100, right: 100 },
+    ]);
+  });
+});

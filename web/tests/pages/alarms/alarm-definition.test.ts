@@ -1,0 +1,46 @@
+import { expect, test } from "vitest";
+import { definitionOf, FIELDS, fieldsOf, fits, idOf, labelOf } from "../../../src/pages/alarms/alarm-definition.js";
+import { historyAt, standing } from "../../../src/pages/alarms/alarm-labels.js";
+import type { AlarmNews } from "../../../src/generated/wire.js";
+
+test("a form says a definition, with only the keys of its kind", () => {
+  const said = definitionOf({ name: " Low ", kind: "limit", severity: "critical", signal: "power/voltage", below: "11,2", delay: "", expression: "x", record: "on" });
+  expect(said).toEqual({
+    definition: {
+      name: "Low", kind: "limit", severity: "critical", record: true, signal: "power/voltage", above: null, below: 11.2,
+      hysteresis: 0, delay: 0, clear_delay: 0, max_age: null, unknown_after: null, advice: "",
+      repeat: null, escalate: [], remind: null,
+    },
+  });
+  expect(definitionOf({ kind: "limit", above: "eleven" })).toEqual({ wrong: "above" });
+});
+
+test("a definition fills the form, and comes back as it was", () => {
+  const definition = { name: "Door", kind: "state", severity: "info", record: false, signal: "a/door", is_one_of: ["open", "ajar"], is_not: [], delay: 2, clear_delay: 0, max_age: null, unknown_after: 60, advice: "Shut it.", repeat: 60, escalate: [{ who: "eve", after: 300 }], remind: null } as const;
+  expect(definitionOf(fieldsOf(definition))).toEqual({ definition });
+});
+
+test("a short name is made of any name", () => {
+  expect(idOf("Battery low!")).toBe("battery_low");
+  expect(idOf("3 Tür offen")).toBe("tu_r_offen");
+  expect(idOf("温度")).toBe("alarm");
+});
+
+test("what cannot be judged is never called well", () => {
+  const one = { phase: "normal", known: false } as AlarmNews;
+  expect(standing(one, false)).toEqual(["unknown", "cannot be judged"]);
+  expect(standing({ ...one, known: true }, true)).toEqual(["ok", "well, shelved"]);
+  expect(standing({ ...one, phase: "active" }, false)[0]).toBe("bad");
+});
+
+test("an alarm leads to its chart at the moment when it was raised", () => {
+  const path = historyAt({ site: "agv", signals: ["power/voltage"], raised_us: 1000e6, cleared_us: 1010e6 });
+  expect(path).toBe("/sites/agv/history?c=power/voltage&from=880000000&to=1130000000");
+});
+
+test("a number is asked for in the signal's unit, and of the signals only those that fit", () => {
+  const above = FIELDS.find(({ name }) => name === "above");
+  if (above === undefined) throw new Error("there is no such field");
+  expect([labelOf(above, "V"), labelOf(above, "")]).toEqual(["Raised above (V)", "Raised above"]);
+  expect([fits("limit", "number"), fits("limit", "state"), fits("state", "text"), fits("state", "number"), fits("stale", "state")]).toEqual([true, false, true, false, true]);
+});

@@ -1,0 +1,34 @@
+import { describe, expect, test } from "vitest";
+import { formatBytes, frameQuery, NO_FILTER, placeProblem, readFilter, skyPlace, writeFilter } from "../../../src/pages/archive/archive-query.js";
+
+describe("the archive's question", () => {
+  test("is the same after a turn through the address bar", () => {
+    const filter = { ...NO_FILTER, night: "2026-11-20", target: "M 31 & co", ra: "10.68", dec: "-5", radius: "2" };
+    expect(readFilter(`?${writeFilter(filter)}`)).toEqual(filter);
+  });
+
+  test("leaves a place out that makes no sense, and says why", () => {
+    const wrong = { ...NO_FILTER, target: "M 31", ra: "400", dec: "1" };
+    expect(frameQuery(wrong, 48)).toBe("target=M+31&limit=48");
+    expect(placeProblem(wrong)).toContain("0 to 360");
+    expect(placeProblem({ ...NO_FILTER, ra: "1" })).toContain("both");
+    expect(placeProblem({ ...NO_FILTER, ra: "1", dec: "95" })).toContain("-90 to 90");
+    expect(placeProblem({ ...NO_FILTER, ra: "1", dec: "5", radius: "0" })).toContain("Radius");
+    expect(placeProblem({ ...NO_FILTER, ra: "1", dec: "5" })).toBe("");
+  });
+});
+
+describe("a place on the sky", () => {
+  test("is said in hours and degrees", () => {
+    expect(skyPlace(10.68479, 41.26906)).toBe("00h 42m 44s +41° 16′ 09″");
+    expect(skyPlace(0, -0.5)).toBe("00h 00m 00s −00° 30′ 00″");
+  });
+
+  test("never shows sixty seconds", () => {
+    expect(skyPlace(359.9999999, 59.99999999)).toBe("00h 00m 00s +60° 00′ 00″");
+  });
+});
+
+test("sizes are said in the unit that fits", () => {
+  expect([formatBytes(900), formatBytes(2_630_000), formatBytes(3.2e9)]).toEqual(["1 kB", "2.6 MB", "3.20 GB"]);
+});

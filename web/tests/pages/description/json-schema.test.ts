@@ -1,0 +1,134 @@
+import { describe, expect, it } from "vitest";
+import { differenceLines, differenceWords } from "../../../src/format/unified-diff.js";
+import { changedAt, emptyOf, fieldsOf, freeName, movedAt, pathOf, renamedAt, type JsonObject } from "../../../src/pages/description/json-schema.js";
+import { Edits } from "../../../src/state/edit-history.js";
+
+const ROOT = {
+  $ref: "#/$defs/Site",
+  $defs: {
+    Site: {
+      type: "object",
+      properties: {
+        zone: { type: "string", default: "UTC" },
+        name: { type: "string" },
+        devices: { type: "object", additionalProperties: { $ref: "#/$defs/Device" }, default: {} },
+        place: { anyOf: [{ $ref: "#/$defs/Place" }, { type: "null" }], default: null },
+      },
+      required: ["name"],
+    },
+    Device: {
+      type: "object",
+      properties: {
+        name: { type: "string" },
+        kind: { $ref: "#/$defs/Kind", default: "other" },
+        low: { anyOf: [{ type: "number" }, { type: "null" }], default: null, description: "the least" },
+      },
+      required: ["name"],
+    },
+    Kind: { enum: ["dome", "other"] },
+    Place: { type: "object", properties: { latitude: { type: "number" } }, required: ["latitude"] },
+  },
+};
+const SITE: JsonObject = { name: "S", devices: { base: { name: "Base", signals: { speed: { name: "Speed" }, mode: { name: "Mode" } } } } };
+
+describe("a form made of a schema", () => {
+  it("has a line for each property, what must be said first", () => {
+    const fields = fieldsOf(ROOT, ROOT);
+    expect(fields.map((field) => [field.key, field.kind, field.required])).toEqual([
+      ["name", "text", true],
+      ["zone", "text", false],
+      ["devices", "parts", false],
+      ["place", "part", false],
+    ]);
+  });
+
+  it("follows references, and tells choices and help", () => {
+    const device = fieldsOf(ROOT, { $ref: "#/$defs/Device" });
+    expect(device[1]).toMatchObject({ key: "kind", kind: "choice", choices: ["dome", "other"], standard: "other" });
+    expect(device[2]).toMatchObject({ key: "low", kind: "number", nullable: true, help: "the least" });
+  });
+
+  it("begins a new part with the least it has to say", () => {
+    expect(emptyOf(ROOT, { $ref: "#/$defs/Device" }, "rain_gauge")).toEqual({ name: "Rain gauge" });
+  });
+});
+
+describe("a change by path", () => {
+  it("sets and takes away without touching the rest", () => {
+    const set = changedAt(SITE, ["devices", "base", "name"], "B");
+    expect(set).toMatchObject({ devices: { base: { name: "B", signals: { speed: { name: "Speed" } } } } });
+    expect(SITE).toMatchObject({ devices: { base: { name: "Base" } } });
+    expect(changedAt(SITE, ["devices", "base"], undefined)).toEqual({ name: "S", devices: {} });
+  });
+
+  it("lets a renamed signal say what it was, at its place", () => {
+    const made = renamedAt(SITE, ["devices", "base", "signals", "speed"], "velocity") as never;
+    expect(Object.entries(made["devices"]["base"]["signals"])).toEqual([
+      ["velocity", { name: "Speed", was: "speed" }],
+      ["mode", { name: "Mode" }],
+    ]);
+  });
+
+  it("gives no part the name of another", () => {
+    expect(renamedAt(SITE, ["devices", "base", "signals", "speed"], "mode")).toBe(SITE);
+    expect(freeName({ new_signal: 1, new_signal2: 1 }, "new_signal")).toBe("new_signal3");
+  });
+
+  it("moves a part among the others, and not beyond them", () => {
+    const made = movedAt(SITE, ["devices", "base", "signals", "mode"], -1) as never;
+    expect(Object.keys(made["devices"]["base"]["signals"])).toEqual(["mode", "speed"]);
+    expect(movedAt(SITE, ["devices", "base", "signals", "mode"], 1)).toBe(SITE);
+  });
+
+  it("reads the path of a finding", () => {
+    expect(pathOf("$.devices.base.drive.stop.confirmed_by[0]")).toEqual(["devices", "base", "drive", "stop", "confirmed_by", "0"]);
+    expect(pathOf("line 3, column 1")).toEqual([]);
+  });
+});
+
+describe("what was done to a text", () => {
+  it("is taken back and done again", () => {
+    const edits = new Edits("a");
+    edits.put("b");
+    edits.put("c");
+    edits.undo();
+    expect(edits.text).toBe("b");
+    edits.redo();
+    expect(edits.text).toBe("c");
+    edits.undo();
+    edits.put("d");
+    expect(edits.redoable).toBe(false);
+    edits.undo();
+    edits.undo();
+    edits.undo();
+    expect([edits.text, edits.undoable]).toEqual(["a", false]);
+  });
+
+  it("takes typing back in one step", () => {
+    const edits = new Edits("");
+    edits.put("x");
+    edits.put("xy", true);
+    edits.put("xyz", true);
+    edits.undo();
+    expect(edits.text).toBe("");
+  });
+});
+
+describe("a difference in lines", () => {
+  const lines = differenceLines(["@@ -3,2 +3,3 @@", " same", "-old", "+new", "+more"]);
+
+  it("has signs beside colours, and numbers", () => {
+    expect(lines.map((line) => [line.kind, line.sign, line.before, line.after])).toEqual([
+      ["place", "…", 0, 0],
+      ["same", " ", 3, 3],
+      ["removed", "−", 4, 0],
+      ["added", "+", 0, 4],
+      ["added", "+", 0, 5],
+    ]);
+  });
+
+  it("is said in words", () => {
+    expect(differenceWords(lines)).toBe("2 lines added, 1 line removed");
+    expect(differenceWords([])).toBe("no line differs");
+  });
+});

@@ -1,0 +1,39 @@
+import { expect, test } from "vitest";
+import { isShown, standing } from "../../../src/pages/devices/device-status.js";
+import { publicOf } from "../../../src/pages/public/public-parts.js";
+import type { DeviceInfo, DeviceRow, SignalInfo, SiteDetail } from "../../../src/wire/api-types.js";
+
+const row = (change: Partial<DeviceRow> = {}): DeviceRow => ({
+  site: "agv", site_name: "House vehicle", device: "base", name: "Vehicle base", kind: "vehicle", online: true,
+  rights: ["view"], public: false, signals: 4, stale: 0, ...change,
+});
+
+test("a device of an unlinked site is offline, whatever its signals say", () => {
+  expect(standing(row({ online: false, stale: 4 }))).toBe("offline");
+  expect(standing(row({ stale: 1 }))).toBe("stale");
+  expect(standing(row())).toBe("online");
+});
+
+test("a filter finds all of its words, in any of a device's names", () => {
+  expect(isShown(row(), "  HOUSE vehi ", "")).toBe(true);
+  expect(isShown(row(), "house arm", "")).toBe(false);
+  expect(isShown(row({ public: true }), "public", "")).toBe(true);
+  expect(isShown(row(), "", "stale")).toBe(false);
+});
+
+test("of a site only what is public stands on the public page, for an operator too", () => {
+  const signal = (id: string, open: boolean): SignalInfo => ({
+    id, address: `base/${id}`, name: id, type: "number", unit: "m", decimals: 1, minimum: null, maximum: null,
+    states: [], frame: "local", max_age: 5, primary: true, public: open, channels: [`base/${id}`],
+  });
+  const device = (id: string, signals: SignalInfo[]): DeviceInfo => ({
+    id, name: id, kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, unguarded: false, rights: ["use"],
+  });
+  const detail: SiteDetail = {
+    site: "agv", name: "A", zone: "UTC", online: true, since_us: 0, last_seen_us: 0, catalogue: "",
+    place: null, rules: [], enclosures: [],
+    devices: [device("base", [signal("open", true), signal("closed", false)]), device("safe", [signal("own", false)])],
+  };
+  const shown = publicOf(detail).map((one) => [one.device.id, one.signals.map(({ id }) => id)]);
+  expect(shown).toEqual([["base", ["open"]]]);
+});

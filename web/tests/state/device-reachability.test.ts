@@ -1,0 +1,38 @@
+import { beforeEach, expect, test } from "vitest";
+import type { DeviceNews } from "../../src/generated/wire.js";
+import { Reach } from "../../src/state/device-reachability.js";
+import { FakeLine } from "../controllers/drive/fake-connection.js";
+
+let line: FakeLine;
+let reach: Reach;
+beforeEach(() => {
+  line = new FakeLine();
+  reach = new Reach(line);
+});
+
+function lost(device: string, more: Partial<DeviceNews> = {}): DeviceNews {
+  return { t: "device_news", site: "obs", device, reached: false, why: "nobody answers", since_us: 1, ...more };
+}
+
+test("a device that is not reached has its reason until it is back", () => {
+  let told = 0;
+  reach.watch(() => told++);
+  line.say(lost("dome"));
+  expect(reach.of("obs", "dome")?.why).toBe("nobody answers");
+  expect(reach.of("obs", "mount")).toBeUndefined();
+  expect(reach.of("agv", "dome")).toBeUndefined();
+  line.say(lost("dome", { reached: true, why: "" }));
+  expect(reach.of("obs", "dome")).toBeUndefined();
+  expect(told).toBe(2);
+});
+
+test("without the gateway or the hub nothing is held against a device", () => {
+  line.say(lost("dome"));
+  line.say({ t: "site", site: "agv", online: false, since_us: 1, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
+  expect(reach.of("obs", "dome")).toBeDefined();
+  line.say({ t: "site", site: "obs", online: false, since_us: 1, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
+  expect(reach.of("obs", "dome")).toBeUndefined();
+  line.say(lost("dome"));
+  line.become("lost");
+  expect(reach.of("obs", "dome")).toBeUndefined();
+});

@@ -1,0 +1,139 @@
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { mediaPath, MediaSocket, socketUrl, type MediaState } from "../../src/wire/media-socket.js";
+import type { Shot, ShotBoxes } from "../../src/generated/wire.js";
+import { FakeSocket } from "./fake-socket.js";
+
+const sockets: FakeSocket[] = [];
+const states: [MediaState, string][] = [];
+const shots: [Shot, () => void][] = [];
+const troubles: string[] = [];
+const seen: ShotBoxes[] = [];
+
+function open(): MediaSocket {
+  return new MediaSocket(
+    {
+      url: "ws://hub/ws/media",
+      openSocket: () => {
+        const socket = new FakeSocket();
+        sockets.push(socket);
+        return socket as unknown as WebSocket;
+      },
+      random: () => 0,
+    },
+    {
+      onShot: (shot, shown) => shots.push([shot, shown]),
+      onBoxes: (boxes) => seen.push(boxes),
+      onTrouble: (why) => troubles.push(why),
+      onState: (state, why) => states.push([state, why]),
+    },
+  );
+}
+
+const shot = { t: "shot", seq: 7, time_us: 1, hub_us: 2, width: 2, height: 1, format: "jpeg", data: new Uint8Array([9]) };
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  for (const list of [sockets, states, shots, troubles, seen]) list.length = 0;
+});
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+test("the next picture is asked for only once this one is drawn", () => {
+  open();
+  sockets[0]?.say(shot);
+  expect(sockets[0]?.sent).toEqual([]);
+  shots[0]?.[1]();
+  expect(sockets[0]?.sent).toEqual([{ t: "shown", seq: 7 }]);
+  expect(shots[0]?.[0].data).toEqual(new Uint8Array([9]));
+});
+
+test("a picture drawn after the loss asks nothing of a dead socket", () => {
+  open();
+  sockets[0]?.say(shot);
+  sockets[0]?.die();
+  shots[0]?.[1]();
+  expect(sockets[0]?.sent).toEqual([]);
+});
+
+test("it comes back after a loss", () => {
+  open();
+  sockets[0]?.onopen?.();
+  sockets[0]?.die();
+  vi.advanceTimersByTime(125);
+  expect(states.map(([state]) => state)).toEqual(["connecting", "open", "lost", "connecting"]);
+});
+
+test("a refusal is told in the hub's words and not tried again", () => {
+  open();
+  sockets[0]?.say({ t: "problem", code: "forbidden", message: "This camera is not yours to see." });
+  vi.advanceTimersByTime(60_000);
+  expect(states.at(-1)).toEqual(["refused", "This camera is not yours to see."]);
+  expect(sockets).toHaveLength(1);
+});
+
+test("a camera that is away is tried again, and nonsense is answered with a fresh socket", () => {
+  open();
+  sockets[0]?.say({ t: "problem", code: "offline", message: "The site is not connected." });
+  expect(states.at(-1)).toEqual(["lost", "The site is not connected."]);
+  vi.advanceTimersByTime(125);
+  sockets[1]?.onmessage?.({ data: new Uint8Array([0xc1]).buffer });
+  vi.advanceTimersByTime(250);
+  expect(sockets).toHaveLength(3);
+});
+
+test("a camera whose pictures cannot be shown says why and is not closed", () => {
+  open();
+  sockets[0]?.say({ t: "problem", code: "picture", message: "/i: 'yuv9' is not one of: rgb8" });
+  expect(troubles).toEqual(["/i: 'yuv9' is not one of: rgb8"]);
+  expect([sockets.length, sockets[0]?.closed]).toEqual([1, false]);
+});
+
+test("a hidden page says so once, and again to a fresh socket", () => {
+  const media = open();
+  sockets[0]?.onopen?.();
+  media.glance(true);
+  media.glance(true);
+  expect(sockets[0]?.sent).toEqual([{ t: "glance", still: true }]);
+  sockets[0]?.die();
+  vi.advanceTimersByTime(125);
+  sockets[1]?.onopen?.();
+  expect(sockets[1]?.sent).toEqual([{ t: "glance", still: true }]);
+  media.glance(false);
+  expect(sockets[1]?.sent.at(-1)).toEqual({ t: "glance", still: false });
+});
+
+test("boxes are asked for once, of a fresh socket again, and cost no receipt", () => {
+  const media = open();
+  sockets[0]?.onopen?.();
+  media.boxes(true);
+  media.boxes(true);
+  const boxes = { t: "shot_boxes", seq: 7, time_us: 1, things: [{ t: "thing", label: "dog", score: 0.5, left: 0, top: 0, right: 1, bottom: 1 }] };
+  sockets[0]?.say(boxes);
+  expect(seen).toEqual([boxes]);
+  expect(sockets[0]?.sent).toEqual([{ t: "boxes_ask", on: true }]);
+  sockets[0]?.die();
+  vi.advanceTimersByTime(125);
+  sockets[1]?.onopen?.();
+  expect(sockets[1]?.sent).toEqual([{ t: "boxes_ask", on: true }]);
+  media.boxes(false);
+  expect(sockets[1]?.sent.at(-1)).toEqual({ t: "boxes_ask", on: false });
+});
+
+test("nothing is opened after it was closed", () => {
+  const media = open();
+  media.close();
+  vi.advanceTimersByTime(60_000);
+  expect([sockets.length, sockets[0]?.closed]).toEqual([1, true]);
+});
+
+test("the socket is as safe as the page", () => {
+  expect(socketUrl("/ws", { protocol: "https:", host: "hub:8443" })).toBe("wss://hub:8443/ws");
+  expect(socketUrl("/ws", { protocol: "http:", host: "127.0.0.1:1" })).toBe("ws://127.0.0.1:1/ws");
+});
+
+test("names in the address can not change its meaning", () => {
+  expect(mediaPath("a&b", "camera/front", ["h264", "jpeg"])).toBe(
+    "/ws/media?site=a%26b&stream=camera%2Ffront&forms=h264%2Cjpeg",
+  );
+});
