@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import importlib.util
 import mmap
 import os
 import shutil
@@ -10,12 +11,18 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import ModuleType
 
 import leftovers
 from patience import PATIENCE_S
 
 ROOT = Path(__file__).resolve().parent.parent
-PARTS = ("tools/run_tests.py", "tests/leftovers.py", "tests/report_progress.py")
+PARTS = (
+    "tools/run_tests.py",
+    "tools/plan_tests.py",
+    "tests/leftovers.py",
+    "tests/report_progress.py",
+)
 CONFTEST = """\
 import report_progress
 
@@ -23,6 +30,18 @@ import report_progress
 def pytest_configure(config):
     report_progress.register(config)
 """
+
+
+def load_plan() -> ModuleType:
+    """Load `tools/plan_tests.py`, as on a machine of two cores."""
+    spec = importlib.util.spec_from_file_location("plan_tests", ROOT / "tools/plan_tests.py")
+    assert spec
+    assert spec.loader
+    # Its dataclass looks for its module there.
+    module = sys.modules["plan_tests"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    module.CORES, module.MOST_LOAD, module.MOST_AT_ONCE = 2, 2.5, 4
+    return module
 
 
 def run_tests(folder: Path, files: dict[str, str], *words: str) -> tuple[int, str]:
@@ -134,6 +153,34 @@ def test_a_pure_test_that_opens_a_socket_or_starts_a_process_fails(tmp_path: Pat
     assert "test_a is marked as pure, and calls socket.bind" in said
     assert "test_b is marked as pure, and calls subprocess.Popen" in said
     assert "1 passed, 0 skipped, 2 failed" in said
+
+
+def test_groups_that_wait_run_side_by_side_beyond_the_number_of_cores() -> None:
+    plan = load_plan()
+    light = [plan.Group([f"{at}"], wall=60.0, cpu=12.0) for at in range(5)]
+    heavy = [plan.Group([f"h{at}"], wall=60.0, cpu=60.0) for at in range(3)]
+    assert plan.choose_next(light, light[:3]) is light[0]
+    assert plan.choose_next(light, light[:4]) is None
+    assert plan.choose_next(heavy, heavy[:2]) is None
+    # What waits does not wait behind what computes.
+    assert plan.choose_next([*heavy, *light], heavy[:2]) is light[0]
+
+
+def test_what_runs_beside_a_calm_group_leaves_half_of_the_cores_free() -> None:
+    plan = load_plan()
+    calm = [plan.Group([f"c{at}"], wall=60.0, cpu=40.0, calm=True) for at in range(2)]
+    light = plan.Group(["light"], wall=60.0, cpu=40.0)
+    heavy = plan.Group(["heavy"], wall=60.0, cpu=70.0)
+    assert plan.choose_next([calm[1], heavy, light], [calm[0]]) is light
+    assert plan.choose_next(calm, [heavy]) is None
+    assert plan.choose_next(calm, [light]) is calm[0]
+
+
+def test_no_more_whole_sites_run_than_there_are_cores() -> None:
+    plan = load_plan()
+    sites = [plan.Group([f"{at}"], wall=60.0, cpu=6.0, whole=True) for at in range(3)]
+    assert plan.choose_next(sites, sites[:1]) is sites[0]
+    assert plan.choose_next(sites, sites[:2]) is None
 
 
 def old(path: Path) -> Path:

@@ -1,12 +1,12 @@
-"""Run the tests: a queue of groups of test files, two at a time, and then the pages' tests.
+"""Run the tests: a queue of groups of test files, some side by side, and the pages' tests.
 
     .venv/bin/python tools/run_tests.py              all
     .venv/bin/python tools/run_tests.py --quick      the pure ones: under two minutes
     .venv/bin/python tools/run_tests.py ARGUMENTS    pytest alone, with these arguments
 
 Files of one folder make a group, up to about a minute of expected time (`tests/durations.json`,
-written by ``--save-durations``); each group is a pytest process. Failures are printed at once, and
-every ten seconds where the run is.
+written by ``--save-durations``); each group is a pytest process. `plan_tests` says which run beside
+each other. Failures are printed at once, and every ten seconds where the run is.
 
 A test that failed is repeated once at the end, when nothing else runs. If it passes then it is
 *unsteady*: named loudly, with its first failure. At most three unsteady tests let a run pass.
@@ -21,86 +21,40 @@ import argparse
 import contextlib
 import json
 import os
-import re
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests")]
 
 from leftovers import MARK, end_processes, remove_dead_shared_memory  # noqa: E402
+from plan_tests import (  # noqa: E402
+    PAGES,
+    UNKNOWN,
+    Cost,
+    Group,
+    choose_next,
+    in_order,
+    lies_in,
+    list_files,
+    make_groups,
+    pages_group,
+    read_costs,
+    save_costs,
+)
 
-DURATIONS = ROOT / "tests" / "durations.json"
-WORKERS = 2
-GROUP_S = 60.0
-UNKNOWN_S = 5.0
 PROGRESS_S = 10.0
 # Longer than pytest lets a test take: the process hangs outside of tests.
 SILENCE_S = 900.0
 MOST_UNSTEADY = 3
 # More failures than these are a broken tree; to repeat them would say nothing.
 MOST_REPEATED = 25
-
-# The quick ring: files that start no server, no browser, no ROS and no database. All files of
-# these folders, and each file that says `pytestmark = pytest.mark.pure`.
-PURE_FOLDERS = ("tests/model", "tests/wire", "tests/test_clock.py")
-PURE = re.compile(r"^pytestmark = .*pytest\.mark\.pure\b", re.MULTILINE)
-# Each starts a whole site with browsers: one of them at a time.
-WHOLE_SITES = ("tests/system",)
-# They run two sites side by side themselves, or judge what a busy machine decides.
-ALONE = ("tests/system/faults/test_rows.py", "tests/system/enclosure/test_rows.py")
-PAGES = "web (pages)"
-
-
-@dataclass
-class Group:
-    """Test files that run in one process, and what has become of them.
-
-    Attributes:
-        files: paths below the project's folder.
-        expected: about how long it takes (s).
-        whole: no other such group runs beside it; ``alone``: none at all.
-        skip: tests not to run, for they have run.
-        now: the test that runs; ``since`` (monotonic, s).
-
-    """
-
-    files: list[str]
-    expected: float
-    whole: bool = False
-    alone: bool = False
-    skip: list[str] = field(default_factory=list)
-    number: int = 0
-    process: subprocess.Popen[bytes] | None = None
-    folder: Path = Path()
-    read: int = 0
-    now: str = ""
-    since: float = 0.0
-    done: list[str] = field(default_factory=list)
-    failures: int = 0
-
-    @property
-    def name(self) -> str:
-        """What the group is called while it runs."""
-        first = self.files[0].removeprefix("tests/")
-        return first if len(self.files) == 1 else f"{first} and {len(self.files) - 1} more"
-
-    @property
-    def report(self) -> Path:
-        """Where its tests are written down, see `tests/report_progress.py`."""
-        return self.folder / "report.jsonl"
-
-    @property
-    def output(self) -> Path:
-        """What the process prints."""
-        return self.folder / "output.txt"
 
 
 class Run:
@@ -119,13 +73,13 @@ class Run:
         self._folder = folder
         # Modification times in memory file systems are a little coarser than the clock.
         self._began, self._since = time.monotonic(), time.time() - 1.0
-        self._expected = sum(group.expected for group in groups) or 1.0
+        self._expected = sum(group.wall for group in groups) or 1.0
         self._finished = 0.0
         self._groups = 0
-        self.waiting = sorted(groups, key=lambda group: (not group.whole, -group.expected))
+        self.waiting = in_order(groups)
         self.running: list[Group] = []
         self.failed: dict[str, str] = {}
-        self.spent: dict[str, list[float]] = {}
+        self.spent: dict[str, Cost] = {}
         self.passed = self.skipped = 0
         self.cpu = 0.0
         self.left: list[str] = []
@@ -134,7 +88,8 @@ class Run:
         """Run all groups."""
         printed = time.monotonic()
         while self.waiting or self.running:
-            while group := self._next():
+            while group := choose_next(self.waiting, self.running):
+                self.waiting.remove(group)
                 self._start(group)
             time.sleep(0.1)
             for group in list(self.running):
@@ -147,7 +102,7 @@ class Run:
     def repeat(self, test: str) -> str:
         """Run one test again, with nothing beside it; give its failure's text, or nothing."""
         first = self.failed.pop(test)
-        self.waiting = [Group([test], UNKNOWN_S)]
+        self.waiting = [Group([test], *UNKNOWN)]
         self.work()
         again = self.failed.pop(test, "")
         self.failed[test] = first
@@ -166,21 +121,6 @@ class Run:
             print(f"{removed.size / 1e6:.0f} MB of dead processes' shared memory removed")
         for words in self.left:
             print(f"LEFT RUNNING, and ended now: {words[:200]}")
-
-    def _next(self) -> Group | None:
-        """The next group that may run beside those that do."""
-        if len(self.running) >= WORKERS or any(group.alone for group in self.running):
-            return None
-        whole = any(group.whole for group in self.running)
-        others = [each for each in self.waiting if not each.alone and not (each.whole and whole)]
-        if others:
-            chosen = others[0]
-        elif self.waiting and not self.running:
-            chosen = self.waiting[0]
-        else:
-            return None
-        self.waiting.remove(chosen)
-        return chosen
 
     def _mark(self, group: Group) -> str:
         return f"{os.getpid()}-{group.number}"
@@ -208,6 +148,8 @@ class Run:
             "TMPDIR": str(temporary),
             "TALAIA_TEST_REPORT": str(group.report),
         }
+        # Hundreds of processes would compile the same modules, each for itself.
+        environment.pop("PYTHONDONTWRITEBYTECODE", None)
         with group.output.open("wb") as output:
             group.process = subprocess.Popen(
                 words, cwd=ROOT, env=environment,
@@ -232,14 +174,17 @@ class Run:
         test = line["end"]
         group.now = ""
         group.done.append(test)
-        wall, cpu = self.spent.setdefault(test.partition("::")[0], [0.0, 0.0])
-        self.spent[test.partition("::")[0]] = [wall + line["wall"], cpu + line["cpu"]]
+        self._add_cost(test.partition("::")[0], line["wall"], line["cpu"])
         if line["outcome"] == "failed":
             self._fail(group, test, line["text"])
         elif line["outcome"] == "skipped":
             self.skipped += 1
         else:
             self.passed += 1
+
+    def _add_cost(self, file: str, wall: float, cpu: float) -> None:
+        before = self.spent.get(file, Cost(0.0, 0.0))
+        self.spent[file] = Cost(before.wall + wall, before.cpu + cpu)
 
     def _fail(self, group: Group, test: str, text: str) -> None:
         group.failures += 1
@@ -259,10 +204,11 @@ class Run:
         self._read_report(group)
         self.running.remove(group)
         self.cpu += usage.ru_utime + usage.ru_stime
-        self._finished += group.expected
+        self._finished += group.wall
         self.left += end_processes(self._mark(group))
         if group.files == [PAGES]:
-            self.spent[PAGES] = [time.monotonic() - group.since, usage.ru_utime + usage.ru_stime]
+            wall = time.monotonic() - group.since
+            self._add_cost(PAGES, wall, usage.ru_utime + usage.ru_stime)
         if code not in (0, 1) or (code == 1 and not group.failures):
             self._note_crash(group, code)
         shutil.rmtree(group.folder, ignore_errors=True)
@@ -274,10 +220,9 @@ class Run:
         self._fail(group, during or group.files[0], f"the process ended with {code}:\n{said}")
         if during and len(group.files) > 0:
             skip = [*group.skip, *group.done, during]
-            self.waiting.append(
-                Group(group.files, group.expected, group.whole, group.alone, skip=skip)
-            )
-            self._expected += group.expected
+            rest = Group(group.files, group.wall, group.cpu, group.whole, group.calm, skip)
+            self.waiting.append(rest)
+            self._expected += group.wall
 
     def _print_progress(self) -> None:
         now = []
@@ -299,39 +244,6 @@ class Run:
             f"{self.passed} passed, {self.skipped} skipped, {len(self.failed)} failed"
             f" in {seconds // 60}:{seconds % 60:02} min, {self.cpu / 60:.1f} min of CPU"
         )
-
-
-def list_files(*, quick: bool) -> list[str]:
-    """List the test files of a ring."""
-    paths = sorted((ROOT / "tests").rglob("test_*.py"))
-    files = [path.relative_to(ROOT).as_posix() for path in paths]
-    return [file for file in files if not quick or is_pure(file)]
-
-
-def is_pure(file: str) -> bool:
-    """Tell whether a file is in the quick ring."""
-    return lies_in(file, PURE_FOLDERS) or bool(PURE.search((ROOT / file).read_text()))
-
-
-def lies_in(file: str, folders: tuple[str, ...]) -> bool:
-    """Tell whether a file is one of ``folders``, or in one."""
-    return any(file == folder or file.startswith(f"{folder}/") for folder in folders)
-
-
-def make_groups(files: list[str], durations: dict[str, float]) -> list[Group]:
-    """Put files of one folder and one kind together, up to `GROUP_S`."""
-    groups: list[Group] = []
-    at: tuple[str, bool, bool] | None = None
-    for file in files:
-        seconds = durations.get(file, UNKNOWN_S)
-        alone, whole = lies_in(file, ALONE), lies_in(file, WHOLE_SITES)
-        kind = (file.rpartition("/")[0], alone, whole)
-        if not groups or kind != at or groups[-1].expected + seconds > GROUP_S:
-            groups.append(Group([], 0.0, whole=whole, alone=alone))
-        at = kind
-        groups[-1].files.append(file)
-        groups[-1].expected += seconds
-    return groups
 
 
 def finish(run: Run) -> int:
@@ -359,25 +271,17 @@ def finish(run: Run) -> int:
     return 1 if failed or too_many else 0
 
 
-def save_durations(spent: dict[str, list[float]], known: dict[str, float]) -> None:
-    """Write down what each file took, beside what is known of others that still exist."""
-    kept = {file: known[file] for file in known if file == PAGES or (ROOT / file).exists()}
-    taken = {file: round(wall, 1) for file, (wall, _) in spent.items()}
-    text = json.dumps(kept | taken, indent=1, sort_keys=True)
-    DURATIONS.write_text(text + "\n")
-
-
-def print_slowest(spent: dict[str, list[float]]) -> None:
-    """Print CPU and wall time for each folder, and the slowest files."""
-    folders: dict[str, list[float]] = {}
-    for file, (wall, cpu) in spent.items():
-        total = folders.setdefault("/".join(file.split("/")[:2]), [0.0, 0.0])
-        total[0] += wall
-        total[1] += cpu
+def print_slowest(spent: dict[str, Cost]) -> None:
+    """Print CPU and wall time for each folder, and the files that compute most."""
+    folders: dict[str, Cost] = {}
+    for file, cost in spent.items():
+        folder = file.rpartition("/")[0] or file
+        before = folders.get(folder, Cost(0.0, 0.0))
+        folders[folder] = Cost(before.wall + cost.wall, before.cpu + cost.cpu)
     for title, rows in (("folders", folders), ("files", spent)):
         print(f"\n{title}: wall, CPU (s)")
-        for name, (wall, cpu) in sorted(rows.items(), key=lambda row: -row[1][0])[:25]:
-            print(f"{wall:8.1f} {cpu:8.1f}  {name}")
+        for name, cost in sorted(rows.items(), key=lambda row: -row[1].cpu)[:40]:
+            print(f"{cost.wall:8.1f} {cost.cpu:8.1f}  {name}")
 
 
 def main(arguments: list[str]) -> int:
@@ -391,13 +295,13 @@ def main(arguments: list[str]) -> int:
     if words:
         pytest = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *words]
         return subprocess.run(pytest, cwd=ROOT, check=False).returncode
-    durations = json.loads(DURATIONS.read_text()) if DURATIONS.exists() else {}
+    costs = read_costs()
     files = list_files(quick=chosen.quick)
     if chosen.only:
         files = [file for file in files if lies_in(file, tuple(chosen.only))]
-    groups = make_groups(files, durations)
+    groups = make_groups(files, costs)
     if not chosen.quick and not chosen.only:
-        groups.append(Group([PAGES], durations.get(PAGES, GROUP_S)))
+        groups.append(pages_group(costs))
     # A run that is ended from outside tidies up, too.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     if not os.environ.get("XDG_RUNTIME_DIR"):
@@ -411,7 +315,7 @@ def main(arguments: list[str]) -> int:
     try:
         run.work()
         if chosen.save_durations:
-            save_durations(run.spent, durations)
+            save_costs(run.spent, costs)
         if chosen.times:
             print_slowest(run.spent)
         return finish(run)

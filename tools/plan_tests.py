@@ -1,0 +1,183 @@
+"""Which test files run in one process, and which of these groups run beside each other.
+
+Most tests wait: for a robot, a page, a time limit. So more groups run at once than there are cores,
+as long as what they compute together does not ask for more cores than there are. What each file
+takes and computes stands in `tests/durations.json`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess  # noqa: TC003 - dataclasses read it
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parent.parent
+DURATIONS = ROOT / "tests" / "durations.json"
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+# Each is a process of some hundred megabytes, with a site and a browser beside it.
+MOST_AT_ONCE = 2 * CORES
+# Groups do not compute evenly: with no more than the cores asked for, these are often idle.
+MOST_LOAD = 1.25 * CORES
+GROUP_S = 60.0
+
+# The quick ring: files that start no server, no browser, no ROS and no database. All files of
+# these folders, and each file that says `pytestmark = pytest.mark.pure`.
+PURE_FOLDERS = ("tests/model", "tests/wire", "tests/test_clock.py")
+PURE = re.compile(r"^pytestmark = .*pytest\.mark\.pure\b", re.MULTILINE)
+# Each starts a whole site with browsers: as many of them at a time as there are cores.
+WHOLE_SITES = ("tests/system",)
+# They run two sites side by side themselves: what runs beside them leaves half of the cores free.
+CALM = ("tests/system/faults/test_rows.py", "tests/system/enclosure/test_rows.py")
+PAGES = "web (pages)"
+
+
+class Cost(NamedTuple):
+    """What a test file takes on a machine that does nothing else.
+
+    Attributes:
+        wall: from begin to end (s).
+        cpu: CPU time of its process and of those that it starts (s).
+
+    """
+
+    wall: float
+    cpu: float
+
+
+UNKNOWN = Cost(5.0, 3.0)
+
+
+@dataclass
+class Group:
+    """Test files that run in one process, and what has become of them.
+
+    Attributes:
+        files: paths below the project's folder.
+        wall, cpu: about what it takes and computes (s), see `Cost`.
+        whole: it starts a whole site; ``calm``: it wants cores that are not all in use.
+        skip: tests not to run, for they have run.
+        now: the test that runs; ``since`` (monotonic, s).
+
+    """
+
+    files: list[str]
+    wall: float = 0.0
+    cpu: float = 0.0
+    whole: bool = False
+    calm: bool = False
+    skip: list[str] = field(default_factory=list)
+    number: int = 0
+    process: subprocess.Popen[bytes] | None = None
+    folder: Path = Path()
+    read: int = 0
+    now: str = ""
+    since: float = 0.0
+    done: list[str] = field(default_factory=list)
+    failures: int = 0
+
+    @property
+    def load(self) -> float:
+        """How many cores it keeps busy, on average."""
+        return min(self.cpu / self.wall, float(CORES)) if self.wall else 1.0
+
+    @property
+    def name(self) -> str:
+        """What the group is called while it runs."""
+        first = self.files[0].removeprefix("tests/")
+        return first if len(self.files) == 1 else f"{first} and {len(self.files) - 1} more"
+
+    @property
+    def report(self) -> Path:
+        """Where its tests are written down, see `tests/report_progress.py`."""
+        return self.folder / "report.jsonl"
+
+    @property
+    def output(self) -> Path:
+        """What the process prints."""
+        return self.folder / "output.txt"
+
+
+def list_files(*, quick: bool) -> list[str]:
+    """List the test files of a ring."""
+    paths = sorted((ROOT / "tests").rglob("test_*.py"))
+    files = [path.relative_to(ROOT).as_posix() for path in paths]
+    return [file for file in files if not quick or is_pure(file)]
+
+
+def is_pure(file: str) -> bool:
+    """Tell whether a file is in the quick ring."""
+    return lies_in(file, PURE_FOLDERS) or bool(PURE.search((ROOT / file).read_text()))
+
+
+def lies_in(file: str, folders: tuple[str, ...]) -> bool:
+    """Tell whether a file is one of ``folders``, or in one."""
+    return any(file == folder or file.startswith(f"{folder}/") for folder in folders)
+
+
+def make_groups(files: list[str], costs: dict[str, Cost]) -> list[Group]:
+    """Put files of one folder and one kind together, up to `GROUP_S`."""
+    groups: list[Group] = []
+    at: tuple[str, bool, bool] | None = None
+    for file in files:
+        cost = costs.get(file, UNKNOWN)
+        calm, whole = lies_in(file, CALM), lies_in(file, WHOLE_SITES)
+        kind = (file.rpartition("/")[0], calm, whole)
+        if not groups or kind != at or groups[-1].wall + cost.wall > GROUP_S:
+            groups.append(Group([], whole=whole, calm=calm))
+        at = kind
+        groups[-1].files.append(file)
+        groups[-1].wall += cost.wall
+        groups[-1].cpu += cost.cpu
+    return groups
+
+
+def pages_group(costs: dict[str, Cost]) -> Group:
+    """Give the group of the pages' own tests, which are not pytest's."""
+    cost = costs.get(PAGES, Cost(20.0, 20.0))
+    return Group([PAGES], cost.wall, cost.cpu)
+
+
+def in_order(groups: list[Group]) -> list[Group]:
+    """Sort: first what may run beside little, then the longest."""
+    return sorted(groups, key=lambda group: (not group.calm, -group.wall))
+
+
+def choose_next(waiting: list[Group], running: list[Group]) -> Group | None:
+    """Choose the group to start beside those that run; none while it is better to wait."""
+    if not running:
+        return waiting[0] if waiting else None
+    if len(running) >= MOST_AT_ONCE:
+        return None
+    return next((group for group in waiting if _fits(group, running)), None)
+
+
+def _fits(group: Group, running: list[Group]) -> bool:
+    """Tell whether what runs leaves a group the cores that it needs."""
+    together = [*running, group]
+    if group.whole and sum(each.whole for each in running) >= CORES:
+        return False
+    load = sum(each.load for each in together)
+    if calm := [each for each in together if each.calm]:
+        return len(calm) == 1 and load - calm[0].load <= CORES / 2
+    return load <= MOST_LOAD
+
+
+def read_costs() -> dict[str, Cost]:
+    """Read what each test file took when `save_costs` last wrote it down."""
+    if not DURATIONS.exists():
+        return {}
+    return {file: Cost(*cost) for file, cost in json.loads(DURATIONS.read_text()).items()}
+
+
+def save_costs(spent: dict[str, Cost], known: dict[str, Cost]) -> None:
+    """Write down what each file took, beside what is known of others that still exist."""
+    kept = {file: known[file] for file in known if file == PAGES or (ROOT / file).exists()}
+    lines = (
+        f' "{file}": [{cost.wall:.1f}, {cost.cpu:.1f}]'
+        for file, cost in sorted((kept | spent).items())
+    )
+    DURATIONS.write_text("{\n" + ",\n".join(lines) + "\n}\n")
