@@ -19,7 +19,7 @@ import uvloop
 import websockets
 
 from talaia.gateway.uplink.backoff import Backoff
-from talaia.gateway.uplink.beats import reply_to
+from talaia.gateway.uplink.heartbeat import reply_to
 from talaia.wire import frames
 
 

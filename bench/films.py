@@ -17,9 +17,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from talaia.gateway.pictures.camera import PictureStream
 from talaia.gateway.ports import Filming
 from talaia.gateway.recording.film_file import FilmFile
+from talaia.gateway.video.camera import PictureStream
 from talaia.model.site import Source, Stream
 from talaia.wire.frames import Form, Picture
 

@@ -19,9 +19,9 @@ import numpy as np
 import psutil
 
 # All that a gateway loads, so that its memory is counted.
-import talaia.gateway.adapters.ros2
+import talaia.gateway.adapters.ros2.adapter
 import talaia.gateway.run  # noqa: F401
-from talaia.gateway.batching import records_of
+from talaia.gateway.samples.batching import records_of
 from talaia.gateway.spool.journal import SEGMENT_BYTES, Head, Spool
 from talaia.gateway.spool.segment import records
 from talaia.wire.columns import Columns

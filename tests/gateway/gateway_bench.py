@@ -14,8 +14,8 @@ from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
 from talaia.gateway.app import Gateway
-from talaia.gateway.own_copy import OwnCopy
-from talaia.gateway.permitting import Accepts
+from talaia.gateway.change_policy import Accepts
+from talaia.gateway.reload.description_file import OwnCopy
 from talaia.gateway.settings import HubAddress, Settings
 from talaia.model.check import raise_first
 from talaia.model.load import load_site

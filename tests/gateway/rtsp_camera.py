@@ -13,8 +13,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from talaia.gateway.pictures.h264 import Encoder
-from talaia.gateway.pictures.pixels import Pixels
+from talaia.gateway.video.h264 import Encoder
+from talaia.gateway.video.pixels import Pixels
 
 PIECE = 1200
 CLOCK = 90_000

@@ -11,13 +11,13 @@ import numpy as np
 from hypothesis import given, settings, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.absence import FirstHeard, absence
+from talaia.gateway.samples.absence_gaps import FirstHeard, absence
 from talaia.gateway.spool import journal
 from talaia.gateway.spool.journal import Head, Place, Spool
-from talaia.gateway.spool.keeper import Keeper
-from talaia.gateway.spool.mark import Mark
 from talaia.gateway.spool.opening import TORN
+from talaia.gateway.spool.progress_mark import Mark
 from talaia.gateway.spool.segment import Record
+from talaia.gateway.spool.spool_thread import Keeper
 
 HEAD = Head("boot-a", "cat", ["a/x"])
 LARGE = 1 << 30

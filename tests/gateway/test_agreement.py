@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.agreement import Sensor, closed_by
-from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.ports import Reading
+from talaia.gateway.safety.interlocks import Interlocks
+from talaia.gateway.safety.sensor_agreement import Sensor, closed_by
 from talaia.model.capabilities import Capabilities, capabilities_of
 from talaia.model.check import check
 from talaia.model.load import dump_site, load_site

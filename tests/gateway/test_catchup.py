@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from talaia.gateway.batching import records_of
+from talaia.gateway.samples.batching import records_of
 from talaia.gateway.spool import journal, packing
 from talaia.gateway.spool.journal import Head, Spool
-from talaia.gateway.spool.keeper import Keeper
+from talaia.gateway.spool.spool_thread import Keeper
 from talaia.gateway.uplink import catchup
 from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.lanes import Lanes

@@ -12,7 +12,7 @@ import pytest
 from fake_hub import KEY, FakeHub, fake_hub
 from gateway_bench import SITE, Peer, addresses_of, running
 
-from talaia.gateway.permitting import Accepts
+from talaia.gateway.change_policy import Accepts
 from talaia.wire.frames import (
     ChangeAsk,
     ChangePhase,

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from talaia.clock import SECOND
+from talaia.gateway.change_policy import Accepts, forbidden
 from talaia.gateway.errors import RosterFull
-from talaia.gateway.interlocks import Interlocks
-from talaia.gateway.permitting import Accepts, forbidden
 from talaia.gateway.ports import Reading
-from talaia.gateway.roster import Roster
+from talaia.gateway.safety.interlocks import Interlocks
+from talaia.gateway.samples.channel_numbering import Roster
 from talaia.gateway.spool.files import Head
 from talaia.gateway.spool.journal import Place, Spool
 from talaia.gateway.uplink.catchup import as_old
@@ -96,7 +96,7 @@ def test_renamed_channel_keeps_its_number_and_a_removed_one_has_no_place() -> No
 
 
 def test_full_roster_says_so_and_stays_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("talaia.gateway.roster.MOST", 3)
+    monkeypatch.setattr("talaia.gateway.samples.channel_numbering.MOST", 3)
     roster = Roster(BEFORE)
     after = changed(("      wind:", f"      gust: {{name: G, source: {SOURCE}}}\n      wind:"))
     with pytest.raises(RosterFull):
@@ -184,7 +184,7 @@ def test_interlock_of_a_sensor_that_nobody_has_heard_yet_is_locked_and_does_not_
 
 
 def batch(first: int, catalogue: str) -> object:
-    from talaia.gateway.batching import records_of
+    from talaia.gateway.samples.batching import records_of
 
     columns = Columns(np.zeros(1, np.uint16), np.array([first]), np.ones(1), {})
     return records_of(columns, "b", catalogue, first)[0]

@@ -11,12 +11,12 @@ from msgspec.structs import replace
 from patience import PATIENCE_S
 
 from talaia.clock import SECOND, HandClock
-from talaia.gateway.commanding import Commanding, Journal
-from talaia.gateway.commands import FINAL, CommandBook
+from talaia.gateway.commands.command_book import FINAL, CommandBook
+from talaia.gateway.commands.command_sequences import Sequences
+from talaia.gateway.commands.command_service import Commanding, Journal
 from talaia.gateway.disk_trouble import DiskTrouble
-from talaia.gateway.enclosure import Hold
 from talaia.gateway.ports import Outcome
-from talaia.gateway.sequences import Sequences
+from talaia.gateway.safety.enclosure_guard import Hold
 from talaia.model.arguments import fields_of
 from talaia.model.enclosure import Enclosure
 from talaia.model.interlock import Step

@@ -12,13 +12,13 @@ from gateway_bench import Peer, addresses_of, filled, running
 from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
-from talaia.gateway.adapters.many import Many, Post
-from talaia.gateway.adapters.nobody import Nobody
+from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connectivity import Reach
+from talaia.gateway.adapters.multi_adapter import Many, Post
+from talaia.gateway.adapters.null_adapter import Nobody
 from talaia.gateway.errors import AdapterLost
-from talaia.gateway.found import joined, keep_found, with_kept
 from talaia.gateway.ports import Reading
-from talaia.gateway.reach import Reach
-from talaia.gateway.share import shares_of
+from talaia.gateway.reload.discovered_devices import joined, keep_found, with_kept
 from talaia.model.load import load_site
 from talaia.model.site import Device, Signal, Source
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, DeviceState
@@ -126,7 +126,7 @@ class Told:
 async def test_a_lost_connection_is_told_once_comes_back_by_itself_and_hurts_no_other(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("talaia.gateway.adapters.many.AGAIN_S", 0.01)
+    monkeypatch.setattr("talaia.gateway.adapters.multi_adapter.AGAIN_S", 0.01)
     told, of = Told(), {"dome": "left", "lamp": "left", "weather": "right"}
     reach = Reach(of, SystemClock(), told.say)
     loop = asyncio.get_running_loop()

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from talaia.clock import MS, SECOND, HandClock
-from talaia.gateway.control import Control, Ticks
-from talaia.gateway.keep import Epochs, KeptStops
+from talaia.gateway.driving.drive_service import Control, Ticks
+from talaia.gateway.driving.persistent_state import Epochs, KeptStops
 from talaia.gateway.ports import Reading
 from talaia.model.load import load_site
 from talaia.wire.frames import (

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.ports import Reading
+from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.check import check
 from talaia.model.dew_point import dew_point
 from talaia.model.load import dump_site, load_site

@@ -11,11 +11,11 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import SECOND, HandClock
-from talaia.gateway.command_journal import Journal
-from talaia.gateway.commanding import Commanding
-from talaia.gateway.device_holders import DeviceHolders, Holder
-from talaia.gateway.enclosure import Hold
+from talaia.gateway.commands.command_journal import Journal
+from talaia.gateway.commands.command_service import Commanding
+from talaia.gateway.commands.device_holders import DeviceHolders, Holder
 from talaia.gateway.ports import Outcome
+from talaia.gateway.safety.enclosure_guard import Hold
 from talaia.model.load import read_site
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState
 

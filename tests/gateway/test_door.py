@@ -19,8 +19,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from talaia.clock import SystemClock
 from talaia.gateway.app import Gateway
-from talaia.gateway.arguments import parsed
-from talaia.gateway.classic import AskWrong, read_message
+from talaia.gateway.command_line import parsed
+from talaia.gateway.legacy.messages import AskWrong, read_message
 from talaia.gateway.settings import DoorSettings, HubAddress, Settings
 from talaia.model.classic import site_of
 

@@ -7,7 +7,13 @@ from hypothesis import given, strategies as st
 from msgspec import structs
 
 from talaia.clock import MS, SECOND
-from talaia.gateway.drive import STILL, STOP_BY_NS, Driving, cap_of_loop, cap_of_picture
+from talaia.gateway.driving.velocity_limits import (
+    STILL,
+    STOP_BY_NS,
+    Driving,
+    cap_of_loop,
+    cap_of_picture,
+)
 from talaia.model.site import Drive as Rule
 from talaia.wire.frames import Drive as Frame
 

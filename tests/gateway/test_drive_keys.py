@@ -5,7 +5,7 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.gateway.drive_keys import KeyCounter
+from talaia.gateway.driving.drive_keys import KeyCounter
 from talaia.model.site import Drive, DriveMessage, KeyMode, Keys
 
 pytestmark = pytest.mark.pure

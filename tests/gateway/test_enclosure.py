@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.enclosure import Act, EnclosureGuard, Follower, Said, Seen, hold_of
+from talaia.gateway.safety.enclosure_guard import Act, EnclosureGuard, Follower, Said, Seen, hold_of
 from talaia.model.enclosure import ClosingOrder, Enclosure, Follow, PastDeadline, Sighting
 from talaia.model.interlock import Step
 from talaia.model.load import load_site

@@ -16,10 +16,11 @@ from fake_hub import fake_hub
 from gateway_bench import addresses_of, running
 from patience import PATIENCE_S
 
-from talaia.gateway import keep
-from talaia.gateway.commanding import Journal
+from talaia.gateway import persistence
+from talaia.gateway.commands.command_service import Journal
+from talaia.gateway.driving import persistent_state
+from talaia.gateway.driving.stop_latch import Latched
 from talaia.gateway.errors import SpoolError
-from talaia.gateway.stop import Latched
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, Event
 
 if TYPE_CHECKING:
@@ -248,16 +249,16 @@ async def test_a_gateway_that_starts_on_a_disk_that_takes_nothing_guards_all_the
 def test_two_gateways_on_one_folder_are_told_apart_on_a_read_only_disk(tmp_path: Path) -> None:
     with small_disk(tmp_path / "data") as data:
         remount(data, "ro")
-        lock = keep.locked(data)
+        lock = persistence.locked(data)
         with pytest.raises(SpoolError, match="used by another gateway"):
-            keep.locked(data)
+            persistence.locked(data)
         os.close(lock)
 
 
 def test_a_stop_that_the_disk_did_not_take_is_written_when_it_does(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stops = keep.KeptStops(tmp_path / "stops.json")
+    stops = persistent_state.KeptStops(tmp_path / "stops.json")
     latched = Latched("id", "Ada", 5)
     with monkeypatch.context() as patch:
         fail_with(patch, errno.EROFS)
@@ -267,7 +268,7 @@ def test_a_stop_that_the_disk_did_not_take_is_written_when_it_does(
     assert stops.get("base") == latched
     stops.write_waiting()
     assert not stops.behind
-    assert keep.KeptStops(tmp_path / "stops.json").get("base") == latched
+    assert persistent_state.KeptStops(tmp_path / "stops.json").get("base") == latched
 
 
 def test_where_stops_and_epochs_cannot_be_read_all_is_stopped_and_nobody_drives(
@@ -276,13 +277,13 @@ def test_where_stops_and_epochs_cannot_be_read_all_is_stopped_and_nobody_drives(
     # A folder in a file's place is an error of reading like any other.
     for name in ("stops.json", "epochs.json"):
         (tmp_path / name).mkdir()
-    stops = keep.KeptStops(tmp_path / "stops.json")
+    stops = persistent_state.KeptStops(tmp_path / "stops.json")
     found = stops.get("base")
     assert found is not None
     assert "cannot read its disk" in found.who
     with pytest.raises(OSError, match="cannot be read"):
         stops.write("base", None)
-    epochs = keep.Epochs(tmp_path / "epochs.json")
+    epochs = persistent_state.Epochs(tmp_path / "epochs.json")
     with pytest.raises(OSError, match="directory"):
         epochs.next()
 

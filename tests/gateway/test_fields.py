@@ -8,7 +8,14 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.gateway.errors import FieldError
-from talaia.gateway.fields import getter, number_of, parse_path, reader_of, text_of, yaw_of
+from talaia.gateway.samples.field_paths import (
+    getter,
+    number_of,
+    parse_path,
+    reader_of,
+    text_of,
+    yaw_of,
+)
 from talaia.model.site import PositionFrame, Signal, SignalType, Source
 
 pytestmark = pytest.mark.pure

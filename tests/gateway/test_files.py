@@ -10,8 +10,8 @@ from fake_hub import fake_hub
 from gateway_bench import addresses_of
 
 from talaia.gateway.errors import LinkLost
-from talaia.gateway.frames.outbox import Outbox
-from talaia.gateway.recording.shelf import Kept, Shelf
+from talaia.gateway.fits.outbox import Outbox
+from talaia.gateway.recording.recording_store import Kept, Shelf
 from talaia.gateway.settings import HubAddress, Settings
 from talaia.gateway.uplink.files import Lane, Sending, send_files
 from talaia.gateway.uplink.tls import Trust

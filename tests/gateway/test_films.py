@@ -25,9 +25,9 @@ from hypothesis import given, settings, strategies as st
 from talaia.clock import HandClock
 from talaia.gateway.ports import Filming
 from talaia.gateway.recording.film_file import recover_film
+from talaia.gateway.recording.film_recorder import Films
 from talaia.gateway.recording.film_ring import FilmRing
-from talaia.gateway.recording.films import Films
-from talaia.gateway.recording.shelf import FILM, Shelf
+from talaia.gateway.recording.recording_store import FILM, Shelf
 from talaia.model.check import check
 from talaia.model.load import load_site
 from talaia.model.recording import Recording, Trigger
@@ -340,8 +340,8 @@ sys.path.insert(0, {tests!r})
 from pathlib import Path
 from talaia.clock import SystemClock
 from talaia.gateway.recording.film_file import recover_film
-from talaia.gateway.recording.films import Films
-from talaia.gateway.recording.shelf import FILM, Shelf
+from talaia.gateway.recording.film_recorder import Films
+from talaia.gateway.recording.recording_store import FILM, Shelf
 from talaia.model.recording import Recording
 from gateway.pictures.scenes import numbered, packed
 from gateway.pictures.test_camera import Hall, stream

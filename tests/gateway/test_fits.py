@@ -12,8 +12,8 @@ from astropy.io import fits
 from astropy.time import Time
 from hypothesis import given, settings, strategies as st
 
-from talaia.gateway.fits import BLOCK, Card, NotFits, length_of, rewritten, values_of
-from talaia.gateway.indi.circumstances import precessed
+from talaia.gateway.adapters.indi.fits_circumstances import precessed
+from talaia.gateway.fits.header import BLOCK, Card, NotFits, length_of, rewritten, values_of
 
 ASCII = st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=60)
 VALUES = st.one_of(

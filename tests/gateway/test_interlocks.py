@@ -12,11 +12,11 @@ from msgspec import structs
 from test_control import Bench as ControlBench, Robot
 
 from talaia.clock import MS, SECOND, HandClock
-from talaia.gateway.control import Control
-from talaia.gateway.interlocks import Interlocks, judged, together
-from talaia.gateway.keep import Epochs, KeptStops
-from talaia.gateway.latch import Change, Latch, Verdict
+from talaia.gateway.driving.drive_service import Control
+from talaia.gateway.driving.persistent_state import Epochs, KeptStops
 from talaia.gateway.ports import Reading
+from talaia.gateway.safety.interlock_state import Change, Latch, Verdict
+from talaia.gateway.safety.interlocks import Interlocks, judged, together
 from talaia.model.interlock import Condition, Interlock, Overriding
 from talaia.model.load import load_site
 from talaia.model.overriding import longest_override, never_overridden

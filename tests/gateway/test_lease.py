@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.lease import Lease
+from talaia.gateway.driving.lease import Lease
 
 pytestmark = pytest.mark.pure
 

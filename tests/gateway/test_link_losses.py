@@ -11,8 +11,8 @@ from msgspec import structs
 from test_interlocks import SITE, World
 
 from talaia.clock import SECOND, HandClock
-from talaia.gateway.interlocks import Interlocks
-from talaia.gateway.stalls import StallCredit
+from talaia.gateway.freeze_watchdog import StallCredit
+from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.enclosure import Enclosure, Sighting
 from talaia.model.interlock import LinkLossPolicy, Step
 from talaia.model.site import Signal, SignalType, Source

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from talaia.clock import HandClock
-from talaia.gateway.batching import Batcher, records_of
+from talaia.gateway.samples.batching import Batcher, records_of
 from talaia.gateway.spool import journal
 from talaia.gateway.spool.journal import Head, Spool
-from talaia.gateway.spool.keeper import Keeper
+from talaia.gateway.spool.spool_thread import Keeper
 from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.lanes import Lanes
-from talaia.gateway.uplink.newest import NewestTeller
+from talaia.gateway.uplink.newest_samples import NewestTeller
 from talaia.wire.columns import Columns
 from talaia.wire.frames import LINK_FROM_GATEWAY, Newest, Samples
 from talaia.wire.newest import newest_of

@@ -17,10 +17,10 @@ from patience import PATIENCE_S
 
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.errors import SettingsError
-from talaia.gateway.notice_settings import NoticeSettings, read_notice_settings
+from talaia.gateway.notices.own_notices import OwnNotices, main
 from talaia.gateway.notices.sending import send_notice
-from talaia.gateway.notices.standing import Notice, StandingNotices
-from talaia.gateway.notices.telling import OwnNotices, main
+from talaia.gateway.notices.settings import NoticeSettings, read_notice_settings
+from talaia.gateway.notices.standing_notices import Notice, StandingNotices
 from talaia.wire.frames import EnclosureState
 
 NOTICE = Notice("dome-1-1", "dome", "Dome: NOT CLOSED after 3 tries", 1_700_000_000_000_000)

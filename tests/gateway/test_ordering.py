@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.gateway.adapters.arrivals import Arrivals
-from talaia.gateway.batching import OVERRUN, Batcher
-from talaia.gateway.ordering import STEP_BACK_US, RisingTimes
+from talaia.gateway.samples.batching import OVERRUN, Batcher
+from talaia.gateway.samples.rising_times import STEP_BACK_US, RisingTimes
 from talaia.gateway.spool.segment import Record
 from talaia.wire.columns import Columns, part, unpack
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
@@ -105,7 +105,7 @@ async def test_batches_carry_rising_times_when_threads_hand_over_late() -> None:
 
 
 async def test_gap_of_what_could_not_be_kept_up_with_spans_all_of_it(monkeypatch) -> None:
-    monkeypatch.setattr("talaia.gateway.batching.MAX_WAITING", 1)
+    monkeypatch.setattr("talaia.gateway.samples.batching.MAX_WAITING", 1)
     lost: list[tuple[Record, str]] = []
     batcher = Batcher(
         asyncio.get_running_loop(), "b", "c", 60.0, lambda _: None,

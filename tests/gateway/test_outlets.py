@@ -10,10 +10,10 @@ import pytest
 from msgspec.structs import replace
 
 from talaia.clock import HandClock
-from talaia.gateway.command_journal import Journal
-from talaia.gateway.commanding import Commanding
-from talaia.gateway.interlocks import Interlocks
+from talaia.gateway.commands.command_journal import Journal
+from talaia.gateway.commands.command_service import Commanding
 from talaia.gateway.ports import Outcome, Reading
+from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.check import check
 from talaia.model.load import dump_site, load_site, read_site
 from talaia.model.outlet import Outlet, OutletCommand

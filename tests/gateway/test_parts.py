@@ -11,17 +11,17 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.ros2_qos import Quality, fits, quality_for
-from talaia.gateway.adapters.ros2_requests import fill, outcome_of
-from talaia.gateway.batching import Batcher, records_of
-from talaia.gateway.drive_keys import strongest_key
+from talaia.gateway.adapters.ros2.qos import Quality, fits, quality_for
+from talaia.gateway.adapters.ros2.requests import fill, outcome_of
+from talaia.gateway.driving.drive_keys import strongest_key
+from talaia.gateway.driving.persistent_state import Epochs, KeptStops
+from talaia.gateway.driving.stop_latch import Latched
 from talaia.gateway.errors import FieldError, SpoolError
-from talaia.gateway.keep import Epochs, KeptStops
+from talaia.gateway.freeze_watchdog import Stalls
 from talaia.gateway.ports import Outcome
 from talaia.gateway.run import main
+from talaia.gateway.samples.batching import Batcher, records_of
 from talaia.gateway.spool.segment import Record
-from talaia.gateway.stalls import Stalls
-from talaia.gateway.stop import Latched
 from talaia.model.site import Drive, DriveMessage
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.frames import LINK_FROM_GATEWAY, CommandPhase, Samples

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.pointing import misdirected
+from talaia.gateway.safety.pointing_limits import misdirected
 from talaia.model import sky
 from talaia.model.enclosure import Place, Pointing, PointingArguments
 

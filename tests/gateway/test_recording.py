@@ -23,9 +23,9 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from talaia.clock import HandClock
 from talaia.gateway.recording import definitions
 from talaia.gateway.recording.mcap_file import recover
+from talaia.gateway.recording.message_ring import OVERHEAD, Raw, Ring
 from talaia.gateway.recording.recorder import Recorder
-from talaia.gateway.recording.ring import OVERHEAD, Raw, Ring
-from talaia.gateway.recording.shelf import Kept, NoRoom, Shelf
+from talaia.gateway.recording.recording_store import Kept, NoRoom, Shelf
 from talaia.model.check import check
 from talaia.model.load import load_site
 from talaia.model.recording import Recording, Trigger
@@ -254,7 +254,7 @@ def test_a_recording_that_was_cut_off_is_made_whole_at_the_next_start(tmp_path) 
 def test_a_definition_means_the_same_from_the_file_and_from_the_class(
     name, ros_domain, monkeypatch
 ) -> None:
-    from talaia.gateway.adapters.ros2_requests import class_of
+    from talaia.gateway.adapters.ros2.requests import class_of
 
     def fields_of(wanted: str) -> dict[str, str]:
         return class_of(wanted, "a test").get_fields_and_field_types()

@@ -5,9 +5,9 @@ from __future__ import annotations
 import asyncio
 
 from talaia.clock import HandClock
-from talaia.gateway.pictures.looks import Looks
+from talaia.gateway.uplink.link_capacity import Room
 from talaia.gateway.uplink.pictures import Pictures
-from talaia.gateway.uplink.room import Room
+from talaia.gateway.video.frame_source import Looks
 from talaia.wire.frames import (
     MEDIA_FROM_GATEWAY,
     Beat,

@@ -30,8 +30,8 @@ from ports import free_port
 
 from talaia.cli.importing.decoding import decoder_of
 from talaia.cli.importing.mcap_file import McapFile
-from talaia.gateway.adapters.ros1_frames import Heard, Reader, frame_of
-from talaia.gateway.adapters.ros1_node import environment_of
+from talaia.gateway.adapters.ros1.frames import Heard, Reader, frame_of
+from talaia.gateway.adapters.ros1.node import environment_of
 from talaia.gateway.errors import AdapterLost
 from talaia.wire.frames import (
     CommandAsk,
@@ -53,7 +53,7 @@ from talaia.wire.frames import (
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-SCRIPT = Path(__file__).parents[2] / "src/talaia/gateway/adapters/ros1_bridge.py"
+SCRIPT = Path(__file__).parents[2] / "src/talaia/gateway/adapters/ros1/bridge.py"
 
 SITE = filled("""
 talaia: 1

@@ -14,10 +14,10 @@ import ros1_bench
 from hypothesis import given, strategies as st
 from ports import free_port
 
-from talaia.gateway.adapters.ros1_kinds import definition_of
-from talaia.gateway.adapters.ros1_master import fields_of, header_of
-from talaia.gateway.adapters.ros1_probe import look
-from talaia.gateway.adapters.shapes import shape_of
+from talaia.gateway.adapters.message_fields import shape_of
+from talaia.gateway.adapters.ros1.master import fields_of, header_of
+from talaia.gateway.adapters.ros1.message_types import definition_of
+from talaia.gateway.adapters.ros1.probe import look
 from talaia.gateway.errors import AdapterLost, FieldError
 from talaia.model.check import check
 from talaia.model.found import Found

@@ -30,8 +30,8 @@ from patience import PATIENCE_S, Stopwatch
 from rosbridge_bench import recording, replaying
 from websockets.asyncio.server import serve
 
-from talaia.gateway.adapters.cbor import read_cbor
-from talaia.gateway.adapters.rosbridge_protocol import (
+from talaia.gateway.adapters.rosbridge.cbor import read_cbor
+from talaia.gateway.adapters.rosbridge.protocol import (
     bytes_of,
     ended,
     nested,

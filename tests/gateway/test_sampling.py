@@ -6,7 +6,7 @@ from math import nan
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.gateway.sampling import Sampler, SamplingRule, rule_of
+from talaia.gateway.samples.rate_limit import Sampler, SamplingRule, rule_of
 from talaia.model.site import Signal, Source
 
 pytestmark = pytest.mark.pure

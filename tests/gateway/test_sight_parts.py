@@ -12,13 +12,13 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import SECOND
-from talaia.gateway.interlocks import Interlocks
-from talaia.gateway.permitting import Accepts, forbidden
+from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.change_policy import Accepts, forbidden
+from talaia.gateway.detection import sighting_reports as module
+from talaia.gateway.detection.sighting_reports import MOST_KEPT, Telling
 from talaia.gateway.ports import Reading
-from talaia.gateway.roster import Roster
-from talaia.gateway.share import shares_of
-from talaia.gateway.sight import telling as module
-from talaia.gateway.sight.telling import MOST_KEPT, Telling
+from talaia.gateway.safety.interlocks import Interlocks
+from talaia.gateway.samples.channel_numbering import Roster
 from talaia.gateway.uplink.lanes import Lanes
 from talaia.model.load import load_site
 from talaia.model.seen import with_counts

@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from talaia.gateway import keep
-from talaia.gateway.batching import records_of
+from talaia.gateway import persistence
+from talaia.gateway.driving.stop_latch import Latched
+from talaia.gateway.samples.batching import records_of
 from talaia.gateway.spool import journal
 from talaia.gateway.spool.gaps import Gone
 from talaia.gateway.spool.journal import Head, Place, Spool
 from talaia.gateway.spool.packing import FRAME_SAMPLES, packed, unpacked
 from talaia.gateway.spool.segment import Record, pack_record, records
-from talaia.gateway.stop import Latched
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
@@ -502,15 +502,18 @@ def test_spool_opens_on_a_full_disk_and_goes_on_in_memory(
 def test_stops_and_epochs_are_written_on_a_full_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    epochs, stops = keep.Epochs(tmp_path / "epochs.json"), keep.KeptStops(tmp_path / "stops.json")
+    epochs, stops = (
+        persistence.Epochs(tmp_path / "epochs.json"),
+        persistence.KeptStops(tmp_path / "stops.json"),
+    )
 
     def full(path: Path, data: bytes) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(keep, "write_whole", full)
+    monkeypatch.setattr(persistence, "write_whole", full)
     latched = Latched("id", "somebody", 5)
     stops.write("base", latched)
     given = [epochs.next() for _ in range(2500)]
     assert given == sorted(set(given))
-    assert keep.KeptStops(tmp_path / "stops.json").get("base") == latched
-    assert keep.Epochs(tmp_path / "epochs.json").next() > given[-1]
+    assert persistence.KeptStops(tmp_path / "stops.json").get("base") == latched
+    assert persistence.Epochs(tmp_path / "epochs.json").next() > given[-1]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.stalls import StallCredit
+from talaia.gateway.freeze_watchdog import StallCredit
 
 TICK = SECOND // 10
 

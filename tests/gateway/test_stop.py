@@ -5,7 +5,7 @@ import math
 import pytest
 
 from talaia.clock import SECOND
-from talaia.gateway.stop import Latched, Proof, StopLatch
+from talaia.gateway.driving.stop_latch import Latched, Proof, StopLatch
 
 pytestmark = pytest.mark.pure
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given, strategies as st
 
 from talaia.clock import MS, SECOND, HandClock
-from talaia.gateway.supervision import Supervision
+from talaia.gateway.safety.supervision import Supervision
 from talaia.gateway.watchdog.silence import Silence, Task
 
 

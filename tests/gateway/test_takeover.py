@@ -10,7 +10,7 @@ from hypothesis import given, strategies as st
 from test_control import Bench
 
 from talaia.clock import MS, SECOND
-from talaia.gateway.lease import ANSWER_NS, FORCE_NS, Lease
+from talaia.gateway.driving.lease import ANSWER_NS, FORCE_NS, Lease
 from talaia.wire.frames import DriveState, LeaseForce, LeaseOp, LeaseState, StopAsk
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.interlocks import judged
-from talaia.gateway.latch import Latch, Verdict
 from talaia.gateway.ports import Reading
-from talaia.gateway.tripwire import BadTime, Tripwire
+from talaia.gateway.safety.debounced_condition import BadTime, Tripwire
+from talaia.gateway.safety.interlock_state import Latch, Verdict
+from talaia.gateway.safety.interlocks import judged
 from talaia.model.interlock import Condition, Interlock
 from talaia.model.site import Signal, Source
 

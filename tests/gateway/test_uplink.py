@@ -25,9 +25,9 @@ from talaia.gateway.spool.journal import Head, Stored
 from talaia.gateway.spool.segment import Record
 from talaia.gateway.uplink import dialling
 from talaia.gateway.uplink.backoff import Backoff
-from talaia.gateway.uplink.beats import Beats, reply_to
 from talaia.gateway.uplink.catchup import as_old
 from talaia.gateway.uplink.dialling import Outage
+from talaia.gateway.uplink.heartbeat import Beats, reply_to
 from talaia.gateway.uplink.lanes import Lanes
 from talaia.wire.frames import LINK_FROM_GATEWAY, Event, Samples, StopState, Tick
 

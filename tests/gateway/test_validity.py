@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.topics import Gathered, TopicPlan, plans_of
+from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.topic_readers import Gathered, TopicPlan, plans_of
 from talaia.gateway.errors import FieldError
-from talaia.gateway.interlocks import Interlocks
 from talaia.gateway.ports import Reading
-from talaia.gateway.share import shares_of
-from talaia.gateway.stamps import StampAge, iso_stamp_ns, stamp_ns_of
-from talaia.gateway.validity import range_problem
+from talaia.gateway.safety.interlocks import Interlocks
+from talaia.gateway.safety.value_validity import range_problem
+from talaia.gateway.samples.source_stamps import StampAge, iso_stamp_ns, stamp_ns_of
 from talaia.model.check import check
 from talaia.model.load import load_site
 from talaia.model.site import Signal, Source

@@ -16,10 +16,10 @@ from patience import PATIENCE_S
 pytest.importorskip("av")
 
 from talaia.clock import SystemClock
-from talaia.gateway.adapters.video import Video, address_of
+from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.video.adapter import Video, address_of
+from talaia.gateway.legacy.self_signed import self_signed
 from talaia.gateway.ports import Outlets
-from talaia.gateway.selfsigned import self_signed
-from talaia.gateway.share import shares_of
 from talaia.model.check import raise_first
 from talaia.model.connection import VideoConnection
 from talaia.model.errors import DescriptionError

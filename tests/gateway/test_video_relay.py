@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from patience import Stopwatch
 
-from talaia.gateway.adapters.video_relay import Answers, CameraRefused, Relay, addresses_of
-from talaia.gateway.selfsigned import self_signed
+from talaia.gateway.adapters.video.relay import Answers, CameraRefused, Relay, addresses_of
+from talaia.gateway.legacy.self_signed import self_signed
 
 
 @pytest.mark.parametrize(

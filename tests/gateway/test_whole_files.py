@@ -13,10 +13,10 @@ import pytest
 from astropy.io import fits
 
 from talaia.clock import SystemClock
-from talaia.gateway.adapters.topics import file_in
+from talaia.gateway.adapters.topic_readers import file_in
 from talaia.gateway.errors import FieldError
-from talaia.gateway.frames.outbox import Outbox
-from talaia.gateway.frames.whole import MOST_WAITING, WholeFiles
+from talaia.gateway.fits.outbox import Outbox
+from talaia.gateway.fits.whole_files import MOST_WAITING, WholeFiles
 from talaia.model.enclosure import Place
 
 if TYPE_CHECKING:

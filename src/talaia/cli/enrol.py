@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
 from talaia.cli.keys import is_good, make_key
-from talaia.gateway.keyfile import KeyFile
+from talaia.gateway.key_file import KeyFile
 from talaia.gateway.settings import HubAddress
 from talaia.hub import accounts
 from talaia.hub.certificate import key_hash, own_certificate

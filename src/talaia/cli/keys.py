@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from talaia.gateway.keyfile import KeyPlace, read_key_file
+from talaia.gateway.key_file import KeyPlace, read_key_file
 from talaia.hub import accounts
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from talaia.gateway.keyfile import KeyFile
+    from talaia.gateway.key_file import KeyFile
     from talaia.hub.settings import Settings
 
 __all__ = ["is_good", "make_key"]

@@ -13,9 +13,9 @@ from talaia.cli.errors import CliError
 from talaia.cli.keys import is_good, make_key
 from talaia.cli.parts import Part, run_together, start
 from talaia.cli.places import DEFAULT_PORT, data_folder, free_port, has_screen, open_page
+from talaia.gateway.change_policy import Accepts
 from talaia.gateway.errors import SettingsError
-from talaia.gateway.keyfile import KeyFile
-from talaia.gateway.permitting import Accepts
+from talaia.gateway.key_file import KeyFile
 from talaia.hub.settings import Settings, is_loopback
 from talaia.model.check import raise_first
 from talaia.model.load import read_site

@@ -17,40 +17,40 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
-from talaia.gateway.absence import NOT_HEARD, NOT_RUNNING, absence, watch_first_heard
-from talaia.gateway.acting import Acting
+from talaia.gateway.actuation import Acting
 from talaia.gateway.adapters.catalog import adapter_of
-from talaia.gateway.adapters.many import Many, Post
-from talaia.gateway.batching import Batcher
-from talaia.gateway.changing import Changing
-from talaia.gateway.classic import Newest
-from talaia.gateway.desk import FrontDesk, Voice
-from talaia.gateway.door import Door, keys_of
-from talaia.gateway.exchange import Exchange, Parts, prepared
-from talaia.gateway.frames.outbox import Outbox
-from talaia.gateway.frames.taking import FrameTaker
-from talaia.gateway.frames.whole import WholeFiles
-from talaia.gateway.keep import locked
-from talaia.gateway.links import Way, keep_files, keep_link, keep_media
-from talaia.gateway.notices.telling import OwnNotices
-from talaia.gateway.pictures.looks import Looks
+from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connectivity import Reach
+from talaia.gateway.adapters.multi_adapter import Many, Post
+from talaia.gateway.assembly.recorder_setup import Ear, taping_of
+from talaia.gateway.detection.camera_detection import Outlet, Seeing, WithSeen
+from talaia.gateway.detection.sighting_reports import Telling
+from talaia.gateway.fits.frame_taker import FrameTaker
+from talaia.gateway.fits.outbox import Outbox
+from talaia.gateway.fits.whole_files import WholeFiles
+from talaia.gateway.freeze_watchdog import watch_stalls
+from talaia.gateway.legacy.messages import Newest
+from talaia.gateway.legacy.server import Door, keys_of
+from talaia.gateway.notices.own_notices import OwnNotices
+from talaia.gateway.persistence import locked
 from talaia.gateway.ports import Outlets
-from talaia.gateway.reach import Reach
-from talaia.gateway.renewal import Renewal
-from talaia.gateway.roster import Roster
-from talaia.gateway.share import shares_of
-from talaia.gateway.sight.seeing import Outlet, Seeing, WithSeen
-from talaia.gateway.sight.telling import Telling
+from talaia.gateway.reload.apply import Exchange, Parts, prepared
+from talaia.gateway.reload.requests import Changing
+from talaia.gateway.reload.restart import Renewal
+from talaia.gateway.safety.supervision import Heartbeats, Supervision
+from talaia.gateway.samples.absence_gaps import NOT_HEARD, NOT_RUNNING, absence, watch_first_heard
+from talaia.gateway.samples.batching import Batcher
+from talaia.gateway.samples.channel_numbering import Roster
 from talaia.gateway.spool.journal import Head, Spool
-from talaia.gateway.spool.keeper import Keeper
-from talaia.gateway.spool.mark import machine_run
-from talaia.gateway.stalls import watch_stalls
-from talaia.gateway.supervision import Heartbeats, Supervision
-from talaia.gateway.taping import Ear, taping_of
+from talaia.gateway.spool.progress_mark import machine_run
+from talaia.gateway.spool.spool_thread import Keeper
 from talaia.gateway.uplink.files import Lane
 from talaia.gateway.uplink.lanes import Lanes
+from talaia.gateway.uplink.links import Way, keep_files, keep_link, keep_media
+from talaia.gateway.uplink.message_dispatcher import FrontDesk, Voice
 from talaia.gateway.uplink.pictures import Pictures
 from talaia.gateway.uplink.tls import Trust
+from talaia.gateway.video.frame_source import Looks
 from talaia.gateway.watchdog.feeding import Watchdog
 from talaia.model.load import dump_site
 from talaia.model.seen import with_counts
@@ -63,11 +63,11 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from talaia.clock import Clock
-    from talaia.gateway.exchange import Prepared
-    from talaia.gateway.own_copy import OwnCopy
+    from talaia.gateway.adapters.connection_scope import Share
     from talaia.gateway.ports import Adapter
+    from talaia.gateway.reload.apply import Prepared
+    from talaia.gateway.reload.description_file import OwnCopy
     from talaia.gateway.settings import Settings
-    from talaia.gateway.share import Share
     from talaia.gateway.spool.segment import Record as SpoolRecord
     from talaia.gateway.watchdog.closing import Record
     from talaia.model.site import Site

@@ -13,12 +13,12 @@ import uvloop
 
 from talaia.clock import SystemClock
 from talaia.errors import TalaiaError
-from talaia.gateway import enrol
+from talaia.gateway import enrolment
 from talaia.gateway.app import Gateway
-from talaia.gateway.arguments import parsed, settings_of
-from talaia.gateway.found import with_kept
-from talaia.gateway.notices import telling
-from talaia.gateway.own_copy import OwnCopy
+from talaia.gateway.command_line import parsed, settings_of
+from talaia.gateway.notices import own_notices
+from talaia.gateway.reload.description_file import OwnCopy
+from talaia.gateway.reload.discovered_devices import with_kept
 from talaia.model.check import raise_first
 from talaia.model.load import site_in
 from talaia.resource_usage import report_usage_on_signal
@@ -36,9 +36,9 @@ __all__ = ["main", "serve"]
 def main(argv: Sequence[str]) -> int:
     """Run a gateway until SIGINT or SIGTERM; 0 after a clean end, 2 if it cannot start."""
     if argv and argv[0] == "enrol":
-        return enrol.main(argv[1:])
+        return enrolment.main(argv[1:])
     if argv and argv[0] == "test-notice":
-        return telling.main(argv[1:])
+        return own_notices.main(argv[1:])
     arguments = parsed(argv)
     # Says where each thread stood when a service manager ends a process that stands still.
     # The process's own, which has a descriptor; whoever calls this may have put another in place.

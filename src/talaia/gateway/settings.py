@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+from talaia.gateway.change_policy import Accepts
 from talaia.gateway.errors import SettingsError
-from talaia.gateway.permitting import Accepts
 
 if TYPE_CHECKING:
-    from talaia.gateway.notice_settings import NoticeSettings
+    from talaia.gateway.notices.settings import NoticeSettings
 
 __all__ = ["DoorSettings", "HubAddress", "Settings"]
 

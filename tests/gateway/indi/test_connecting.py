@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from talaia.clock import SECOND
-from talaia.gateway.indi.connecting import DriverConnections, Notice
-from talaia.gateway.indi.protocol import Element, Kind, Perm, Rule, State, Vector
-from talaia.gateway.indi.state import Book
+from talaia.gateway.adapters.indi.driver_connections import DriverConnections, Notice
+from talaia.gateway.adapters.indi.protocol import Element, Kind, Perm, Rule, State, Vector
+from talaia.gateway.adapters.indi.state import Book
 
 NAME = "Weather Simulator"
 SETUP = {NAME: {"WEATHER_UPDATE": {"PERIOD": 5.0}}}

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from talaia.clock import SECOND
-from talaia.gateway.indi.discover import devices_of, word_of
-from talaia.gateway.indi.goals import Goal, begin
-from talaia.gateway.indi.meaning import read_number, read_state, read_text
-from talaia.gateway.indi.protocol import BlobEnd, BlobHead, BlobPart, Reader
-from talaia.gateway.indi.state import Book
+from talaia.gateway.adapters.indi.discovery import devices_of, word_of
+from talaia.gateway.adapters.indi.goals import Goal, begin
+from talaia.gateway.adapters.indi.protocol import BlobEnd, BlobHead, BlobPart, Reader
+from talaia.gateway.adapters.indi.standard_properties import read_number, read_state, read_text
+from talaia.gateway.adapters.indi.state import Book
 from talaia.gateway.ports import Outcome
 from talaia.model.check import check
 from talaia.model.load import dump_site, load_site

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import msgspec
 import pytest
 
-from talaia.gateway.adapters.indi_probe import look
+from talaia.gateway.adapters.indi.probe import look
 from talaia.gateway.errors import AdapterLost
 from talaia.model.check import check
 from talaia.model.found import Found

@@ -9,9 +9,9 @@ from xml.etree import ElementTree
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.gateway.indi import numbers
-from talaia.gateway.indi.errors import IndiError
-from talaia.gateway.indi.protocol import (
+from talaia.gateway.adapters.indi.adapter import numbers
+from talaia.gateway.adapters.indi.errors import IndiError
+from talaia.gateway.adapters.indi.protocol import (
     MAX_PENDING,
     BlobEnd,
     BlobHead,

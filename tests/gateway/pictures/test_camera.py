@@ -11,13 +11,13 @@ import pytest
 import simplejpeg
 from hypothesis import given, settings, strategies as st
 
-from talaia.gateway.adapters.ros2_decode import decoder_for
-from talaia.gateway.pictures import camera as module
-from talaia.gateway.pictures.camera import PictureStream
-from talaia.gateway.pictures.h264 import Encoder, bits_for
-from talaia.gateway.pictures.jpeg import jpeg_of
-from talaia.gateway.pictures.pixels import Pixels, pixels_of, rgb_of
+from talaia.gateway.adapters.ros2.decode import decoder_for
 from talaia.gateway.ports import Filming
+from talaia.gateway.video import camera as module
+from talaia.gateway.video.camera import PictureStream
+from talaia.gateway.video.h264 import Encoder, bits_for
+from talaia.gateway.video.jpeg import jpeg_of
+from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of
 from talaia.model.site import Source, Stream
 from talaia.wire.frames import Form, Picture
 

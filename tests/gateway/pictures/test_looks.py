@@ -7,7 +7,7 @@ import threading
 import numpy as np
 import pytest
 
-from talaia.gateway.pictures.looks import Looks
+from talaia.gateway.video.frame_source import Looks
 
 pytestmark = pytest.mark.pure
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from talaia.gateway.errors import FieldError
-from talaia.gateway.pictures.jpeg import jpeg_of, jpeg_size, pixels_in
-from talaia.gateway.pictures.pixels import ENCODINGS, pixels_of, rgb_of, thinned
+from talaia.gateway.video.jpeg import jpeg_of, jpeg_size, pixels_in
+from talaia.gateway.video.pixels import ENCODINGS, pixels_of, rgb_of, thinned
 
 from .scenes import packed, planes_of, psnr, scene
 

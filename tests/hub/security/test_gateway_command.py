@@ -12,10 +12,10 @@ import sys
 import pytest
 from patience import PATIENCE_S
 
-from talaia.gateway.arguments import parsed, settings_of
-from talaia.gateway.enrol import enrol
+from talaia.gateway.command_line import parsed, settings_of
+from talaia.gateway.enrolment import enrol
 from talaia.gateway.errors import EnrolRefused, HubUnreachable, LinkLost, SettingsError
-from talaia.gateway.keyfile import KeyFile, KeyPlace, read_key_file
+from talaia.gateway.key_file import KeyFile, KeyPlace, read_key_file
 from talaia.gateway.uplink.tls import Trust
 from talaia.model.load import load_site
 from talaia.wire.enrolment import EnrolmentCode, pin_of, secret_of

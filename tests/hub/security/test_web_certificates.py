@@ -15,7 +15,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from talaia.gateway.uplink.der import public_key_of
+from talaia.gateway.uplink.certificate_der import public_key_of
 from talaia.hub.certificate import fingerprint, fresh_certificate, key_hash, own_certificate
 from talaia.hub.errors import CannotStart
 from talaia.hub.run import renewed

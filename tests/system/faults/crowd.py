@@ -21,7 +21,7 @@ from websockets import WebSocketException
 from websockets.asyncio.client import ClientConnection, connect
 
 from talaia.gateway.uplink.backoff import Backoff
-from talaia.gateway.uplink.beats import reply_to
+from talaia.gateway.uplink.heartbeat import reply_to
 from talaia.wire import browser, frames
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from websockets.asyncio.client import ClientConnection, connect
 
 from talaia.clock import SystemClock
-from talaia.gateway.uplink.beats import reply_to
+from talaia.gateway.uplink.heartbeat import reply_to
 from talaia.hub import accounts
 from talaia.hub.errors import HubError
 from talaia.hub.settings import Settings

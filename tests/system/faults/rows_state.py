@@ -20,7 +20,7 @@ import msgspec
 import numpy as np
 from websockets.asyncio.client import connect
 
-from talaia.gateway.exchange import catalogue_of
+from talaia.gateway.reload.apply import catalogue_of
 from talaia.gateway.spool.journal import Head, Spool
 from talaia.gateway.spool.segment import Record
 from talaia.hub import accounts

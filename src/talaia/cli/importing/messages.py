@@ -10,8 +10,8 @@ from talaia.cli.importing.bags import Bag
 from talaia.cli.importing.decoding import Undecodable, decoder_of, ros_type
 from talaia.cli.importing.mcap_file import McapFile
 from talaia.cli.importing.source import Findings, Piece
-from talaia.gateway.adapters.topics import Gathered, plans_of
-from talaia.gateway.share import shares_of
+from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.topic_readers import Gathered, plans_of
 from talaia.model.connection import Ros1Connection, Ros2Connection, RosbridgeConnection
 from talaia.model.site import parts_of
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.cli.importing.decoding import Definition
-    from talaia.gateway.adapters.topics import TopicPlan
+    from talaia.gateway.adapters.topic_readers import TopicPlan
     from talaia.model.site import Site
 
 __all__ = ["MessageFile", "Messages"]

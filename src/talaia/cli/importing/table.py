@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.cli.errors import BadFile
 from talaia.cli.importing.source import Findings, Piece
 from talaia.cli.importing.times import CellError, TimeReader
-from talaia.gateway.adapters.topics import Gathered
-from talaia.gateway.fields import text_of
+from talaia.gateway.adapters.topic_readers import Gathered
+from talaia.gateway.samples.field_paths import text_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -20,8 +20,8 @@ from talaia.model.connection import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from talaia.gateway.adapters.connection_scope import Share
     from talaia.gateway.ports import Adapter, Outlets, Status
-    from talaia.gateway.share import Share
 
 __all__ = ["adapter_of"]
 
@@ -58,25 +58,25 @@ def adapter_of(share: Share, outlets: Outlets, status: Status) -> Adapter:
 
 
 def _ros2(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.ros2 import Ros2
+    from talaia.gateway.adapters.ros2.adapter import Ros2
 
     return Ros2(share, outlets, status)
 
 
 def _ros1(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.ros1 import Ros1
+    from talaia.gateway.adapters.ros1.adapter import Ros1
 
     return Ros1(share, outlets, status)
 
 
 def _rosbridge(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.rosbridge import Rosbridge
+    from talaia.gateway.adapters.rosbridge.adapter import Rosbridge
 
     return Rosbridge(share, outlets, status)
 
 
 def _indi(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.indi import Indi
+    from talaia.gateway.adapters.indi.adapter import Indi
 
     return Indi(share, outlets, status)
 
@@ -88,6 +88,6 @@ def _process(share: Share, outlets: Outlets, status: Status) -> Adapter:
 
 
 def _video(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.video import Video
+    from talaia.gateway.adapters.video.adapter import Video
 
     return Video(share, outlets, status)

@@ -19,10 +19,10 @@ import shlex
 import signal as signals
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from talaia.gateway.adapters.topics import Gathered
+from talaia.gateway.adapters.topic_readers import Gathered
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import Outcome, Reading
-from talaia.gateway.sampling import Sampler, rule_of
+from talaia.gateway.samples.rate_limit import Sampler, rule_of
 from talaia.model.check_connections import PLACEHOLDER
 from talaia.model.connection import ProcessConnection
 from talaia.model.site import CommandKind, SignalType
@@ -31,8 +31,8 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
 
+    from talaia.gateway.adapters.connection_scope import Share
     from talaia.gateway.ports import Outlets, Status
-    from talaia.gateway.share import Share
     from talaia.model.site import Command, Signal
     from talaia.wire.frames import Scalar
 

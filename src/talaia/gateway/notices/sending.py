@@ -14,13 +14,13 @@ from email.utils import formatdate, make_msgid
 from typing import TYPE_CHECKING
 
 from talaia.errors import TalaiaError
-from talaia.gateway.notice_settings import secret_of
+from talaia.gateway.notices.settings import secret_of
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
 
-    from talaia.gateway.notice_settings import CommandWay, MailWay, NoticeSettings, WebhookWay
-    from talaia.gateway.notices.standing import Notice
+    from talaia.gateway.notices.settings import CommandWay, MailWay, NoticeSettings, WebhookWay
+    from talaia.gateway.notices.standing_notices import Notice
 
 __all__ = ["send_notice"]
 

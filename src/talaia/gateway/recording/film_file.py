@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import av
 
 from talaia import __version__
-from talaia.gateway.recording.shelf import Saved
+from talaia.gateway.recording.recording_store import Saved
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

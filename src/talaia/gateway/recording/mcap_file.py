@@ -9,13 +9,13 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 
 from talaia import __version__
-from talaia.gateway.recording.shelf import Saved
+from talaia.gateway.recording.recording_store import Saved
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from talaia.gateway.recording.ring import Raw
+    from talaia.gateway.recording.message_ring import Raw
 
 __all__ = ["McapFile", "recover"]
 

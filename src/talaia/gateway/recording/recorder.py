@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
 from talaia.gateway.recording.mcap_file import McapFile
-from talaia.gateway.recording.ring import OVERHEAD, Raw, Ring
-from talaia.gateway.recording.shelf import Kept, NoRoom, new_id
+from talaia.gateway.recording.message_ring import OVERHEAD, Raw, Ring
+from talaia.gateway.recording.recording_store import Kept, NoRoom, new_id
 from talaia.wire.frames import RecordState
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
-    from talaia.gateway.recording.shelf import Shelf
+    from talaia.gateway.recording.recording_store import Shelf
     from talaia.model.recording import Recording, Trigger
 
 __all__ = ["Recorder"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.gateway.keep import write_whole
+from talaia.gateway.persistence import write_whole
 from talaia.wire.frames import Gap
 
 if TYPE_CHECKING:

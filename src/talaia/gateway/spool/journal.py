@@ -24,13 +24,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from talaia.gateway.keep import NO_ROOM
+from talaia.gateway.persistence import NO_ROOM
 from talaia.gateway.spool.files import Head, Segment, set_aside, unlinked, write_all
-from talaia.gateway.spool.former import newest_in
+from talaia.gateway.spool.former_runs import newest_in
 from talaia.gateway.spool.gaps import Gaps, Gone
-from talaia.gateway.spool.mark import Mark, MarkFile
 from talaia.gateway.spool.opening import DAMAGED, take_up, tell_torn
 from talaia.gateway.spool.packing import packed, unpacked
+from talaia.gateway.spool.progress_mark import Mark, MarkFile
 from talaia.gateway.spool.segment import Kind, Record, pack_record, records
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from talaia.gateway.spool.former import FormerNewest
+    from talaia.gateway.spool.former_runs import FormerNewest
     from talaia.wire.frames import Gap
 
 __all__ = ["Head", "Place", "Spool", "Stored"]
@@ -450,7 +450,7 @@ class Spool:
         return [each.number for each in reversed(self._segments) if each.head.boot != boot]
 
     def newest_in(self, number: int, known: set[str], now_us: int) -> FormerNewest | None:
-        """Give the newest samples of a segment; see `former.newest_in`. None when it is gone."""
+        """Give the newest samples of a segment (`former_runs`), or none when it is gone."""
         for segment in self._segments:
             if segment.number == number:
                 head = segment.head

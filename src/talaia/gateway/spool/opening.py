@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.spool.files import Segment
     from talaia.gateway.spool.gaps import Gaps
-    from talaia.gateway.spool.mark import Mark
+    from talaia.gateway.spool.progress_mark import Mark
 
 __all__ = ["DAMAGED", "TORN", "take_up", "tell_torn"]
 

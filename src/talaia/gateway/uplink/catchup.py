@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from talaia.gateway.spool.journal import Stored
-    from talaia.gateway.spool.keeper import Keeper
+    from talaia.gateway.spool.spool_thread import Keeper
     from talaia.gateway.uplink.lanes import Lanes
 
 __all__ = ["CatchUp", "as_old"]

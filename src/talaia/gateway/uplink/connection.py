@@ -17,8 +17,8 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
 from talaia.gateway.errors import KeyRefused, LinkLost, SentAway
-from talaia.gateway.uplink.beats import Beats, reply_to
 from talaia.gateway.uplink.dialling import first_to_end
+from talaia.gateway.uplink.heartbeat import Beats, reply_to
 from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.frames import (
     LINK_FROM_GATEWAY,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.errors import KeyRefused, LinkLost, SentAway
 from talaia.gateway.uplink.backoff import Backoff
-from talaia.gateway.uplink.beats import Beats
+from talaia.gateway.uplink.heartbeat import Beats
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

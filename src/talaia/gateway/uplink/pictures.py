@@ -13,7 +13,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from talaia.gateway.ports import Filming
-from talaia.gateway.uplink.room import Room
+from talaia.gateway.uplink.link_capacity import Room
 from talaia.wire.frames import MEDIA_FROM_GATEWAY, Beat, Form, Trouble
 
 if TYPE_CHECKING:
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.gateway.pictures.looks import Looks
-    from talaia.gateway.recording.films import Films
+    from talaia.gateway.recording.film_recorder import Films
+    from talaia.gateway.video.frame_source import Looks
     from talaia.wire.frames import BeatReply, Boxes, Picture
 
 __all__ = ["Pictures"]

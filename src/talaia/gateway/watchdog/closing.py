@@ -21,11 +21,11 @@ import msgspec
 from talaia.clock import SECOND, SystemClock
 from talaia.errors import TalaiaError
 from talaia.gateway.adapters.catalog import adapter_of
-from talaia.gateway.adapters.many import Many, Post
-from talaia.gateway.interlocks import Interlocks
+from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connectivity import Reach
+from talaia.gateway.adapters.multi_adapter import Many, Post
 from talaia.gateway.ports import Filming, Outlets
-from talaia.gateway.reach import Reach
-from talaia.gateway.share import shares_of
+from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.watchdog.needed import closing_site
 from talaia.model.arguments import fields_of
 from talaia.model.load import load_site
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
+    from talaia.gateway.adapters.connection_scope import Share
     from talaia.gateway.ports import Adapter, Outcome
-    from talaia.gateway.share import Share
     from talaia.model.interlock import Step
     from talaia.wire.columns import Columns
     from talaia.wire.frames import FromGateway, Picture

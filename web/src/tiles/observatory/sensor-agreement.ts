@@ -1,4 +1,4 @@
-/** Whether the sensors of a roof agree that it is closed; as the gateway judges it (gateway/agreement.py). */
+/** Whether the sensors of a roof agree that it is closed; as the gateway judges it (gateway/safety/sensor_agreement.py). */
 
 export interface RoofSensor {
   readonly name: string;

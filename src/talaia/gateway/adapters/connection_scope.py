@@ -1,0 +1,82 @@
+"""What one connection serves of a site. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
+
+import msgspec
+
+from talaia.gateway.samples.channel_numbering import Roster
+from talaia.model.seen import is_seen
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.model.connection import Connection
+    from talaia.model.site import Device, Site
+
+__all__ = ["Flexible", "Share", "shares_of"]
+
+
+class Share(NamedTuple):
+    """The part of a site that one adapter speaks for, and of which it may say anything.
+
+    Attributes:
+        name: of the connection.
+        devices: those reached by it, by name; without what is seen on their cameras, which no
+            robot says.
+        channel: by the address of a signal of theirs: the number of its first channel, which is
+            what samples carry; see `Roster`.
+        guarded: signals of theirs whose newest readings must be at hand; see `Site.guarded`.
+
+    """
+
+    name: str
+    connection: Connection
+    devices: Mapping[str, Device]
+    channel: Mapping[str, int]
+    guarded: frozenset[str]
+
+
+@runtime_checkable
+class Flexible(Protocol):
+    """An `Adapter` that takes another share of the site while it runs.
+
+    What is the same in both goes on without a break: none of its samples is lost or comes twice.
+    """
+
+    def redescribe(self, share: Share) -> None:
+        """Serve this from here on. Its connection is the one it has. Returns at once."""
+        ...
+
+
+def shares_of(site: Site, roster: Roster | None = None) -> list[Share]:
+    """Cut a site into what each of its connections serves, in the order of the description.
+
+    Without a ``roster`` channels are numbered by their place in `Site.channels`.
+    """
+    first = (roster or Roster(site)).numbers(site)
+    guarded = site.guarded()
+    of = {device: site.connection_of(device) for device in site.devices}
+    shares = []
+    for name, connection in site.links().items():
+        devices = {each: _said(site.devices[each]) for each in site.devices if of[each] == name}
+        channel = {
+            f"{device_id}/{signal_id}": first[f"{device_id}/{signal_id}"]
+            for device_id, device in devices.items()
+            for signal_id in device.signals
+        }
+        shares.append(Share(name, connection, devices, channel, guarded & channel.keys()))
+    return shares
+
+
+def _said(device: Device) -> Device:
+    """Leave out what is seen."""
+    signals = {name: each for name, each in device.signals.items() if not is_seen(each.source)}
+    streams = {
+        name: each if each.detect is None else msgspec.structs.replace(each, detect=None)
+        for name, each in device.streams.items()
+    }
+    if len(signals) == len(device.signals) and streams == device.streams:
+        return device
+    return msgspec.structs.replace(device, signals=signals, streams=streams)

@@ -1,0 +1,406 @@
+"""Commands to a device, judged by the goal that a later Set event shows. Pure.
+
+INDI's states are no verdict: a goto that a parked mount refuses comes back *Idle*, a repeated
+command *Ok*, and a park is *Ok* while the shutter still moves (measured with indi-bin 1.9.9). So
+a command has succeeded when the values that were asked for have come, after it, and nothing that
+belongs to it moves any more. What the driver said meanwhile is shown as it is.
+
+Long, because asking, refusing and judging look at the same properties.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import SECOND
+from talaia.gateway.adapters.indi.numbers import formatted
+from talaia.gateway.adapters.indi.protocol import Kind, Perm, Rule, State, new_vector
+from talaia.gateway.ports import Outcome
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.gateway.adapters.indi.protocol import Value
+    from talaia.gateway.adapters.indi.state import Book, DeviceState, Held
+
+__all__ = ["CHOICE", "Goal", "begin"]
+
+# The field that takes the name of the element to switch on, instead of a value for an element.
+CHOICE = "*"
+SILENT_NS = 5 * SECOND
+# A driver may say *Ok* before it begins to move; only a state that stays is believed.
+SETTLE_NS = 3 * SECOND
+_POINTING = "EQUATORIAL_EOD_COORD"
+_EXPOSURE = "CCD_EXPOSURE"
+
+# What else must rest before a command is over.
+_MOVES_WITH: dict[str, tuple[str, ...]] = {
+    "DOME_PARK": ("ABS_DOME_POSITION", "DOME_SHUTTER"),
+    "DOME_ABORT_MOTION": ("ABS_DOME_POSITION", "DOME_SHUTTER", "DOME_PARK"),
+    "TELESCOPE_PARK": (_POINTING,),
+    "TELESCOPE_ABORT_MOTION": (_POINTING,),
+    "CCD_ABORT_EXPOSURE": (_EXPOSURE,),
+    "FOCUS_ABORT_MOTION": ("ABS_FOCUS_POSITION",),
+    "REL_FOCUS_POSITION": ("ABS_FOCUS_POSITION",),
+    "ROTATOR_ABORT_MOTION": ("ABS_ROTATOR_ANGLE",),
+}
+# What stops it, to cancel a command.
+_STOPS: dict[str, tuple[str, str]] = {
+    _POINTING: ("TELESCOPE_ABORT_MOTION", "ABORT"),
+    "TELESCOPE_PARK": ("TELESCOPE_ABORT_MOTION", "ABORT"),
+    "ABS_DOME_POSITION": ("DOME_ABORT_MOTION", "ABORT"),
+    "DOME_SHUTTER": ("DOME_ABORT_MOTION", "ABORT"),
+    "DOME_PARK": ("DOME_ABORT_MOTION", "ABORT"),
+    _EXPOSURE: ("CCD_ABORT_EXPOSURE", "ABORT"),
+    "ABS_FOCUS_POSITION": ("FOCUS_ABORT_MOTION", "ABORT"),
+    "REL_FOCUS_POSITION": ("FOCUS_ABORT_MOTION", "ABORT"),
+    "ABS_ROTATOR_ANGLE": ("ROTATOR_ABORT_MOTION", "ABORT"),
+}
+_ABORTS = ("ABORT_MOTION", "ABORT_EXPOSURE")
+# How near is there, in the property's own unit; and what is a circle.
+_NEAR = {"ABS_DOME_POSITION": 1.0, "ABS_ROTATOR_ANGLE": 0.2, "CCD_TEMPERATURE": 0.6}
+_NEAR_SKY_DEG = 0.1
+_CIRCLES = frozenset({"ABS_DOME_POSITION", "ABS_ROTATOR_ANGLE"})
+# Their value is what is asked for, not where they are: only that they rest says they are done.
+_RELATIVE = frozenset({"REL_FOCUS_POSITION", "REL_DOME_POSITION"})
+
+
+class _Ask(NamedTuple):
+    """What is asked of one property."""
+
+    held: Held
+    values: dict[str, Value]
+
+
+def begin(
+    book: Book, device: str, target: str, fields: Mapping[str, Value], now_ns: int
+) -> Goal | str:
+    """Begin a command: give its goal, or the sentence that says why it cannot be asked.
+
+    Args:
+        book: what is known.
+        device: the INDI device.
+        target: the property that decides when it is over.
+        fields: values by element; ``PROPERTY/ELEMENT`` for another property that is set before,
+            and `CHOICE` in the place of an element for the element that is to be on.
+        now_ns: monotonic.
+
+    """
+    found = book.devices.get(device)
+    if found is None:
+        return f"the INDI server has no device {device!r} now"
+    if now_ns - found.heard_ns > SILENT_NS:
+        silent = (now_ns - found.heard_ns) / SECOND
+        return f"the driver of {device} has not answered for {silent:.0f} s"
+    if target != "CONNECTION" and not found.connected and "CONNECTION" in found.vectors:
+        return f"the driver of {device} is not connected to its hardware"
+    wanted: dict[str, dict[str, Value]] = {}
+    for field, value in fields.items():
+        before, _, element = field.rpartition("/")
+        wanted.setdefault(before or target, {})[element] = value
+    asks: list[_Ask] = []
+    for name in [*(each for each in wanted if each != target), target]:
+        ask = _asked(found, name, wanted.get(name, {}))
+        if isinstance(ask, str):
+            return ask
+        if ask is not None:
+            asks.append(ask)
+    barred = _barred(found, asks)
+    return barred or Goal(found, target, asks, now_ns)
+
+
+def _asked(device: DeviceState, name: str, values: dict[str, Value]) -> _Ask | str | None:
+    held = device.vectors.get(name)
+    if held is None:
+        return f"{device.name} has no property {name} now"
+    if held.perm is Perm.READ or held.kind not in (Kind.NUMBER, Kind.SWITCH, Kind.TEXT):
+        return f"{name} of {device.name} cannot be set"
+    filled: dict[str, Value] = {}
+    for element, value in values.items():
+        if element == CHOICE:
+            chosen = _chosen(held, str(value))
+            if chosen is None:
+                known = ", ".join(each.label or each.name for each in held.elements.values())
+                return f"{value!r} is none of: {known}"
+            filled[chosen] = True
+            continue
+        if element not in held.elements:
+            return f"{name} of {device.name} has no {element}"
+        problem = _beyond(held, element, value)
+        if problem:
+            return problem
+        filled[element] = value
+    return _Ask(held, filled) if filled else None
+
+
+def _chosen(held: Held, word: str) -> str | None:
+    """Find an element by its name or label, as a person writes it."""
+    asked = word.strip().lower()
+    for element in held.elements.values():
+        if asked in (element.name.lower(), element.label.lower()):
+            return element.name
+    tails = [each for each in held.elements if asked and each.lower().endswith(f"_{asked}")]
+    return tails[0] if len(tails) == 1 else None
+
+
+def _beyond(held: Held, element: str, value: Value) -> str:
+    known = held.elements[element]
+    label = known.label or known.name
+    if held.kind is not Kind.NUMBER:
+        return ""
+    if isinstance(value, str) or not math.isfinite(value):
+        return f"{label}: expected a finite number"
+    # Equal limits mean none.
+    if known.minimum < known.maximum and not known.minimum <= value <= known.maximum:
+        low, high = (formatted(each, "%g") for each in (known.minimum, known.maximum))
+        return f"{label}: {value:g} is not within {low} and {high}"
+    return ""
+
+
+def _barred(device: DeviceState, asks: list[_Ask]) -> str:
+    names = [each.held.name for each in asks]
+    if _POINTING in names and device.value("TELESCOPE_PARK", "PARK") is True:
+        return f"{device.name} is parked; unpark it first"
+    if "ABS_DOME_POSITION" in names and device.value("DOME_PARK", "PARK") is True:
+        return f"{device.name} is parked; unpark it first"
+    exposing = device.vectors.get(_EXPOSURE)
+    if _EXPOSURE in names and exposing is not None and exposing.state is State.BUSY:
+        return f"{device.name} is exposing; abort that first"
+    return ""
+
+
+class Goal:
+    """One command under way. `look` after each event and now and then."""
+
+    def __init__(self, device: DeviceState, target: str, asks: list[_Ask], now_ns: int) -> None:
+        """Remember how things stood."""
+        self.device = device.name
+        self.target = target
+        self._asks = asks
+        self._began_ns = now_ns
+        self._sets = {each.held.name: each.held.sets for each in asks}
+        # Under way already: asked once more, a mount aborts its parking. It is waited for instead.
+        self._under_way = {each.held.name for each in asks if _is_under_way(each)}
+        self._rest_ns: int | None = None
+        self._start = self._distance(device)
+        self._picture: str | None = None
+        self._cancelled = False
+        self._told = ""
+
+    def sends(self, book: Book) -> bytes:
+        """Give what is sent to the server. Other members of a vector go along as they are."""
+        parts = []
+        for held, values in self._asks:
+            if held.name in self._under_way:
+                continue
+            filled = dict(values)
+            now = book.get(held.device, held.name)
+            if held.kind is not Kind.SWITCH and now is not None:
+                rest = {each.name: each.value for each in now.elements.values()}
+                filled = {
+                    name: values.get(name, value)
+                    for name, value in rest.items()
+                    if name in values or not isinstance(value, float) or math.isfinite(value)
+                }
+            parts.append(new_vector(held.kind, held.device, held.name, filled))
+        return b"".join(parts)
+
+    def cancel(self, book: Book) -> bytes:
+        """Give what stops it; nothing where the device has no way to stop."""
+        stop = _STOPS.get(self.target)
+        held = book.get(self.device, stop[0]) if stop is not None else None
+        if stop is None or held is None:
+            return b""
+        self._cancelled = True
+        return new_vector(Kind.SWITCH, self.device, stop[0], {stop[1]: True})
+
+    def picture(self, problem: str) -> None:
+        """Note that a picture of the device has come, with what is wrong with it, if so."""
+        if self.target == _EXPOSURE:
+            self._picture = problem
+
+    def look(self, book: Book, now_ns: int) -> Outcome | None:
+        """Say how it stands, if there is anything to say."""
+        device = book.devices.get(self.device)
+        held = None if device is None else device.vectors.get(self.target)
+        if device is None or held is None:
+            gone = f"{self.device} went away meanwhile; look at the device"
+            return Outcome(CommandPhase.UNKNOWN, gone)
+        if self._picture is not None:
+            if self._picture:
+                return Outcome(CommandPhase.FAILED, f"the picture is of no use: {self._picture}")
+            return Outcome(CommandPhase.SUCCEEDED, self._words(device) or "the picture has come")
+        if not all(self._later(device, each.held.name) for each in self._asks):
+            return None
+        words = self._words(device)
+        # Drivers call the abort of a motion an Alert: that nothing moves any more is what counts.
+        if held.state is State.ALERT and not self.target.endswith(_ABORTS):
+            return Outcome(CommandPhase.FAILED, words or "the driver says Alert")
+        if self._moves(device, held):
+            self._rest_ns = None
+            return self._running(device, held, words)
+        if self._cancelled:
+            return Outcome(CommandPhase.CANCELLED, words or "stopped")
+        if self.target == _EXPOSURE:
+            return self._exposed(device, held, words, now_ns)
+        if self._reached(device):
+            return Outcome(CommandPhase.SUCCEEDED, words or self._shown(held))
+        # At rest, and elsewhere.
+        problem = self._problem(device)
+        if problem:
+            return Outcome(CommandPhase.REFUSED, problem)
+        if self._rest_ns is None:
+            self._rest_ns = now_ns
+        if now_ns - self._rest_ns < SETTLE_NS:
+            return None
+        rests = f"it rests at {self._shown(held)}"
+        return Outcome(CommandPhase.FAILED, f"{rests}; {words}" if words else rests)
+
+    def _later(self, device: DeviceState, name: str) -> bool:
+        held = device.vectors.get(name)
+        return name in self._under_way or (held is not None and held.sets > self._sets[name])
+
+    def _moves(self, device: DeviceState, held: Held) -> bool:
+        others = (device.vectors.get(name) for name in _MOVES_WITH.get(self.target, ()))
+        busy = held.state is State.BUSY and not self._settled_while_busy(held)
+        return busy or any(each is not None and each.state is State.BUSY for each in others)
+
+    def _settled_while_busy(self, held: Held) -> bool:
+        """A switch of which any may be on is as it is asked for at once, whatever its state."""
+        return held.kind is Kind.SWITCH and held.rule is Rule.ANY
+
+    def _running(self, device: DeviceState, held: Held, words: str) -> Outcome | None:
+        progress = 0.0
+        if self.target == _EXPOSURE:
+            asked = self._number(_EXPOSURE, "CCD_EXPOSURE_VALUE")
+            left = held.value("CCD_EXPOSURE_VALUE")
+            if asked and isinstance(left, float):
+                progress = 1.0 - left / asked
+        elif self._start:
+            left_now = self._distance(device)
+            progress = 0.0 if left_now is None else 1.0 - left_now / self._start
+        said = words if words != self._told else ""
+        self._told = words
+        return Outcome(CommandPhase.RUNNING, said, min(1.0, max(0.0, progress)))
+
+    def _exposed(self, device: DeviceState, held: Held, words: str, now_ns: int) -> Outcome | None:
+        """Over without a picture: aborted, or it was kept where the driver runs."""
+        if held.state is State.IDLE:
+            return Outcome(CommandPhase.CANCELLED, words or "the exposure was aborted")
+        if device.value("UPLOAD_MODE", "UPLOAD_LOCAL") is True:
+            return Outcome(CommandPhase.SUCCEEDED, words or "the picture is kept by the driver")
+        if self._rest_ns is None:
+            self._rest_ns = now_ns
+        # Reading out and sending a large picture takes long; the command's own time-out bounds it.
+        return Outcome(CommandPhase.RUNNING, "", 1.0) if now_ns - self._rest_ns < SECOND else None
+
+    def _reached(self, device: DeviceState) -> bool:
+        return all(self._there(device, each) for each in self._asks)
+
+    def _there(self, device: DeviceState, ask: _Ask) -> bool:
+        name = ask.held.name
+        held = device.vectors.get(name)
+        if held is None:
+            return False
+        if name in _RELATIVE:
+            return True
+        if name == _POINTING:
+            left = self._distance(device)
+            return left is not None and left <= _NEAR_SKY_DEG
+        if held.kind is Kind.SWITCH and len(held.elements) == 1 and held.rule is not Rule.ANY:
+            return True  # a button: it springs back
+        for element, asked in ask.values.items():
+            now = held.value(element)
+            if held.kind is Kind.NUMBER:
+                if not isinstance(now, float) or not _near(held, element, now, float(asked)):
+                    return False
+            elif now != asked:
+                return False
+        return True
+
+    def _distance(self, device: DeviceState) -> float | None:
+        """How far it is from the goal: degrees on the sky, or in the property's unit."""
+        if self.target == _POINTING:
+            ra, dec = (device.value(_POINTING, each) for each in ("RA", "DEC"))
+            asked = (self._number(_POINTING, "RA"), self._number(_POINTING, "DEC"))
+            if not isinstance(ra, float) or not isinstance(dec, float) or None in asked:
+                return None
+            return _apart(ra * 15.0, dec, (asked[0] or 0.0) * 15.0, asked[1] or 0.0)
+        if self.target in _RELATIVE or not self._asks:
+            return None
+        held, values = self._asks[-1]
+        if held.kind is not Kind.NUMBER or len(values) != 1:
+            return None
+        (element, asked_value), *_ = values.items()
+        now = device.value(held.name, element)
+        if not isinstance(now, float):
+            return None
+        return _difference(held.name, now, float(asked_value))
+
+    def _number(self, name: str, element: str) -> float | None:
+        for held, values in self._asks:
+            if held.name == name and element in values:
+                return float(values[element])
+        return None
+
+    def _words(self, device: DeviceState) -> str:
+        """Give the driver's newest sentence since the command began."""
+        said = [each.message for each in device.said if each.mono_ns >= self._began_ns]
+        return _plain(said[-1]) if said else ""
+
+    def _problem(self, device: DeviceState) -> str:
+        said = [each.message for each in device.said if each.mono_ns >= self._began_ns]
+        bad = [each for each in said if each.startswith(("[WARNING]", "[ERROR]"))]
+        return _plain(bad[-1]) if bad else ""
+
+    def _shown(self, held: Held) -> str:
+        if held.kind is Kind.SWITCH:
+            on = [each.label or each.name for each in held.elements.values() if each.value is True]
+            return ", ".join(on) or str(held.state)
+        if held.kind is Kind.NUMBER:
+            return ", ".join(
+                f"{each.label or each.name} {formatted(float(each.value), each.format).strip()}"
+                for each in held.elements.values()
+            )
+        return ", ".join(str(each.value) for each in held.elements.values())
+
+
+def _is_under_way(ask: _Ask) -> bool:
+    held = ask.held
+    return (
+        held.kind is Kind.SWITCH
+        and held.state is State.BUSY
+        and len(held.elements) > 1
+        and all(held.value(element) == asked for element, asked in ask.values.items())
+    )
+
+
+def _near(held: Held, element: str, now: float, asked: float) -> bool:
+    step = held.elements[element].step
+    # A step of the hardware may be coarse; a tenth of it is surely the same place.
+    near = max(_NEAR.get(held.name, 0.0), step / 10 if step > 0 else 0.0, 1e-6 * abs(asked), 1e-9)
+    return _difference(held.name, now, asked) <= near
+
+
+def _difference(name: str, now: float, asked: float) -> float:
+    apart = abs(now - asked)
+    if name in _CIRCLES:
+        apart %= 360.0
+        return min(apart, 360.0 - apart)
+    return apart
+
+
+def _apart(ra1: float, dec1: float, ra2: float, dec2: float) -> float:
+    """Angle between two directions (all in degrees), exact for small ones (haversine)."""
+    a1, d1, a2, d2 = map(math.radians, (ra1, dec1, ra2, dec2))
+    half = math.sin((d2 - d1) / 2) ** 2 + math.cos(d1) * math.cos(d2) * math.sin((a2 - a1) / 2) ** 2
+    return math.degrees(2 * math.asin(min(1.0, math.sqrt(half))))
+
+
+def _plain(message: str) -> str:
+    """Take off the driver's level: ``[INFO] Dome is parked.``."""
+    if message.startswith("[") and "] " in message:
+        return message.split("] ", 1)[1]
+    return message

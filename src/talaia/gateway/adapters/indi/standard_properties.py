@@ -1,0 +1,213 @@
+"""What the standard properties mean: words for switches, and which clock makes a value fresh. Pure.
+
+INDI says a shutter by two switches and a state: which of the two was asked for last, and whether
+it still moves. People and interlocks want one word.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.gateway.adapters.indi.protocol import Kind, State
+from talaia.gateway.samples.source_stamps import iso_stamp_ns
+
+if TYPE_CHECKING:
+    from talaia.gateway.adapters.indi.state import Book, DeviceState, Held
+
+__all__ = [
+    "LIGHTS",
+    "MESSAGE",
+    "Reading",
+    "Stamp",
+    "moving_words",
+    "read_number",
+    "read_state",
+    "read_text",
+    "stamp_of",
+]
+
+# A property that no driver has: the device's newest sentence.
+MESSAGE = "message"
+LIGHTS = (State.IDLE.value, State.OK.value, State.BUSY.value, State.ALERT.value)
+# Measured at a period, and sent each time: its arrival is the only sign that it is new.
+_MEASURED = "WEATHER_PARAMETERS"
+_BY_WEATHER = frozenset({_MEASURED, "WEATHER_STATUS"})
+
+# By property: for each element the words while it moves and when it is there.
+_WORDS: dict[str, dict[str, tuple[str, str]]] = {
+    "DOME_SHUTTER": {"SHUTTER_OPEN": ("opening", "open"), "SHUTTER_CLOSE": ("closing", "closed")},
+    "DOME_FLAP": {"FLAP_OPEN": ("opening", "open"), "FLAP_CLOSE": ("closing", "closed")},
+    "DOME_PARK": {"PARK": ("parking", "parked"), "UNPARK": ("unparking", "unparked")},
+    "TELESCOPE_PARK": {"PARK": ("parking", "parked"), "UNPARK": ("unparking", "unparked")},
+    "CAP_PARK": {"PARK": ("closing", "closed"), "UNPARK": ("opening", "open")},
+    "CONNECTION": {
+        "CONNECT": ("connecting", "connected"),
+        "DISCONNECT": ("disconnecting", "disconnected"),
+    },
+    "TELESCOPE_TRACK_STATE": {"TRACK_ON": ("on", "on"), "TRACK_OFF": ("off", "off")},
+    "CCD_COOLER": {"COOLER_ON": ("on", "on"), "COOLER_OFF": ("off", "off")},
+    "DOME_AUTOSYNC": {
+        "DOME_AUTOSYNC_ENABLE": ("on", "on"),
+        "DOME_AUTOSYNC_DISABLE": ("off", "off"),
+    },
+}
+
+
+class Reading(NamedTuple):
+    """A value and when it was true, by the gateway's monotonic clock."""
+
+    value: float | str
+    mono_ns: int
+
+
+def moving_words(name: str) -> tuple[str, ...]:
+    """List the words a property of two ways may have: moving, there, and what can go wrong."""
+    ways = _WORDS.get(name)
+    if ways is None:
+        return ()
+    words = [word for pair in ways.values() for word in reversed(pair)]
+    return (*dict.fromkeys(words), "error", "unknown")
+
+
+def clock_of(device: DeviceState, held: Held) -> int:
+    """Give when a vector's values were true last."""
+    if held.name in _BY_WEATHER:
+        measured = device.vectors.get(_MEASURED)
+        return held.arrived_ns if measured is None else measured.arrived_ns
+    return device.heard_ns
+
+
+class Stamp(NamedTuple):
+    """A driver's own time of its values.
+
+    Attributes:
+        stamp_ns: since the epoch, by the driver's clock; 0 when it gives none.
+        arrived_ns: when it came, by the gateway's monotonic clock; none before the first.
+        advanced_ns: when it was later than the one before, last; none when it never was.
+
+    """
+
+    stamp_ns: int
+    arrived_ns: int | None
+    advanced_ns: int | None
+
+
+def stamp_of(book: Book, device: str, name: str) -> Stamp | None:
+    """Give the stamp of a vector; of the station's verdict that of what it measured."""
+    found = book.devices.get(device)
+    held = None if found is None else found.vectors.get(name)
+    if found is None or held is None:
+        return None
+    if held.name in _BY_WEATHER:
+        held = found.vectors.get(_MEASURED, held)
+    stamp_ns = iso_stamp_ns(held.timestamp)
+    return Stamp(stamp_ns, held.arrived_ns if stamp_ns else None, held.advanced_ns)
+
+
+def read_number(book: Book, device: str, name: str, element: str) -> Reading | None:
+    """Read a number: a switch as 0 or 1, a light as its place in `LIGHTS`; NaN is unknown."""
+    found = book.devices.get(device)
+    held = None if found is None else found.vectors.get(name)
+    if found is None or held is None or not _known(found, held):
+        return None
+    value = held.value(element)
+    if value is None:
+        return None
+    if isinstance(value, str):
+        number = float(LIGHTS.index(value)) if value in LIGHTS else math.nan
+    else:
+        number = float(value)
+    return Reading(number, clock_of(found, held))
+
+
+def read_state(
+    book: Book, device: str, name: str, element: str, states: tuple[str, ...]
+) -> Reading | None:
+    """Read a state as its place in ``states``; NaN where none of them fits."""
+    found = book.devices.get(device)
+    held = None if found is None else found.vectors.get(name)
+    if found is None or held is None or not _known(found, held):
+        return None
+    return Reading(_place(held, element, states), clock_of(found, held))
+
+
+def _place(held: Held, element: str, states: tuple[str, ...]) -> float:
+    lowered = [word.lower() for word in states]
+
+    def place_of(*words: str) -> int | None:
+        return next(
+            (lowered.index(word.lower()) for word in words if word.lower() in lowered), None
+        )
+
+    if element:
+        value = held.value(element)
+        if value is None:
+            return math.nan
+        if isinstance(value, bool):
+            at = place_of("on" if value else "off")
+            return float(value if at is None else at)
+        if isinstance(value, float):
+            return value
+        return _by_word(place_of(value), LIGHTS.index(value) if value in LIGHTS else None, states)
+    if held.kind is not Kind.SWITCH:
+        return _by_word(place_of(held.state), LIGHTS.index(held.state), states)
+    on = [each for each in held.elements.values() if each.value is True]
+    ways = _WORDS.get(held.name)
+    if ways is not None:
+        at = place_of(_way(held, [each.name for each in on], ways))
+        if at is not None:
+            return float(at)
+    if not on:
+        at = place_of("none", "unknown")
+        return math.nan if at is None else float(at)
+    index = list(held.elements).index(on[0].name)
+    return _by_word(place_of(on[0].label, on[0].name), index, states)
+
+
+def _by_word(at: int | None, index: int | None, states: tuple[str, ...]) -> float:
+    """Take the word's place, or else the place in the protocol's own order."""
+    found = index if at is None else at
+    return float(found) if found is not None and found < len(states) else math.nan
+
+
+def _way(held: Held, on: list[str], ways: dict[str, tuple[str, str]]) -> str:
+    if held.state is State.ALERT:
+        return "error"
+    known = [each for each in on if each in ways]
+    if len(known) != 1:
+        return "unknown"
+    return ways[known[0]][0 if held.state is State.BUSY else 1]
+
+
+def read_text(book: Book, device: str, name: str, element: str) -> Reading | None:
+    """Read a text; of a switch the label of what is on."""
+    found = book.devices.get(device)
+    if found is None:
+        return None
+    if name == MESSAGE:
+        return Reading(found.said[-1].message if found.said else "", found.heard_ns)
+    held = found.vectors.get(name)
+    if held is None or not _known(found, held):
+        return None
+    if element:
+        value = held.value(element)
+        if value is None:
+            return None
+        text = value if isinstance(value, str) else f"{float(value):g}"
+    elif held.kind is Kind.SWITCH:
+        on = [each.label or each.name for each in held.elements.values() if each.value is True]
+        text = ", ".join(on)
+    else:
+        text = str(held.state)
+    return Reading(text, clock_of(found, held))
+
+
+def _known(device: DeviceState, held: Held) -> bool:
+    """Tell whether the driver itself stands by its value."""
+    if held.name in ("CONNECTION", "DRIVER_INFO"):
+        return True
+    # A weather driver whose station is silent keeps the last values and says so by its state.
+    if held.name == _MEASURED and held.state is State.ALERT:
+        return False
+    return device.connected or "CONNECTION" not in device.vectors

@@ -1,0 +1,209 @@
+"""One `Adapter` made of several: one for each connection of the site, and none ends another."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from talaia.gateway.adapters.null_adapter import Nobody
+from talaia.gateway.errors import AdapterLost
+from talaia.gateway.ports import Outcome
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+
+    from talaia.gateway.adapters.connectivity import Reach
+    from talaia.gateway.ports import Adapter, EventSink, Reading
+    from talaia.model.site import Device
+    from talaia.wire.frames import Scalar
+
+__all__ = ["AGAIN_S", "Many", "Post"]
+
+log = logging.getLogger(__name__)
+# After a loss a connection is tried again so often.
+AGAIN_S = 1.0
+
+
+class Post:
+    """A `Status`: where one adapter says how its side stands. Any thread."""
+
+    def __init__(self, name: str, loop: asyncio.AbstractEventLoop, reach: Reach) -> None:
+        """Speak for the connection of this name; `heard` is set by who listens."""
+        self.name = name
+        self._loop = loop
+        self._reach = reach
+        self.on_up: Callable[[], None] = lambda: None
+        self.on_found: Callable[[Mapping[str, Device]], None] = lambda _devices: None
+
+    def up(self) -> None:
+        """See `Status.up`."""
+        self._loop.call_soon_threadsafe(lambda: self.on_up())
+
+    def device(self, device: str, *, there: bool, why: str = "", sure: bool = True) -> None:
+        """See `Status.device`."""
+        self._loop.call_soon_threadsafe(
+            lambda: self._reach.device(device, there=there, why=why, sure=sure)
+        )
+
+    def found(self, devices: Mapping[str, Device]) -> None:
+        """See `Status.found`."""
+        self._loop.call_soon_threadsafe(lambda: self.on_found(devices))
+
+
+class Many:
+    """An `Adapter`. Used on the event loop only, but for `latest`."""
+
+    def __init__(
+        self,
+        of: Mapping[str, str],
+        adapters: Mapping[str, tuple[Adapter, Post]],
+        reach: Reach,
+        events: EventSink,
+        lost: Callable[[Collection[str]], None],
+        back: Callable[[Collection[str]], None],
+    ) -> None:
+        """Join adapters.
+
+        Args:
+            of: by device: the name of its connection, or an empty one.
+            adapters: by connection.
+            reach: told when a connection is lost or back.
+            events: told the same in words, once each.
+            lost: told which devices went away with a connection.
+            back: told which came back with it.
+
+        """
+        self._of = of
+        self._adapters = adapters
+        self._reach = reach
+        self._events = events
+        self._on_lost, self._on_back = lost, back
+        self._nobody = Nobody()
+        self._lost: set[str] = set()
+        self._running: set[str] = set()
+        self._streams: tuple[str, ...] = ()
+        self._group: asyncio.TaskGroup | None = None
+        self._tasks: dict[str, asyncio.Task[None]] = {}
+        self._ending: set[asyncio.Task[None]] = set()
+
+    async def run(self) -> None:
+        """Run all of them until cancelled; whichever is lost is begun again by itself.
+
+        What an adapter raises beside `AdapterLost` ends all of them, and is raised.
+        """
+        try:
+            async with asyncio.TaskGroup() as group:
+                # So that it lasts also when there is none.
+                group.create_task(asyncio.Event().wait())
+                self._group = group
+                for name in self._adapters:
+                    self._begin(name)
+        except BaseExceptionGroup as failed:
+            raise failed.exceptions[0] from failed
+        finally:
+            self._group = None
+
+    def redescribe(
+        self, of: Mapping[str, str], adapters: Mapping[str, tuple[Adapter, Post]]
+    ) -> None:
+        """Serve other devices, by adapters of which those that were here already go on.
+
+        What has no place any more is ended. One that has taken another's place begins when that
+        one has released everything.
+        """
+        before, self._adapters = self._adapters, adapters
+        gone = [name for name, pair in before.items() if adapters.get(name) != pair]
+        for name in gone:
+            if name in adapters:
+                self._gone(name, "its description has changed; connecting anew")
+            else:
+                self._lost.discard(name)
+        self._of = of
+        for name in [each for each in adapters if each in gone or each not in before]:
+            self._begin(name)
+        for name in [each for each in gone if each not in adapters]:
+            if (task := self._tasks.pop(name, None)) is not None:
+                task.cancel()
+        self.watch(self._streams)
+
+    def _begin(self, name: str) -> None:
+        if self._group is None:
+            return
+        if (task := self._tasks.get(name)) is not None:
+            task.cancel()
+            self._ending.add(task)
+        self._ending = {each for each in self._ending if not each.done()}
+        before = tuple(self._ending)
+        self._tasks[name] = self._group.create_task(self._keep(name, *self._adapters[name], before))
+
+    async def _keep(
+        self, name: str, adapter: Adapter, post: Post, before: Collection[asyncio.Task[None]]
+    ) -> None:
+        if before:
+            await asyncio.wait(before)
+        post.on_up = lambda: self._back(name)
+        while True:
+            self._running.add(name)
+            try:
+                await adapter.run()
+            except AdapterLost as error:
+                self._gone(name, str(error))
+            finally:
+                self._running.discard(name)
+            await asyncio.sleep(AGAIN_S)
+
+    def _gone(self, name: str, why: str) -> None:
+        devices = self._reach.lost(name, why)
+        if name not in self._lost:
+            self._lost.add(name)
+            log.warning("%s: %s; trying again every %g s", name, why, AGAIN_S)
+            self._events.tell("connection lost", f"{name}: {why}")
+            self._on_lost(devices)
+
+    def _back(self, name: str) -> None:
+        if name not in self._running or name not in self._lost:
+            return
+        self._lost.discard(name)
+        log.info("%s is back", name)
+        self._events.tell("connection back", name, good=True)
+        self._on_back(self._reach.back(name))
+
+    # ── to the one that serves the device ──
+
+    def _for(self, device: str) -> Adapter:
+        found = self._adapters.get(self._of.get(device, ""))
+        return self._nobody if found is None else found[0]
+
+    def watch(self, streams: Collection[str]) -> None:
+        """See `Adapter.watch`."""
+        self._streams = tuple(streams)
+        for name, (adapter, _) in self._adapters.items():
+            adapter.watch([each for each in streams if self._of.get(each.split("/", 1)[0]) == name])
+
+    def latest(self, address: str) -> Reading | None:
+        """See `Readings.latest`; what is not reached has none."""
+        device = address.split("/", 1)[0]
+        return self._for(device).latest(address) if self._reach.counts(device) else None
+
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+        """See `CommandTarget.drive`."""
+        self._for(device).drive(device, linear, angular, key)
+
+    def stop(self, device: str, *, stopped: bool) -> None:
+        """See `CommandTarget.stop`."""
+        self._for(device).stop(device, stopped=stopped)
+
+    def act(
+        self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+    ) -> Callable[[], None] | None:
+        """See `CommandTarget.act`."""
+        return self._for(device).act(device, command, fields, done)
+
+    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+        """See `Adapter.reconnect`."""
+        if device not in self._of:
+            done(Outcome(CommandPhase.FAILED, "there is no such device at the robot now"))
+            return
+        self._for(device).reconnect(device, done)

@@ -1,0 +1,1 @@
+"""The ROS 1 adapter, with its node in a process of its own."""

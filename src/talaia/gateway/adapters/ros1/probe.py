@@ -1,0 +1,309 @@
+"""Looks at a live ROS 1 graph: topics with their fields and rates, services, actions.
+
+Listens only: it publishes nothing and calls nothing. Topics are heard raw through the adapter's
+own process of the machine's Python; a service is asked for its type by the header that is
+exchanged before any call. What a message holds is read from the definition that its publisher
+sends with it, so that no package of the robot's is needed; of a request, and of a topic that is
+silent, only the packages of this machine can tell.
+
+Long, because listening and telling are two sides of what was heard.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import time
+from typing import TYPE_CHECKING, Any
+
+from talaia.gateway.adapters.cloudconnect import parse_metric
+from talaia.gateway.adapters.message_fields import Shape, shape_of
+from talaia.gateway.adapters.ros1.decode import decoder_of, full_name
+from talaia.gateway.adapters.ros1.frames import Heard
+from talaia.gateway.adapters.ros1.master import Master
+from talaia.gateway.adapters.ros1.message_types import definition_of
+from talaia.gateway.adapters.ros1.node import NodeProcess
+from talaia.gateway.errors import AdapterLost, FieldError
+from talaia.model.connection import Ros1Connection
+from talaia.model.found import FORMAT, ActionFound, FieldFound, Found, ServiceFound, TopicFound
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from talaia.gateway.adapters.ros1.master import Graph
+
+__all__ = ["DEFAULT_MASTER", "look"]
+
+DEFAULT_MASTER = "http://localhost:11311"
+PLUMBING = {"/rosout", "/rosout_agg", "/clock", "/statistics", "/diagnostics_agg"}
+# What every node has.
+PLUMBING_SERVICES = ("/get_loggers", "/set_logger_level")
+ACTION_PARTS = ("goal", "cancel", "status", "feedback", "result")
+METRIC, STATUS = "std_msgs/String", "actionlib_msgs/GoalStatusArray"
+LOOK_AGAIN_S = 0.5
+START_S = 15.0
+DESCRIBE_S = 10.0
+DEPTH = 50
+
+
+class _Heard:
+    """A topic that is listened to: how many came, when, the last one, and what they are."""
+
+    def __init__(self, topic: str) -> None:
+        self.topic = topic
+        self.type = self.definition = self.problem = ""
+        self.count = 0
+        self.first_us = self.last_us = 0
+        self.raw = b""
+        self.names: dict[str, None] = {}
+        self._decode: Callable[[bytes], object] | None = None
+
+    def learn(self, type_name: str, definition: str) -> None:
+        """Take what the publisher says its messages are."""
+        self.type, self.definition = type_name, definition
+        try:
+            self._decode = decoder_of(full_name(type_name), definition)
+        except FieldError as error:
+            self.problem = str(error)
+
+    def take(self, heard: Heard) -> None:
+        self.first_us = self.first_us or heard.time_us
+        self.last_us = heard.time_us
+        self.count += 1
+        self.raw = heard.raw
+        if self.type == METRIC and len(self.names) < 500:
+            with contextlib.suppress(FieldError):
+                text = str(getattr(self.message(), "data", ""))
+                self.names[parse_metric(text).name] = None
+
+    def message(self) -> object:
+        """Decode the last message; none where none came.
+
+        Raises:
+            FieldError: it is not of its type.
+
+        """
+        return self._decode(self.raw) if self._decode is not None and self.count else None
+
+    def rate(self, seconds: float) -> float:
+        """Give messages a second: by their spacing, or by the time looked when only one came."""
+        if self.count > 1 and self.last_us > self.first_us:
+            return (self.count - 1) * 1e6 / (self.last_us - self.first_us)
+        return self.count / seconds
+
+
+def look(uri: str, seconds: float, python: str = Ros1Connection().python) -> Found:
+    """Join the graph, listen for so many seconds (s) and tell what is there.
+
+    Args:
+        uri: of the master.
+        seconds: how long.
+        python: the interpreter that has rospy.
+
+    Raises:
+        AdapterLost: no master answers, or there is no rospy.
+
+    """
+    return asyncio.run(_Look(Master(uri), seconds, python).found())
+
+
+class _Look:
+    """One look at the graph."""
+
+    def __init__(self, master: Master, seconds: float, python: str) -> None:
+        self._master, self._seconds = master, seconds
+        self._settings = Ros1Connection(node=f"talaia_probe_{os.getpid()}", python=python)
+        self._heard: list[_Heard] = []
+        self._described: dict[tuple[str, str], str | None] = {}
+        self._asked: set[tuple[str, str]] = set()
+        # Set by the node's thread through the loop: something has changed.
+        self._changed = asyncio.Event()
+        self._name = self._ended = ""
+
+    async def found(self) -> Found:
+        loop = asyncio.get_running_loop()
+        await loop.run_in_executor(None, self._master.check)
+
+        def fail(why: str) -> None:
+            self._ended = self._ended or why
+            loop.call_soon_threadsafe(self._changed.set)
+
+        def hear(frame: Heard | dict[str, Any]) -> None:
+            if isinstance(frame, Heard):
+                self._heard[frame.topic].take(frame)
+            else:
+                self._hear(frame)
+                loop.call_soon_threadsafe(self._changed.set)
+
+        node = NodeProcess(self._settings, self._master.uri, hear, lambda: None, fail)
+        try:
+            node.tell(node=self._settings.node, namespace="/")
+            await self._until(lambda: bool(self._name), START_S)
+            if not self._name:
+                raise AdapterLost("ROS 1 cannot be joined: its node does not begin")
+            await self._listen(node)
+            system = await loop.run_in_executor(None, self._master.graph)
+            types = await loop.run_in_executor(None, self._master.types)
+            kinds = {
+                name: await loop.run_in_executor(None, self._master.service_type, name)
+                for name in sorted(system.services)
+                if not name.endswith(PLUMBING_SERVICES)
+            }
+            for heard in self._heard:
+                types[heard.topic] = heard.type or types.get(heard.topic, "")
+            await self._describe(node, types, kinds)
+        finally:
+            node.hang_up()
+            await loop.run_in_executor(None, node.wait)
+        return self._told(system, types, kinds)
+
+    async def _until(self, holds: Callable[[], bool], seconds: float) -> None:
+        """Wait until it holds, or so long (s).
+
+        Raises:
+            AdapterLost: the node has ended.
+
+        """
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                while not holds() and not self._ended:
+                    self._changed.clear()
+                    await self._changed.wait()
+        if self._ended:
+            raise AdapterLost(f"ROS 1 cannot be joined: {self._ended}")
+
+    # ── on the node's thread ──
+
+    def _hear(self, said: dict[str, Any]) -> None:
+        match said["op"]:
+            case "ready":
+                self._name = said["node"]
+            case "type":
+                self._heard[said["topic"]].learn(said["type"], said["definition"])
+            case "described":
+                self._described[said["what"], said["type"]] = said["definition"]
+            case _:
+                return
+
+    # ── listening ──
+
+    async def _listen(self, node: NodeProcess) -> None:
+        loop = asyncio.get_running_loop()
+        until = time.monotonic() + self._seconds
+        known: set[str] = set()
+        while (left := until - time.monotonic()) > 0:
+            system = await loop.run_in_executor(None, self._master.graph)
+            for topic in sorted(system.published.keys() - known - PLUMBING):
+                known.add(topic)
+                self._heard.append(_Heard(topic))
+                number = len(self._heard) - 1
+                node.tell(op="listen", topic=number, name=topic, rate=0.0, deep=DEPTH)
+            await self._until(lambda: False, min(LOOK_AGAIN_S, left))
+
+    async def _describe(
+        self, node: NodeProcess, types: dict[str, str], kinds: dict[str, str]
+    ) -> None:
+        """Ask this machine's packages for what nobody has told yet."""
+        silent = {types[each.topic] for each in self._heard if not each.type}
+        goals = {_goal_type(types.get(f"{name}/goal", "")) for name in _actions(types)}
+        for what, wanted in (("msg", silent | goals), ("srv", set(kinds.values()))):
+            for name in sorted(each for each in wanted if "/" in each):
+                self._asked.add((what, name))
+                node.tell(op="describe", what=what, type=name)
+        await self._until(lambda: self._asked <= self._described.keys(), DESCRIBE_S)
+
+    # ── telling ──
+
+    def _told(self, system: Graph, types: dict[str, str], kinds: dict[str, str]) -> Found:
+        actions = _actions(types)
+        parts = {f"{name}/{part}" for name in actions for part in ACTION_PARTS}
+        return Found(
+            talaia_probe=FORMAT,
+            protocol="ros1",
+            where=f"ROS 1, master {self._master.uri}",
+            seconds=self._seconds,
+            master=self._master.uri,
+            topics=tuple(self._topics(system, types, parts)),
+            services=tuple(self._service(name, kind) for name, kind in kinds.items()),
+            actions=tuple(self._action(name, types[f"{name}/goal"]) for name in actions),
+        )
+
+    def _topics(
+        self, system: Graph, types: dict[str, str], parts: set[str]
+    ) -> Iterator[TopicFound]:
+        heard = {each.topic: each for each in self._heard}
+        for topic in sorted({*system.published, *system.heard} - PLUMBING - parts):
+            publishers = len(system.published.get(topic, ()))
+            subscribers = len(system.heard.get(topic, frozenset()) - {self._name})
+            kind = types.get(topic, "")
+            if not kind or not (publishers or subscribers):
+                continue
+            one = heard.get(topic)
+            shape, problem = self._read(one, kind) if one is not None else (Shape((), ()), "")
+            yield TopicFound(
+                topic=topic,
+                type=full_name(kind),
+                publishers=publishers,
+                subscribers=subscribers,
+                rate=round(one.rate(self._seconds), 2) if one is not None else 0.0,
+                fields=shape.fields,
+                names=tuple(sorted(one.names)) if one is not None else (),
+                left_out=shape.left_out,
+                problem=problem,
+            )
+
+    def _read(self, heard: _Heard, kind: str) -> tuple[Shape, str]:
+        if heard.problem:
+            return Shape((), ()), heard.problem
+        text = heard.definition if heard.type else self._described.get(("msg", kind))
+        if text is None:
+            return Shape((), ()), f"nothing came, and the type {kind} is not installed here"
+        try:
+            return _shape(text, kind, heard.message()), ""
+        except FieldError as error:
+            return Shape((), ()), str(error)
+
+    def _service(self, name: str, kind: str) -> ServiceFound:
+        if not kind:
+            return ServiceFound(name, "", (), "it does not answer")
+        package, _, short = kind.partition("/")
+        fields, problem = self._request("srv", kind, f"{kind}Request")
+        return ServiceFound(name, f"{package}/srv/{short}", fields, problem)
+
+    def _action(self, name: str, goal: str) -> ActionFound:
+        package, _, short = goal.removesuffix("ActionGoal").partition("/")
+        fields, problem = self._request("msg", _goal_type(goal), _goal_type(goal))
+        return ActionFound(name, f"{package}/action/{short}", fields, problem)
+
+    def _request(self, what: str, kind: str, named: str) -> tuple[tuple[FieldFound, ...], str]:
+        """Read what a request or a goal holds; lists in it cannot be filled from a form."""
+        text = self._described.get((what, kind))
+        if text is None:
+            package = kind.partition("/")[0]
+            return (), f"the package {package} is not installed here; install it to call this"
+        try:
+            shape = _shape(text, named, None)
+        except FieldError as error:
+            return (), str(error)
+        lists = [each.split(":", 1)[0] for each in shape.left_out]
+        fields = tuple(each for each in shape.fields if "[" not in each.path)
+        return fields, f"its request holds lists ({', '.join(lists)})" if lists else ""
+
+
+def _shape(text: str, kind: str, message: object) -> Shape:
+    definition = definition_of(text, kind)
+    return shape_of(
+        definition.kinds[kind], kind, definition.kinds.get, message, definition.comment_of
+    )
+
+
+def _actions(types: dict[str, str]) -> list[str]:
+    """Find the names under which there is a status of goals and a topic that takes them."""
+    names = (topic.removesuffix("/status") for topic, kind in types.items() if kind == STATUS)
+    return sorted(each for each in names if types.get(f"{each}/goal", "").endswith("ActionGoal"))
+
+
+def _goal_type(goal: str) -> str:
+    """Give the type of what is asked inside an action's goal message."""
+    return goal.removesuffix("ActionGoal") + "Goal" if goal else ""

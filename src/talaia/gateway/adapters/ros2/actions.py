@@ -1,0 +1,204 @@
+"""Commands as ROS 2 actions: goal, feedback, result and cancel. Used on the wait-set thread.
+
+An action is three services and a topic (REP-2: ``<name>/_action/send_goal``, ``get_result``,
+``cancel_goal`` and ``feedback``). They are used as such, because rclpy's own action client needs
+one of rclpy's executors, and `WaitThread` is none.
+"""
+
+from __future__ import annotations
+
+import math
+import uuid
+from typing import TYPE_CHECKING, Any
+
+from action_msgs.msg import GoalStatus
+from action_msgs.srv import CancelGoal
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+
+from talaia.gateway.adapters.ros2.requests import fill, outcome_of
+from talaia.gateway.errors import FieldError
+from talaia.gateway.ports import Outcome
+from talaia.gateway.samples.field_paths import getter
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.adapters.ros2.waitset import WaitThread
+    from talaia.model.site import Command
+    from talaia.wire.frames import Scalar
+
+__all__ = ["Goal", "Ros2Action"]
+
+FEEDBACK_DEPTH = 10
+# Goals whose end never came are forgotten beyond so many; their callers have long given up.
+MAX_GOALS = 1000
+
+
+class Goal:
+    """One goal of ours."""
+
+    def __init__(self, done: Callable[[Outcome], None]) -> None:
+        """Give it a name that nobody else has."""
+        self.id = uuid.uuid4()
+        self.done = done
+        self.accepted = False
+        self.unwanted = False
+
+
+class _Calls:
+    """A service of an action, and who waits for its answers."""
+
+    def __init__(self, node: Any, kind: Any, name: str, thread: WaitThread) -> None:  # noqa: ANN401
+        self._node, self._thread = node, thread
+        self._entity = node.create_client(kind, name)
+        self._kind = kind
+        self._pending: dict[int, Callable[[Any], None]] = {}
+        thread.add_client(self._entity.handle, kind.Response, self._take)
+
+    @property
+    def ready(self) -> bool:
+        return bool(self._entity.service_is_ready())
+
+    def request(self) -> Any:  # noqa: ANN401
+        return self._kind.Request()
+
+    def send(self, request: Any, answer: Callable[[Any], None]) -> None:  # noqa: ANN401
+        if len(self._pending) >= MAX_GOALS:
+            self._pending.pop(next(iter(self._pending)))
+        self._pending[self._entity.handle.send_request(request)] = answer
+
+    def close(self) -> None:
+        self._thread.remove_client(self._entity.handle)
+        self._node.destroy_client(self._entity)
+        self._pending.clear()
+
+    def _take(self, number: int, response: object) -> None:
+        answer = self._pending.pop(number, None)
+        if answer is not None:
+            answer(response)
+
+
+class Ros2Action:
+    """One command that is an action."""
+
+    def __init__(self, command: Command, kind: Any, node: Any, thread: WaitThread) -> None:  # noqa: ANN401
+        """Make its clients and hear its feedback."""
+        self._command, self._node, self._thread = command, node, thread
+        self._goals: dict[bytes, Goal] = {}
+        name = f"{command.target}/_action"
+        self._send = _Calls(node, kind.Impl.SendGoalService, f"{name}/send_goal", thread)
+        self._result = _Calls(node, kind.Impl.GetResultService, f"{name}/get_result", thread)
+        self._cancel = _Calls(node, CancelGoal, f"{name}/cancel_goal", thread)
+        message = kind.Impl.FeedbackMessage
+        self._progress = getter(command.progress) if command.progress else None
+
+        def take(raw: bytes, _: Any) -> None:  # noqa: ANN401
+            self._feedback(deserialize_message(raw, message))
+
+        # Kept, because a subscription that nobody holds is destroyed.
+        self._subscription = node.create_subscription(
+            message, f"{name}/feedback", _never, QoSProfile(depth=FEEDBACK_DEPTH), raw=True
+        )
+        thread.add_subscription(self._subscription.handle, message, take)
+
+    @property
+    def ready(self) -> bool:
+        """Whether the robot offers it now."""
+        return self._send.ready
+
+    def close(self, outcome: Outcome) -> None:
+        """End its clients; goals under way end as ``outcome``."""
+        for calls in (self._send, self._result, self._cancel):
+            calls.close()
+        self._thread.remove_subscription(self._subscription.handle)
+        self._node.destroy_subscription(self._subscription)
+        self.cut(outcome)
+
+    def cut(self, outcome: Outcome) -> None:
+        """End goals under way as ``outcome``; the clients stay."""
+        goals, self._goals = list(self._goals.values()), {}
+        for goal in goals:
+            goal.done(outcome)
+
+    def act(self, goal: Goal, fields: dict[str, Scalar]) -> None:
+        """Send a goal.
+
+        Raises:
+            FieldError: a field that the goal does not have, or a value that does not fit it.
+
+        """
+        request = self._send.request()
+        fill(request.goal, fields)
+        request.goal_id.uuid = list(goal.id.bytes)
+        if not self._send.ready:
+            target = self._command.target
+            goal.done(Outcome(CommandPhase.REFUSED, f"the robot does not offer {target} now"))
+            return
+        if len(self._goals) >= MAX_GOALS:
+            self._goals.pop(next(iter(self._goals)))
+        self._goals[goal.id.bytes] = goal
+        self._send.send(request, lambda answer: self._answered(goal, answer))
+
+    def cancel(self, goal: Goal) -> None:
+        """Ask the robot to end a goal; what becomes of it is told as its result."""
+        goal.unwanted = True
+        if not goal.accepted or goal.id.bytes not in self._goals:
+            # It is asked for as soon as the robot has accepted it; if it ended, there is no need.
+            return
+        request = self._cancel.request()
+        request.goal_info.goal_id.uuid = list(goal.id.bytes)
+
+        def answered(answer: Any) -> None:  # noqa: ANN401
+            if answer.return_code != CancelGoal.Response.ERROR_NONE:
+                goal.done(Outcome(CommandPhase.RUNNING, "the robot does not cancel it"))
+
+        self._cancel.send(request, answered)
+
+    def _answered(self, goal: Goal, answer: Any) -> None:  # noqa: ANN401
+        if goal.id.bytes not in self._goals:
+            # Its end was told already, as *unknown*.
+            return
+        if not answer.accepted:
+            self._goals.pop(goal.id.bytes, None)
+            goal.done(Outcome(CommandPhase.REFUSED, "the robot does not accept it"))
+            return
+        goal.accepted = True
+        request = self._result.request()
+        request.goal_id.uuid = list(goal.id.bytes)
+        self._result.send(request, lambda result: self._ended(goal, result))
+        if goal.unwanted:
+            self.cancel(goal)
+
+    def _feedback(self, message: Any) -> None:  # noqa: ANN401
+        goal = self._goals.get(bytes(message.goal_id.uuid))
+        if goal is None:
+            return
+        share = 0.0
+        if self._progress is not None:
+            try:
+                value: Any = self._progress(message.feedback)
+                share = float(value) / self._command.progress_end
+            except (FieldError, TypeError, ValueError):
+                share = 0.0
+        share = min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
+        goal.done(Outcome(CommandPhase.RUNNING, progress=share))
+
+    def _ended(self, goal: Goal, answer: Any) -> None:  # noqa: ANN401
+        if self._goals.pop(goal.id.bytes, None) is None:
+            return
+        said = outcome_of(answer.result)
+        match answer.status:
+            case GoalStatus.STATUS_SUCCEEDED:
+                goal.done(said)
+            case GoalStatus.STATUS_CANCELED:
+                goal.done(Outcome(CommandPhase.CANCELLED, said.message))
+            case GoalStatus.STATUS_ABORTED:
+                goal.done(Outcome(CommandPhase.FAILED, said.message or "the robot gave it up"))
+            case _:
+                goal.done(Outcome(CommandPhase.UNKNOWN, "the robot knows no more of it"))
+
+
+def _never(_: object) -> None:
+    """Stand where rclpy wants a callback; the wait-set thread takes messages itself."""

@@ -1,0 +1,113 @@
+"""Driving and STOP as ROS 2 publications. Called from the event loop: nothing here waits."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from talaia.gateway.adapters.ros2.requests import class_of, velocity_message
+from talaia.gateway.errors import TypeMissing
+from talaia.model.site import DriveMessage
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.model.site import Drive
+
+__all__ = ["Ros2Motion"]
+
+log = logging.getLogger(__name__)
+BOOL = "std_msgs/msg/Bool"
+
+
+class Ros2Motion:
+    """The publishers of all driven devices, made before they are needed."""
+
+    def __init__(
+        self,
+        share: Share,
+        node: Any,  # noqa: ANN401 - rclpy ships no types
+        missing: Callable[[TypeMissing], None],
+    ) -> None:
+        """Make them. From here on it is called on the wait-set thread, but for the velocities."""
+        self._node, self._missing = node, missing
+        self._rules: dict[str, Drive] = {}
+        self._velocity: dict[str, tuple[Any, Any]] = {}
+        self._stops: dict[str, tuple[Any, Any]] = {}
+        self._broken = False
+        self.redescribe(share)
+
+    def redescribe(self, share: Share) -> None:
+        """Make the publishers of devices whose driving is described anew; the others stay.
+
+        Nobody drives those now: their zeros have been published.
+        """
+        rules = {
+            name: device.drive for name, device in share.devices.items() if device.drive is not None
+        }
+        before, self._rules = self._rules, rules
+        for name in [name for name, rule in before.items() if rules.get(name) != rule]:
+            for where in (self._velocity, self._stops):
+                publisher, _ = where.pop(name, (None, None))
+                if publisher is not None:
+                    self._node.destroy_publisher(publisher)
+        for name, rule in rules.items():
+            if before.get(name) != rule:
+                self._make(name, rule)
+
+    def _make(self, name: str, rule: Drive) -> None:
+        # Never latched: a velocity must not reach a robot that comes later.
+        wanted: list[tuple[dict[str, tuple[Any, Any]], str, str, Any]] = [
+            (self._velocity, rule.message, rule.topic, DurabilityPolicy.VOLATILE)
+        ]
+        if rule.stop.topic:
+            latched = DurabilityPolicy.TRANSIENT_LOCAL
+            wanted.append((self._stops, BOOL, rule.stop.topic, latched))
+        for where, type_name, topic, durability in wanted:
+            try:
+                kind = class_of(type_name, topic)
+            except TypeMissing as error:
+                self._missing(error)
+                continue
+            # Characters may add up at the robot: none takes another's place before it is sent.
+            depth = 20 if type_name == DriveMessage.KEYS else 1
+            publisher = self._node.create_publisher(kind, topic, _newest(durability, depth))
+            where[name] = (publisher, kind())
+
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+        """Publish a velocity, or the character that stands for it."""
+        found = self._velocity.get(device)
+        if found is not None:
+            publisher, message = found
+            velocity_message(self._rules[device], message, linear, angular, key)
+            self._publish(publisher, message)
+
+    def stop(self, device: str, *, stopped: bool) -> None:
+        """Publish STOP or its end."""
+        found = self._stops.get(device)
+        if found is not None:
+            publisher, message = found
+            message.data = stopped
+            self._publish(publisher, message)
+
+    def _publish(self, publisher: Any, message: Any) -> None:  # noqa: ANN401
+        try:
+            publisher.publish(message)
+        except RuntimeError as error:
+            # All that rclpy raises here; it means that ROS is gone, which the adapter's thread
+            # tells in its own way.
+            if not self._broken:
+                self._broken = True
+                log.warning("ROS 2 takes no velocities: %s", error)
+
+
+def _newest(durability: Any, depth: int) -> Any:  # noqa: ANN401
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=durability,
+    )

@@ -1,0 +1,143 @@
+"""Parameters of ROS 2 nodes: read once a second, and set as a command. On the wait-set thread."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rcl_interfaces.msg import Parameter, ParameterType
+from rcl_interfaces.srv import GetParameters
+
+from talaia.gateway.adapters.topic_readers import parameter_plans_of
+from talaia.gateway.ports import Outcome
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.clock import Clock
+    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.gateway.adapters.ros2.waitset import WaitThread
+    from talaia.gateway.adapters.topic_readers import Gathered, TopicPlan
+    from talaia.gateway.ports import Reading
+    from talaia.wire.frames import Scalar
+
+__all__ = ["Ros2Parameters", "as_set", "parameters_of"]
+
+MOST_ASKED = 100
+_FIELDS = {
+    ParameterType.PARAMETER_BOOL: "bool_value",
+    ParameterType.PARAMETER_INTEGER: "integer_value",
+    ParameterType.PARAMETER_DOUBLE: "double_value",
+    ParameterType.PARAMETER_STRING: "string_value",
+}
+
+
+def parameters_of(fields: Mapping[str, Scalar]) -> list[Any]:
+    """Write values by name as the request of a node's ``set_parameters`` has them."""
+    made = []
+    for name, value in fields.items():
+        one = Parameter(name=name)
+        match value:
+            case bool():
+                one.value.type, one.value.bool_value = ParameterType.PARAMETER_BOOL, value
+            case int():
+                one.value.type, one.value.integer_value = ParameterType.PARAMETER_INTEGER, value
+            case float():
+                one.value.type, one.value.double_value = ParameterType.PARAMETER_DOUBLE, value
+            case str():
+                one.value.type, one.value.string_value = ParameterType.PARAMETER_STRING, value
+        made.append(one)
+    return made
+
+
+def as_set(response: Any) -> Outcome:  # noqa: ANN401 - ROS's packages are untyped
+    """Read the answer of ``set_parameters``: a node says for each whether it took it."""
+    refused = [each.reason for each in response.results if not each.successful]
+    if refused:
+        reason = "; ".join(refused)[:2000]
+        return Outcome(CommandPhase.FAILED, reason or "the node does not take it")
+    return Outcome(CommandPhase.SUCCEEDED, "set")
+
+
+class _Node(NamedTuple):
+    """A node that is asked: its client, and by parameter name what takes the value.
+
+    ``asked`` has the names of each request that is under way, in order.
+    """
+
+    client: Any
+    plans: dict[str, list[TopicPlan]]
+    asked: dict[int, tuple[str, ...]]
+
+
+class Ros2Parameters:
+    """The parameters that signals are made of."""
+
+    def __init__(
+        self,
+        share: Share,
+        node: Any,  # noqa: ANN401 - rclpy ships no types
+        thread: WaitThread,
+        clock: Clock,
+        gathered: Gathered,
+        latest: dict[str, Reading],
+        complain: Callable[[str, str], None],
+    ) -> None:
+        """Make a client for each node that has any."""
+        self._clock, self._gathered = clock, gathered
+        self._node, self._thread = node, thread
+        self._latest, self._complain = latest, complain
+        self._nodes: dict[str, _Node] = {}
+        self.plans: list[TopicPlan] = []
+        self.redescribe(share)
+
+    def redescribe(self, share: Share) -> None:
+        """Ask for the parameters of this share; nodes that are asked already stay so."""
+        before = {plan.channel: plan for plan in self.plans}
+        self.plans = parameter_plans_of(share, self._latest, self._complain)
+        owners = {plan.topic.rpartition("/")[0] for plan in self.plans}
+        for owner in self._nodes.keys() - owners:
+            client = self._nodes.pop(owner).client
+            self._thread.remove_client(client.handle)
+            self._node.destroy_client(client)
+        for one in self._nodes.values():
+            # Answers that are under way find the new plans by name.
+            one.plans.clear()
+        for plan in self.plans:
+            if (was := before.get(plan.channel)) is not None:
+                plan.take_over(was)
+            owner, _, name = plan.topic.rpartition("/")
+            if owner not in self._nodes:
+                client = self._node.create_client(GetParameters, f"{owner}/get_parameters")
+                self._nodes[owner] = _Node(client, {}, {})
+                taker = self._taker(self._nodes[owner])
+                self._thread.add_client(client.handle, GetParameters.Response, taker)
+            self._nodes[owner].plans.setdefault(name, []).append(plan)
+
+    def ask(self) -> None:
+        """Ask every node that is there."""
+        for one in self._nodes.values():
+            if one.client.service_is_ready():
+                request = GetParameters.Request(names=list(one.plans))
+                number = one.client.handle.send_request(request)
+                # Nodes that never answer must not fill the memory.
+                if len(one.asked) >= MOST_ASKED:
+                    one.asked.pop(next(iter(one.asked)))
+                one.asked[number] = tuple(one.plans)
+
+    def _taker(self, one: _Node) -> Callable[[int, Any], None]:
+        def take(number: int, response: Any) -> None:  # noqa: ANN401
+            now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
+            names = one.asked.pop(number, ())
+            for name, value in zip(names, response.values, strict=False):
+                plans = one.plans.get(name, [])
+                field = _FIELDS.get(value.type)
+                if field is None:
+                    # It is not set, or is a list.
+                    continue
+                message = SimpleNamespace(data=getattr(value, field))
+                for plan in plans:
+                    plan.take(message, now_us, now_ns, self._gathered)
+
+        return take

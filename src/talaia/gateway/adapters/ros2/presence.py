@@ -1,0 +1,102 @@
+"""Which devices are there, by ROS 2's graph and a question to their nodes. On the wait-set thread.
+
+The question is ``get_parameters`` of no parameter at all, which every node offers that was not
+told to leave its parameter services away; of others only the graph tells.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rcl_interfaces.srv import GetParameters
+
+from talaia.gateway.adapters.presence import Offer, Presence
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.clock import Clock
+    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.gateway.adapters.ros2.services import Ros2Commands
+    from talaia.gateway.adapters.ros2.waitset import WaitThread
+
+__all__ = ["Ros2Presence"]
+
+# The graph is read at every fourth look: that costs some milliseconds.
+_GRAPH_EVERY = 4
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"
+
+
+class Ros2Presence:
+    """All devices of a share.
+
+    Attributes:
+        heard_ns: by topic: when a message came last, monotonic.
+
+    """
+
+    def __init__(
+        self,
+        share: Share,
+        node: Any,  # noqa: ANN401 - rclpy ships no types
+        thread: WaitThread,
+        clock: Clock,
+        commands: Ros2Commands,
+        tell: Callable[[str, str, bool], None],
+    ) -> None:
+        """Take who is asked; ``tell`` as in `Presence`."""
+        self._node, self._thread, self._clock, self._commands = node, thread, clock, commands
+        self.heard_ns: dict[str, int] = {}
+        self._topics = {
+            name: {each.source.topic for each in device.signals.values() if each.source.topic}
+            for name, device in share.devices.items()
+        }
+        self._clients: dict[str, Any] = {}
+        self._offers: dict[str, Offer] = {}
+        self._tell = tell
+        self._presence = Presence(share.devices, self._told)
+        self._turn = 0
+
+    def look(self) -> None:
+        """Read the graph now and then, judge, and ask."""
+        if self._turn % _GRAPH_EVERY == 0:
+            self._offers = {name: self._offer(name) for name in self._topics}
+        self._turn += 1
+        heard = {
+            name: max((self.heard_ns.get(topic, 0) for topic in topics), default=0)
+            for name, topics in self._topics.items()
+        }
+        for name in self._presence.look(self._clock.monotonic_ns(), self._offers, heard):
+            self._clients[name].handle.send_request(GetParameters.Request(names=[]))
+
+    def _told(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001 - as `Presence`
+        # A node that does not answer may be busy with just that call; one that has left is not.
+        if why and sure:
+            self._commands.cut(device)
+        self._tell(device, why, sure)
+
+    def _offer(self, device: str) -> Offer:
+        topics = self._topics[device]
+        if not topics:
+            return Offer(self._commands.offered(device))
+        nodes = frozenset(
+            f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+            for topic in topics
+            for info in self._node.get_publishers_info_by_topic(topic)
+        )
+        return Offer(bool(nodes), nodes, frozenset(each for each in nodes if self._askable(each)))
+
+    def _askable(self, node: str) -> bool:
+        if node.endswith(_UNKNOWN):
+            return False
+        client = self._clients.get(node)
+        if client is None:
+            # Made before it is needed: nobody finds the services of a process that is gone.
+            client = self._node.create_client(GetParameters, f"{node}/get_parameters")
+            self._clients[node] = client
+
+            def take(_number: int, _response: object) -> None:
+                self._presence.answered(node, self._clock.monotonic_ns())
+
+            self._thread.add_client(client.handle, GetParameters.Response, take)
+        return bool(client.service_is_ready())

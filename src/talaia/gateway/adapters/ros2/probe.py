@@ -1,0 +1,252 @@
+"""Looks at a live ROS 2 graph: topics with their fields and rates, services, actions.
+
+Listens only: it publishes nothing, calls nothing and offers nothing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from typing import TYPE_CHECKING, Any
+
+with contextlib.suppress(ImportError):
+    import ros_wheels_bootstrapper  # noqa: F401 - before the first import of rclpy
+import rclpy
+from rclpy.action import get_action_names_and_types
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from rclpy.signals import SignalHandlerOptions
+
+from talaia.gateway.adapters.cloudconnect import parse_metric
+from talaia.gateway.adapters.message_fields import Shape, shape_of
+from talaia.gateway.adapters.ros2.definitions import comment_of
+from talaia.gateway.adapters.ros2.message_types import kind_named, kind_of
+from talaia.gateway.adapters.ros2.qos import Quality, quality_for
+from talaia.gateway.adapters.ros2.requests import class_of
+from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
+from talaia.model.found import FORMAT, ActionFound, Found, ServiceFound, TopicFound
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["look"]
+
+# What every node has, and what carries ROS itself.
+PLUMBING = {"/parameter_events", "/rosout", "/clock"}
+PLUMBING_TYPES = (
+    "rcl_interfaces/",
+    "type_description_interfaces/",
+    "lifecycle_msgs/",
+    "action_msgs/",
+)
+METRIC = "std_msgs/msg/String"
+LOOK_AGAIN_S = 0.4
+
+
+class _Heard:
+    """A topic that is listened to: how many came, when, and the last one."""
+
+    def __init__(self, topic: str, type_name: str, kind: Any) -> None:  # noqa: ANN401
+        self.topic, self.type_name, self.kind = topic, type_name, kind
+        self.count = 0
+        self.first = self.last = 0.0
+        self.raw = b""
+        self.names: dict[str, None] = {}
+
+    def take(self, raw: bytes) -> None:
+        now = time.monotonic()
+        self.first = self.first or now
+        self.last = now
+        self.count += 1
+        self.raw = raw
+        if self.type_name == METRIC and len(self.names) < 500:
+            with contextlib.suppress(FieldError):
+                self.names[parse_metric(str(deserialize_message(raw, self.kind).data)).name] = None
+
+    def rate(self, seconds: float) -> float:
+        """Give messages a second: by their spacing, or by the time looked when only one came."""
+        if self.count > 1 and self.last > self.first:
+            return (self.count - 1) / (self.last - self.first)
+        return self.count / seconds
+
+
+def look(domain: int | None, seconds: float) -> Found:
+    """Join the graph, listen for so many seconds (s) and tell what is there.
+
+    Raises:
+        AdapterLost: ROS 2 cannot be joined.
+
+    """
+    context = Context()
+    try:
+        rclpy.init(
+            args=["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"],
+            context=context,
+            domain_id=domain,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        quiet = Parameter("start_type_description_service", value=False)
+        node = Node(
+            "talaia_probe",
+            context=context,
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+            parameter_overrides=[quiet],
+        )
+    except Exception as error:
+        rclpy.try_shutdown(context=context)
+        raise AdapterLost(f"ROS 2 cannot be joined: {error}") from error
+    try:
+        return _Look(node, context, seconds).found()
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
+
+
+class _Look:
+    """One look at the graph."""
+
+    def __init__(self, node: Any, context: Any, seconds: float) -> None:  # noqa: ANN401
+        self._node, self._context, self._seconds = node, context, seconds
+        self._heard: dict[str, _Heard] = {}
+        self._problems: dict[str, str] = {}
+
+    def found(self) -> Found:
+        executor = SingleThreadedExecutor(context=self._context)
+        executor.add_node(self._node)
+        until = time.monotonic() + self._seconds
+        look_at = 0.0
+        while (now := time.monotonic()) < until:
+            if now >= look_at:
+                self._listen()
+                look_at = now + LOOK_AGAIN_S
+            executor.spin_once(timeout_sec=min(0.1, until - now))
+        executor.shutdown(timeout_sec=1)
+        domain = self._context.get_domain_id()
+        actions = self._actions()
+        return Found(
+            talaia_probe=FORMAT,
+            protocol="ros2",
+            where=f"ROS 2, domain {domain}",
+            seconds=self._seconds,
+            domain=domain,
+            topics=tuple(self._topics()),
+            services=tuple(self._services()),
+            actions=tuple(actions),
+        )
+
+    # ── listening ──
+
+    def _listen(self) -> None:
+        for topic, types in self._node.get_topic_names_and_types():
+            if topic in self._heard or topic in self._problems or _is_plumbing(topic, types):
+                continue
+            publishers = self._node.get_publishers_info_by_topic(topic)
+            if not publishers:
+                continue
+            if len(types) > 1:
+                self._problems[topic] = f"it is published with several types: {', '.join(types)}"
+                continue
+            try:
+                kind = class_of(types[0], topic)
+            except TypeMissing as error:
+                self._problems[topic] = str(error)
+                continue
+            heard = self._heard[topic] = _Heard(topic, types[0], kind)
+            self._node.create_subscription(kind, topic, heard.take, _profile(publishers), raw=True)
+
+    # ── telling ──
+
+    def _topics(self) -> Iterable[TopicFound]:
+        for topic, types in sorted(self._node.get_topic_names_and_types()):
+            if _is_plumbing(topic, types):
+                continue
+            heard = self._heard.get(topic)
+            publishers = len(self._node.get_publishers_info_by_topic(topic))
+            own = 1 if heard is not None else 0
+            subscribers = len(self._node.get_subscriptions_info_by_topic(topic)) - own
+            if not publishers and not subscribers:
+                continue
+            shape, problem = Shape((), ()), self._problems.get(topic, "")
+            if heard is not None:
+                shape, problem = _read(heard)
+            yield TopicFound(
+                topic=topic,
+                type=types[0],
+                publishers=publishers,
+                subscribers=subscribers,
+                rate=round(heard.rate(self._seconds), 2) if heard is not None else 0.0,
+                fields=shape.fields,
+                names=tuple(sorted(heard.names)) if heard is not None else (),
+                left_out=shape.left_out,
+                problem=problem,
+            )
+
+    def _services(self) -> Iterable[ServiceFound]:
+        for service, types in sorted(self._node.get_service_names_and_types()):
+            if types[0].startswith(PLUMBING_TYPES) or "/_action/" in service:
+                continue
+            shape, problem = _asked(types[0], service, "Request", ".srv")
+            yield ServiceFound(service, types[0], shape.fields, problem)
+
+    def _actions(self) -> Iterable[ActionFound]:
+        for action, types in sorted(get_action_names_and_types(self._node)):
+            shape, problem = _asked(types[0], action, "Goal", ".action")
+            yield ActionFound(action, types[0], shape.fields, problem)
+
+
+def _is_plumbing(topic: str, types: list[str]) -> bool:
+    return topic in PLUMBING or "/_action/" in topic or types[0].startswith(PLUMBING_TYPES)
+
+
+def _profile(publishers: Iterable[Any]) -> QoSProfile:
+    quality = quality_for(
+        [
+            Quality(
+                info.qos_profile.reliability != ReliabilityPolicy.BEST_EFFORT,
+                info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,
+            )
+            for info in publishers
+        ]
+    )
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=50,
+        reliability=ReliabilityPolicy.RELIABLE
+        if quality.reliable
+        else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL
+        if quality.latched
+        else DurabilityPolicy.VOLATILE,
+    )
+
+
+def _read(heard: _Heard) -> tuple[Shape, str]:
+    message, problem = None, ""
+    if heard.raw:
+        try:
+            message = deserialize_message(heard.raw, heard.kind)
+        except Exception as error:  # noqa: BLE001 - rclpy raises bare kinds for foreign bytes
+            problem = f"a message that came is not a {heard.type_name}: {error}"
+    package, _, name = heard.type_name.split("/")
+    return shape_of(
+        kind_of(heard.kind), f"{package}/{name}", kind_named, message, comment_of
+    ), problem
+
+
+def _asked(type_name: str, used_by: str, part: str, kind: str) -> tuple[Shape, str]:
+    """Read what a request or a goal holds; lists in it cannot be filled from a form."""
+    try:
+        asked = getattr(class_of(type_name, used_by), part)
+    except TypeMissing as error:
+        return Shape((), ()), str(error)
+    shape = shape_of(kind_of(asked), f"{type_name}{kind}", kind_named, asked(), comment_of)
+    lists = [each.split(":", 1)[0] for each in shape.left_out]
+    fields = tuple(each for each in shape.fields if "[" not in each.path)
+    problem = f"its request holds lists ({', '.join(lists)})" if lists else ""
+    return Shape(fields, shape.left_out), problem

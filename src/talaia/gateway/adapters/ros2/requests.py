@@ -1,0 +1,129 @@
+"""Messages to the robot: fields by path, velocities in the three forms robots listen to."""
+
+from __future__ import annotations
+
+import re
+from importlib import import_module
+from itertools import pairwise
+from typing import Any
+
+from talaia.gateway.errors import FieldError, TypeMissing
+from talaia.gateway.ports import Outcome
+from talaia.gateway.samples.field_paths import parse_path
+from talaia.model.site import Drive, DriveMessage
+from talaia.wire.frames import CommandPhase, Scalar
+
+__all__ = ["class_of", "fill", "outcome_of", "velocity_message"]
+
+# As rclpy names the type of a list: sequence<rcl_interfaces/Parameter>.
+_LIST_OF = re.compile(r"sequence<(\w+)/(\w+)(?:, \d+)?>")
+MAX_GROWN = 64
+
+
+def class_of(type_name: str, used_by: str) -> Any:  # noqa: ANN401 - ROS's packages are untyped
+    """Import the Python class of a ROS type.
+
+    Raises:
+        TypeMissing: its package is not installed, or has no such type.
+
+    """
+    package, middle, name = type_name.split("/")
+    try:
+        return getattr(import_module(f"{package}.{middle}"), name)
+    except (ImportError, AttributeError) as error:
+        raise TypeMissing(type_name, used_by) from error
+
+
+def fill(message: Any, fields: dict[str, Scalar]) -> None:  # noqa: ANN401
+    """Set fields of a message by path, as the types the message has there.
+
+    Raises:
+        FieldError: no such field, or a value that does not fit it.
+
+    """
+    for path, value in fields.items():
+        steps = parse_path(path)
+        try:
+            at, last = message, steps[-1]
+            for step, following in pairwise(steps):
+                inner = getattr(at, step) if isinstance(step, str) else at[step]
+                if isinstance(step, str) and isinstance(following, int):
+                    _grow(at, step, inner, following)
+                at = inner
+            if isinstance(last, str):
+                setattr(at, last, _as(getattr(at, last), value, path))
+            else:
+                at[last] = _as(at[last], value, path)
+        except (AttributeError, IndexError, TypeError) as error:
+            raise FieldError(path, f"the message has no such field ({error})") from error
+        except (AssertionError, ValueError, OverflowError) as error:
+            raise FieldError(path, f"{value!r} does not fit ({error})") from error
+
+
+def _grow(owner: Any, name: str, held: Any, index: int) -> None:  # noqa: ANN401
+    """Make a list of messages long enough for an index: a request starts with empty ones."""
+    if not isinstance(held, list) or index < len(held):
+        return
+    found = _LIST_OF.match(owner.get_fields_and_field_types().get(name, ""))
+    if found is None or index >= MAX_GROWN:
+        return
+    kind = class_of(f"{found[1]}/msg/{found[2]}", name)
+    held.extend(kind() for _ in range(index + 1 - len(held)))
+
+
+def _as(now: object, value: Scalar, path: str) -> Scalar:
+    """Give the value in the type that the field holds now; never a silent cut."""
+    if isinstance(now, bool):
+        if not isinstance(value, bool):
+            raise FieldError(path, f"expected true or false, found {value!r}")
+        return value
+    if isinstance(now, str):
+        return value if isinstance(value, str) else str(value)
+    if isinstance(value, str):
+        raise FieldError(path, f"expected a number, found {value!r}")
+    if isinstance(now, int):
+        if int(value) != value:
+            raise FieldError(path, f"expected a whole number, found {value!r}")
+        return int(value)
+    return float(value)
+
+
+def outcome_of(response: object) -> Outcome:
+    """Read a service's answer: ``success`` and ``message`` where it has them.
+
+    Setting parameters answers with a ``result`` (or with one for each) of ``successful`` and
+    ``reason``.
+    """
+    said = getattr(response, "message", "")
+    message = said if isinstance(said, str) else ""
+    good = getattr(response, "success", True) is not False
+    results = getattr(response, "results", None) or [getattr(response, "result", None)]
+    for result in results:
+        reason = getattr(result, "reason", None)
+        if isinstance(reason, str):
+            message = message or reason
+            good = good and getattr(result, "successful", True) is not False
+    if not good:
+        return Outcome(CommandPhase.FAILED, message or "the robot says it did not succeed")
+    return Outcome(CommandPhase.SUCCEEDED, message)
+
+
+def velocity_message(
+    drive: Drive,
+    message: Any,  # noqa: ANN401
+    linear: float,
+    angular: float,
+    key: str = "",
+) -> Any:  # noqa: ANN401
+    """Set a velocity in a message of the drive's type, and give it.
+
+    A stamp stays 0: the robot takes that for its own now, and nobody else's clock can delay it.
+    """
+    match drive.message:
+        case DriveMessage.KEYS:
+            message.data = key
+        case DriveMessage.TWIST:
+            message.linear.x, message.angular.z = linear, angular
+        case DriveMessage.TWIST_STAMPED:
+            message.twist.linear.x, message.twist.angular.z = linear, angular
+    return message

@@ -1,0 +1,232 @@
+"""Commands as ROS 2 service calls, publications and actions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from talaia.gateway.adapters.ros2.actions import Goal, Ros2Action
+from talaia.gateway.adapters.ros2.parameters import as_set, parameters_of
+from talaia.gateway.adapters.ros2.requests import class_of, fill, outcome_of
+from talaia.gateway.errors import FieldError, TypeMissing
+from talaia.gateway.ports import Outcome
+from talaia.model.site import CommandKind
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.gateway.adapters.ros2.waitset import WaitThread
+    from talaia.model.site import Command
+    from talaia.wire.frames import Scalar
+
+__all__ = ["Ros2Commands"]
+
+# Calls that were never answered are forgotten beyond so many; their callers have long given up.
+MAX_PENDING = 1000
+_SET = "rcl_interfaces/srv/SetParameters"
+_GONE = "it does not answer any more; look at the device to see what it did"
+_CUT = "the connection was made anew meanwhile; look at the device to see what it did"
+
+
+class _Client(NamedTuple):
+    """A service client and the calls that wait for its answer, by request number."""
+
+    entity: Any
+    kind: Any
+    pending: dict[int, Callable[[Outcome], None]]
+
+
+class Ros2Commands:
+    """All commands of a site. Used on the wait-set thread, but for the making."""
+
+    def __init__(
+        self,
+        share: Share,
+        node: Any,  # noqa: ANN401 - rclpy ships no types
+        thread: WaitThread,
+        missing: Callable[[TypeMissing], None],
+    ) -> None:
+        """Make a client or publisher for each command, so that they are known before they act."""
+        self._share, self._node, self._thread, self._missing = share, node, thread, missing
+        self._clients: dict[str, _Client] = {}
+        self._publishers: dict[str, tuple[Any, Any]] = {}
+        self._actions: dict[str, Ros2Action] = {}
+        self._problems: dict[str, str] = {}
+        self._commands: dict[str, Command] = {}
+        for device_id, device in share.devices.items():
+            for command_id, command in device.commands.items():
+                self._make(f"{device_id}/{command_id}", command)
+
+    def _make(self, address: str, command: Command) -> None:
+        self._commands[address] = command
+        sets = command.kind is CommandKind.PARAMETER
+        try:
+            kind = class_of(_SET if sets else command.type, command.target)
+        except TypeMissing as error:
+            self._problems[address] = str(error)
+            self._missing(error)
+            return
+        if command.kind is CommandKind.TOPIC:
+            publisher = self._node.create_publisher(kind, command.target, 10)
+            self._publishers[address] = (publisher, kind)
+        elif command.kind is CommandKind.ACTION:
+            self._actions[address] = Ros2Action(command, kind, self._node, self._thread)
+        else:
+            target = f"{command.target}/set_parameters" if sets else command.target
+            client = _Client(self._node.create_client(kind, target), kind, {})
+            self._clients[address] = client
+            read = as_set if sets else outcome_of
+            self._thread.add_client(client.entity.handle, kind.Response, _taker(client, read))
+
+    def rejoin(self, device: str) -> None:
+        """Make a device's clients and publishers anew; calls under way end as *unknown*."""
+        for command_id, command in self._share.devices[device].commands.items():
+            address = f"{device}/{command_id}"
+            self._close(address)
+            self._make(address, command)
+
+    def redescribe(self, share: Share) -> None:
+        """Make what is new or other than it was; the rest stays, with its calls under way."""
+        self._share = share
+        wanted = {
+            f"{device_id}/{command_id}": command
+            for device_id, device in share.devices.items()
+            for command_id, command in device.commands.items()
+        }
+        for address, command in list(self._commands.items()):
+            if wanted.get(address) != command:
+                self._close(address)
+                del self._commands[address]
+        for address, command in wanted.items():
+            if address not in self._commands:
+                self._make(address, command)
+
+    def _close(self, address: str) -> None:
+        self._problems.pop(address, None)
+        publisher, _ = self._publishers.pop(address, (None, None))
+        if publisher is not None:
+            self._node.destroy_publisher(publisher)
+        action = self._actions.pop(address, None)
+        if action is not None:
+            action.close(Outcome(CommandPhase.UNKNOWN, _CUT))
+        client = self._clients.pop(address, None)
+        if client is not None:
+            self._thread.remove_client(client.entity.handle)
+            self._node.destroy_client(client.entity)
+            for done in client.pending.values():
+                done(Outcome(CommandPhase.UNKNOWN, _CUT))
+
+    def cut(self, device: str) -> None:
+        """End a device's calls that are under way as *unknown*: nobody will answer them."""
+        for command_id in self._share.devices[device].commands:
+            address = f"{device}/{command_id}"
+            if (action := self._actions.get(address)) is not None:
+                action.cut(Outcome(CommandPhase.UNKNOWN, _GONE))
+            if (client := self._clients.get(address)) is not None:
+                waiting = list(client.pending.values())
+                client.pending.clear()
+                for done in waiting:
+                    done(Outcome(CommandPhase.UNKNOWN, _GONE))
+
+    def offered(self, device: str) -> bool:
+        """Tell whether anybody offers one of a device's services or actions now."""
+        names = [f"{device}/{each}" for each in self._share.devices[device].commands]
+        return any(
+            (each in self._clients and self._clients[each].entity.service_is_ready())
+            or (each in self._actions and self._actions[each].ready)
+            for each in names
+        )
+
+    def absent(self, device: str) -> list[str]:
+        """Name those of a device's services that nobody offers, and types not known here."""
+        absent = []
+        for command_id, command in self._share.devices[device].commands.items():
+            address = f"{device}/{command_id}"
+            client = self._clients.get(address)
+            if address in self._problems:
+                absent.append(f"{command.target} (its type is not known here)")
+            elif client is not None and not client.entity.service_is_ready():
+                absent.append(f"{command.target} (no such service now)")
+            elif address in self._actions and not self._actions[address].ready:
+                absent.append(f"{command.target} (no such action now)")
+        return absent
+
+    @staticmethod
+    def away() -> Outcome:
+        """Say that there is nobody to ask."""
+        return Outcome(CommandPhase.REFUSED, "the robot is not connected")
+
+    def begin(
+        self,
+        address: str,
+        fields: dict[str, Scalar],
+        done: Callable[[Outcome], None],
+        on_thread: Callable[[Callable[[], None]], None],
+    ) -> Callable[[], None] | None:
+        """Begin from any thread; see `CommandTarget.act`. Jobs go to ``on_thread``."""
+        action = self._actions.get(address)
+        goal = None if action is None else Goal(done)
+        on_thread(lambda: self._act(address, fields, done, goal))
+        if action is None or goal is None:
+            return None
+        return lambda: on_thread(lambda: action.cancel(goal))
+
+    def _act(
+        self,
+        address: str,
+        fields: dict[str, Scalar],
+        done: Callable[[Outcome], None],
+        goal: Goal | None,
+    ) -> None:
+        problem = self._problems.get(address)
+        if address not in self._commands:
+            problem = "the command is not described any more"
+        if problem is not None:
+            done(Outcome(CommandPhase.REFUSED, problem))
+            return
+        try:
+            if address in self._publishers:
+                done(self._publish(address, fields))
+            elif goal is not None:
+                self._actions[address].act(goal, fields)
+            else:
+                self._call(address, fields, done)
+        except FieldError as error:
+            done(Outcome(CommandPhase.REFUSED, str(error)))
+
+    def _publish(self, address: str, fields: dict[str, Scalar]) -> Outcome:
+        publisher, kind = self._publishers[address]
+        message = kind()
+        fill(message, fields)
+        if publisher.get_subscription_count() == 0:
+            target = self._commands[address].target
+            return Outcome(CommandPhase.REFUSED, f"nobody on the robot listens to {target}")
+        publisher.publish(message)
+        return Outcome(CommandPhase.SUCCEEDED, "published")
+
+    def _call(
+        self, address: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+    ) -> None:
+        client = self._clients[address]
+        request = client.kind.Request()
+        if self._commands[address].kind is CommandKind.PARAMETER:
+            request.parameters = parameters_of(fields)
+        else:
+            fill(request, fields)
+        if not client.entity.service_is_ready():
+            target = self._commands[address].target
+            done(Outcome(CommandPhase.REFUSED, f"the robot does not offer {target} now"))
+            return
+        if len(client.pending) >= MAX_PENDING:
+            client.pending.pop(next(iter(client.pending)))
+        client.pending[client.entity.handle.send_request(request)] = done
+
+
+def _taker(client: _Client, read: Callable[[Any], Outcome]) -> Callable[[int, Any], None]:
+    def take(number: int, response: object) -> None:
+        done = client.pending.pop(number, None)
+        if done is not None:
+            done(read(response))
+
+    return take

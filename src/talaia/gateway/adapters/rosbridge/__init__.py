@@ -1,0 +1,1 @@
+"""The rosbridge adapter (rosbridge v2 protocol, JSON or CBOR)."""

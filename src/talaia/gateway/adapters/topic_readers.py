@@ -1,0 +1,294 @@
+"""From decoded ROS messages to samples: one plan for each topic, compiled once.
+
+What comes out goes straight into columns; there is no object for each sample. The same for every
+way to reach ROS.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple, cast
+
+import msgspec
+import numpy as np
+
+from talaia.gateway.adapters.cloudconnect import parse_metric
+from talaia.gateway.errors import FieldError
+from talaia.gateway.ports import Reading
+from talaia.gateway.samples.field_paths import getter, reader_of, text_of
+from talaia.gateway.samples.rate_limit import Sampler, rule_of
+from talaia.gateway.samples.source_stamps import StampReader
+from talaia.model.site import SignalType, Source
+from talaia.wire.columns import Columns
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.model.site import Signal
+
+__all__ = ["Gathered", "TopicPlan", "file_in", "parameter_plans_of", "plans_of"]
+
+
+_DATA, _OFFSET = getter("data"), getter("layout.data_offset")
+
+
+class Gathered:
+    """Columns that grow. Used by one thread."""
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self._channel: list[int] = []
+        self._time: list[int] = []
+        self._value: list[float] = []
+        self._texts: dict[int, str] = {}
+
+    def add(self, channel: int, time_us: int, value: float) -> None:
+        """Append a number."""
+        self._channel.append(channel)
+        self._time.append(time_us)
+        self._value.append(value)
+
+    def add_text(self, channel: int, time_us: int, text: str) -> None:
+        """Append a text."""
+        self._texts[len(self._channel)] = text
+        self.add(channel, time_us, math.nan)
+
+    def take(self) -> Columns | None:
+        """Give what was gathered and start anew; none if that is nothing."""
+        if not self._channel:
+            return None
+        columns = Columns(
+            np.array(self._channel, np.uint16),
+            np.array(self._time, np.int64),
+            np.array(self._value, np.float64),
+            self._texts,
+        )
+        self._channel, self._time, self._value, self._texts = [], [], [], {}
+        return columns
+
+
+class _Row(NamedTuple):
+    """One signal of a topic: where its numbers go and how they are read and thinned out."""
+
+    address: str
+    channel: int
+    read: Callable[[object], tuple[float, ...]] | None
+    text: Callable[[object], object] | None
+    sampler: Sampler | None
+    tapped: bool
+    scale: float
+    signal: Signal
+    stamp: StampReader | None = None
+
+
+class TopicPlan:
+    """What is wanted of one topic.
+
+    Attributes:
+        latest: newest readings of tapped channels, before any thinning; read by other threads.
+
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        type_name: str,
+        rows: list[_Row],
+        by_name: Mapping[str, _Row],
+        latest: dict[str, Reading],
+        complain: Callable[[str, str], None],
+    ) -> None:
+        """Take the rows by field and those by CloudConnect name.
+
+        Args:
+            topic: the ROS topic.
+            type_name: its type.
+            rows: signals read from a field.
+            by_name: signals of a CloudConnect text.
+            latest: where tapped readings go.
+            complain: told once for each address that cannot be read, with the problem.
+
+        """
+        self.topic = topic
+        self.type_name = type_name
+        self._rows = rows
+        self._by_name = by_name
+        self._latest = latest
+        self._complain = complain
+        self._bad: set[str] = set()
+        self._data = getter("data")
+        samplers = [*rows, *by_name.values()]
+        self._thinned = [row for row in samplers if row.sampler is not None]
+
+    @property
+    def channel(self) -> int:
+        """The number of the first signal's first channel."""
+        return next(iter((*self._rows, *self._by_name.values()))).channel
+
+    def take_over(self, before: TopicPlan) -> None:
+        """Go on where another plan of the topic stops: held-back values are not lost."""
+        samplers = {row.channel: row.sampler for row in (*before._rows, *before._by_name.values())}
+
+        stamped = {row.address: row for row in (*before._rows, *before._by_name.values())}
+
+        def mended(row: _Row) -> _Row:
+            was = samplers.get(row.channel)
+            known = stamped.get(row.address)
+            if known is not None and known.signal.source == row.signal.source and known.stamp:
+                row = row._replace(stamp=known.stamp)
+            if was is None or row.sampler is None or was.rule != row.sampler.rule:
+                return row
+            return row._replace(sampler=was)
+
+        self._rows = [mended(row) for row in self._rows]
+        self._by_name = {name: mended(row) for name, row in self._by_name.items()}
+        rows = [*self._rows, *self._by_name.values()]
+        self._thinned = [row for row in rows if row.sampler is not None]
+        same = {row.address: row.signal for row in (*before._rows, *before._by_name.values())}
+        self._bad = {row.address for row in rows if same.get(row.address) == row.signal}
+        self._bad = (self._bad | {self.topic}) & before._bad
+
+    def take(self, message: object, time_us: int, mono_ns: int, into: Gathered) -> None:
+        """Read one message into ``into``. What cannot be read is told once."""
+        for row in self._rows:
+            try:
+                if row.text is not None:
+                    into.add_text(row.channel, time_us, text_of(row.text(message)))
+                    continue
+                assert row.read is not None  # noqa: S101 - a row has one of the two
+                values = row.read(message)
+                if row.tapped:
+                    self._tap(row, message, values[0], mono_ns)
+            except FieldError as error:
+                self._tell(row.address, error)
+                continue
+            self._add(row, values, time_us, into)
+        if self._by_name:
+            self._take_metric(message, time_us, mono_ns, into)
+
+    def _take_metric(self, message: object, time_us: int, mono_ns: int, into: Gathered) -> None:
+        try:
+            metric = parse_metric(str(self._data(message)))
+        except FieldError as error:
+            self._tell(self.topic, error)
+            return
+        row = self._by_name.get(metric.name)
+        if row is not None:
+            value = metric.magnitude * row.scale
+            if row.tapped:
+                self._tap(row, message, value, mono_ns)
+            self._add(row, (value,), time_us, into)
+
+    def _tell(self, address: str, error: FieldError) -> None:
+        if address not in self._bad:
+            self._bad.add(address)
+            self._complain(address, f"{self.topic}: {error}")
+
+    def _tap(self, row: _Row, message: object, value: float, mono_ns: int) -> None:
+        if row.stamp is None:
+            self._latest[row.address] = Reading(value, mono_ns)
+            return
+        stamp_ns, advanced_ns = row.stamp.arrived(message, mono_ns)
+        if advanced_ns is not None:
+            self._latest[row.address] = Reading(value, advanced_ns, stamp_ns, mono_ns)
+
+    def _add(self, row: _Row, values: tuple[float, ...], time_us: int, into: Gathered) -> None:
+        if row.sampler is None or row.sampler.accepts(time_us, values):
+            for part, value in enumerate(values):
+                into.add(row.channel + part, time_us, value)
+
+    def take_due(self, time_us: int, into: Gathered) -> bool:
+        """Let held-back values out whose turn has come; tell whether any still waits."""
+        waiting = False
+        for row in self._thinned:
+            sampler = row.sampler
+            if sampler is None or not sampler.holding:
+                continue
+            values = sampler.due(time_us)
+            if values is None:
+                waiting = True
+                continue
+            for part, value in enumerate(values):
+                into.add(row.channel + part, time_us, value)
+        return waiting
+
+    def take_past(self, time_us: int, into: Gathered) -> None:
+        """Let out what was held back and whose turn came before ``time_us``, each at its turn.
+
+        For messages that are read from a file, where time is what they say it is.
+        """
+        for row in self._thinned:
+            sampler = row.sampler
+            if sampler is None or not sampler.holding or sampler.turn_us >= time_us:
+                continue
+            turn_us = sampler.turn_us
+            for part, value in enumerate(sampler.due(turn_us) or ()):
+                into.add(row.channel + part, turn_us, value)
+
+
+def file_in(message: object) -> bytes:
+    """Give the bytes of a decoded ``std_msgs/msg/UInt8MultiArray``.
+
+    Raises:
+        FieldError: it has none.
+
+    """
+    data, offset = cast("bytes", _DATA(message)), cast("int", _OFFSET(message))
+    try:
+        return bytes(memoryview(data)[offset:])
+    except (TypeError, ValueError) as error:
+        raise FieldError("data", f"it is not a file: {error}") from error
+
+
+def plans_of(
+    share: Share, latest: dict[str, Reading], complain: Callable[[str, str], None]
+) -> list[TopicPlan]:
+    """Make the plans of a share; signals of one topic and type share one."""
+    rows: dict[tuple[str, str], list[_Row]] = {}
+    names: dict[tuple[str, str], dict[str, _Row]] = {}
+    for device_id, device in share.devices.items():
+        for signal_id, signal in device.signals.items():
+            if not signal.source.topic:
+                continue
+            address = f"{device_id}/{signal_id}"
+            key = (signal.source.topic, signal.source.type)
+            row = _row(address, share.channel[address], signal, tapped=address in share.guarded)
+            rows.setdefault(key, [])
+            names.setdefault(key, {})
+            if signal.source.name:
+                names[key][signal.source.name] = row
+            else:
+                rows[key].append(row)
+    return [TopicPlan(*key, rows[key], names[key], latest, complain) for key in rows]
+
+
+def parameter_plans_of(
+    share: Share, latest: dict[str, Reading], complain: Callable[[str, str], None]
+) -> list[TopicPlan]:
+    """Make a plan for each signal that is a parameter; its message has the value as ``data``."""
+    plans = []
+    for device_id, device in share.devices.items():
+        for signal_id, signal in device.signals.items():
+            if not signal.source.parameter:
+                continue
+            address = f"{device_id}/{signal_id}"
+            of_data = msgspec.structs.replace(signal, source=Source(field="data"))
+            tapped = address in share.guarded
+            row = _row(address, share.channel[address], of_data, tapped=tapped)
+            name = signal.source.parameter
+            plans.append(TopicPlan(name, "", [row], {}, latest, complain))
+    return plans
+
+
+def _row(address: str, channel: int, signal: Signal, *, tapped: bool) -> _Row:
+    rule = rule_of(signal)
+    sampler = None if rule is None else Sampler(rule)
+    if signal.source.name:
+        return _Row(address, channel, None, None, sampler, tapped, signal.scale, signal)
+    if signal.type is SignalType.TEXT:
+        return _Row(address, channel, None, getter(signal.source.field), None, tapped, 1.0, signal)
+    source, stamp = signal.source, None
+    if tapped and source.stamp:
+        stamp = StampReader(getter(source.stamp), source)
+    return _Row(address, channel, reader_of(signal), None, sampler, tapped, 1.0, signal, stamp)

@@ -1,0 +1,1 @@
+"""Cameras without ROS: RTSP and V4L2, by PyAV."""

@@ -1,0 +1,1 @@
+"""Builds groups of the gateway's parts."""

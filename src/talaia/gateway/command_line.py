@@ -1,0 +1,151 @@
+"""The gateway's command line: words to settings."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+from talaia.gateway.change_policy import Accepts
+from talaia.gateway.errors import SettingsError
+from talaia.gateway.key_file import read_key_file
+from talaia.gateway.notices.settings import read_notice_settings
+from talaia.gateway.settings import DoorSettings, HubAddress, Settings
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.gateway.key_file import KeyFile
+    from talaia.model.site import Site
+
+__all__ = ["parsed", "settings_of"]
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"talaia gateway: {message}\n")
+
+
+def parsed(argv: Sequence[str]) -> argparse.Namespace:
+    """Read the words; a mistake ends the process with 2 and one line."""
+    parser = _Parser(prog="talaia gateway", description="Run the gateway beside a robot.")
+    parser.add_argument("site", type=Path, help="site description (YAML)")
+    parser.add_argument(
+        "--hub", metavar="URL", help="wss://host:port; not needed with a key file of enrol"
+    )
+    parser.add_argument(
+        "--key-file", required=True, type=Path, metavar="FILE", help="made by talaia gateway enrol"
+    )
+    trust = parser.add_mutually_exclusive_group()
+    trust.add_argument("--fingerprint", default="", metavar="HEX", help="SHA-256 of the hub's cert")
+    trust.add_argument("--ca", type=Path, metavar="FILE", help="certificate authorities (PEM)")
+    parser.add_argument("--allow-plain", action="store_true", help="permit ws:// on loopback")
+    parser.add_argument("--data", type=Path, metavar="DIR", help="what must survive a restart")
+    parser.add_argument(
+        "--spool-mb", type=_positive, default=1024, metavar="N",
+        help="most disk for samples that wait for the hub (MB; the oldest give way)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--spool-days", type=_positive, default=14, metavar="N",
+        help="longest that samples wait for the hub",
+    )  # fmt: skip
+    parser.add_argument("--ros-domain", type=int, metavar="N", help="overrides the description's")
+    parser.add_argument(
+        "--accept-changes", type=Accepts, choices=list(Accepts), default=Accepts.NO,
+        metavar="{no,readings,all}",
+        help="which changes of the description people with the right may send through the hub: "
+        "none, of what is read and shown, or also of commands, driving and interlocks "
+        "(default: no)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--notices", type=Path, metavar="FILE",
+        help="ways to people while the hub is away (TOML); try them with talaia gateway"
+        " test-notice FILE",
+    )  # fmt: skip
+    classic = parser.add_argument_group(
+        "door for clients of the founding observatory (WebSocket messages over TLS)"
+    )
+    classic.add_argument("--classic-port", type=_port, metavar="N", help="open it; 0 takes any")
+    classic.add_argument(
+        "--classic-host", default="127.0.0.1", metavar="ADDRESS",
+        help="listen on this address (default: this machine only)",
+    )  # fmt: skip
+    classic.add_argument("--classic-cert", type=Path, metavar="FILE", help="certificate (PEM)")
+    classic.add_argument("--classic-key", type=Path, metavar="FILE", help="its key (PEM)")
+    classic.add_argument(
+        "--classic-token-file", type=Path, metavar="FILE", help="holds the token clients must give"
+    )
+    parser.add_argument("--verbose", action="store_true", help="log more")
+    return parser.parse_args(argv)
+
+
+def _port(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or not 0 <= int(text) <= 65_535:
+        raise argparse.ArgumentTypeError(f"{text} is not a port from 0 to 65535")
+    return int(text)
+
+
+def _positive(text: str) -> float:
+    number = float(text)
+    if not 0 < number < 1e9:
+        raise argparse.ArgumentTypeError(f"{text} is not a number over 0")
+    return number
+
+
+def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
+    """Make settings of the words.
+
+    Raises:
+        SettingsError: a key file that holds no key, an address that is none.
+
+    """
+    kept = read_key_file(arguments.key_file)
+    if kept.site and kept.site != site.site:
+        raise SettingsError(
+            f"--key-file {arguments.key_file} is for the site {kept.site!r}, and the description "
+            f"is of {site.site!r}; give the key file of this site, or enrol for it"
+        )
+    if not arguments.hub and not kept.hub:
+        raise SettingsError(
+            f"--key-file {arguments.key_file} does not say where the hub is; give --hub"
+        )
+    state = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
+    return Settings(
+        hub=_hub(arguments, kept),
+        key=kept.key,
+        data=arguments.data or Path(state) / "talaia" / "gateway" / site.site,
+        folder=arguments.site.parent,
+        domain=arguments.ros_domain,
+        spool_bytes=round(arguments.spool_mb * 1024 * 1024),
+        spool_age_s=arguments.spool_days * 86400.0,
+        door=_door(arguments),
+        accepts=arguments.accept_changes,
+        notices=read_notice_settings(arguments.notices) if arguments.notices else None,
+    )
+
+
+def _door(arguments: argparse.Namespace) -> DoorSettings | None:
+    if arguments.classic_port is None:
+        return None
+    if (arguments.classic_cert is None) != (arguments.classic_key is None):
+        raise SettingsError("--classic-cert and --classic-key belong together; give both or none")
+    return DoorSettings(
+        arguments.classic_port,
+        arguments.classic_host,
+        arguments.classic_cert,
+        arguments.classic_key,
+        arguments.classic_token_file,
+    )
+
+
+def _hub(arguments: argparse.Namespace, kept: KeyFile) -> HubAddress:
+    """Take the address and the trust of the words, else those of the key file."""
+    ca = arguments.ca or (Path(kept.ca) if kept.ca and not arguments.fingerprint else None)
+    return HubAddress.checked(
+        arguments.hub or kept.hub,
+        fingerprint=arguments.fingerprint or ("" if arguments.ca else kept.fingerprint),
+        ca=ca,
+        # Whoever enrolled in clear text (on loopback) has asked for it then.
+        allow_plain=arguments.allow_plain or not arguments.hub,
+    )

@@ -1,0 +1,110 @@
+"""Command states on disk, and in memory for as long as the disk takes none."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.gateway.persistence import write_whole
+from talaia.wire.frames import CommandState
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["Journal"]
+
+log = logging.getLogger(__name__)
+_line = msgspec.json.Decoder(CommandState)
+_encode = msgspec.json.Encoder().encode
+# Of what waits for a disk that takes nothing, the oldest go.
+MOST_WAITING = 10_000
+
+
+class Journal:
+    """Command states on disk, one JSON line each; a line cut short by a crash is ignored.
+
+    All but `behind` block on the disk and come from one thread.
+
+    Attributes:
+        remembered: what an earlier run left.
+        unread: why that cannot be known, if so; then nothing is written over it either.
+
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Read what is there."""
+        self._path = path
+        self.remembered: list[CommandState] = []
+        self.unread: OSError | None = None
+        self._waiting: dict[str, CommandState] = {}
+        try:
+            lines = path.read_bytes().splitlines()
+        except FileNotFoundError:
+            lines = []
+        except OSError as error:
+            lines, self.unread = [], error
+        for line in filter(None, lines):
+            try:
+                self.remembered.append(_line.decode(line))
+            except msgspec.DecodeError:
+                log.warning("%s: a line was cut short; ignored", path)
+
+    @property
+    def behind(self) -> bool:
+        """Whether something waits for the disk. May be asked from any thread."""
+        return bool(self._waiting)
+
+    def compact(self, states: list[CommandState]) -> None:
+        """Keep the newest state of each id only.
+
+        Raises:
+            OSError: not written; the journal is as it was.
+
+        """
+        self._check_read()
+        try:
+            write_whole(self._path, b"".join(_encode(state) + b"\n" for state in states))
+        except OSError:
+            with contextlib.suppress(OSError):
+                self._path.with_name(self._path.name + ".new").unlink(missing_ok=True)
+            raise
+
+    def write(self, state: CommandState, *, sure: bool) -> None:
+        """Add a state; with ``sure`` it is on disk when this returns.
+
+        Raises:
+            OSError: not written; it waits in memory, and goes with the next.
+
+        """
+        # Taken out first: of one command the newest state is the last that is written.
+        self._waiting.pop(state.id, None)
+        self._waiting[state.id] = state
+        while len(self._waiting) > MOST_WAITING:
+            del self._waiting[next(iter(self._waiting))]
+        self.write_waiting(sure=sure)
+
+    def write_waiting(self, *, sure: bool = True) -> None:
+        """Write what waits in memory; with nothing waiting, try whether the disk works.
+
+        Raises:
+            OSError: not written; it waits on.
+
+        """
+        self._check_read()
+        lines = b"".join(_encode(state) + b"\n" for state in self._waiting.values())
+        with self._path.open("ab") as file:
+            # The leading line end closes a line that a failed write may have left open.
+            file.write(b"\n" + lines if file.tell() else lines)
+            file.flush()
+            if sure:
+                os.fsync(file.fileno())
+        self._waiting.clear()
+
+    def _check_read(self) -> None:
+        if self.unread is not None:
+            why = f"{self.unread.strerror}; what was done before cannot be read"
+            raise OSError(self.unread.errno, why, str(self._path))

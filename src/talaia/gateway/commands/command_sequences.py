@@ -1,0 +1,117 @@
+"""Commands that the gateway gives by itself, one after the other: of interlocks and link loss."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from talaia.wire.frames import CommandAsk, CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.commands.command_service import Commanding
+    from talaia.gateway.ports import Mouth
+    from talaia.model.interlock import Step
+
+__all__ = ["Sequences"]
+
+LOOK_S = 0.1
+# A sensor may say so a moment later than the answer to the command.
+SETTLE_S = 1.0
+LONGEST_S = 120.0
+
+
+class Sequences:
+    """Runs sequences; each step once, and never again by itself."""
+
+    def __init__(
+        self,
+        commanding: Commanding,
+        mouth: Mouth,
+        boot: str,
+        reached: Callable[[str], bool | None] = lambda _command: None,
+    ) -> None:
+        """Act through ``commanding``; ``boot`` keeps the ids of this run apart from others'.
+
+        ``reached`` says of a ``<device>/<command>`` whether sensors show that what it is for is
+        so, none where there are none: a telescope that was parked by another command is parked.
+        """
+        self._reached = reached
+        self._commanding = commanding
+        self._mouth = mouth
+        self._boot = boot
+        self._count = 0
+        self._running: dict[str, asyncio.Task[None]] = {}
+
+    @property
+    def busy(self) -> bool:
+        """Whether a sequence is under way."""
+        return bool(self._running)
+
+    @property
+    def running(self) -> tuple[str, ...]:
+        """Name the sequences that are under way."""
+        return tuple(self._running)
+
+    def begin(self, label: str, steps: tuple[Step, ...]) -> None:
+        """See `Runner`."""
+        if not steps or label in self._running:
+            return
+        task = asyncio.ensure_future(self._run(label, steps))
+        self._running[label] = task
+        task.add_done_callback(lambda _: self._running.pop(label, None))
+
+    async def _run(self, label: str, steps: tuple[Step, ...]) -> None:
+        for step in steps:
+            device, _, command = step.command.partition("/")
+            self._count += 1
+            ask = CommandAsk(
+                id=f"{label.replace(' ', '-')}-{self._boot}-{self._count}",
+                device=device,
+                command=command,
+                args=step.args,
+                # Nobody waits on a network for it: what makes it late is our own disk, and late
+                # is better than never for what makes things safe.
+                ttl_ms=3_600_000,
+                who=label,
+            )
+            state = await self._commanding.perform(ask, step.within)
+            if state.phase is CommandPhase.SUCCEEDED or await self._is_so(step, state.phase):
+                continue
+            said = f"{step.command} {state.phase}: {state.message}".rstrip(": ")
+            then = "the rest is not done" if step.required else "going on"
+            message = f"{label}: {said}; {then}"
+            self._mouth.note("sequence_failed", device, message, label, good=False)
+            if step.required:
+                return
+        self._mouth.note("sequence_done", "", label, label, good=True)
+
+    async def _is_so(self, step: Step, phase: CommandPhase) -> bool:
+        """Tell whether what a command is for is so all the same, by what the sensors say.
+
+        A command may have been refused because it is so already, or have been overtaken by
+        another of its kind, which is waited for then.
+        """
+        if (so := self._reached(step.command)) is not False:
+            return so is True
+        if phase is CommandPhase.RUNNING:
+            # Its time is over, and it is not so.
+            return False
+        began_s = asyncio.get_running_loop().time()
+        while (waited_s := asyncio.get_running_loop().time() - began_s) < (
+            step.within or LONGEST_S
+        ):
+            if self._reached(step.command):
+                return True
+            if waited_s > SETTLE_S and not self._commanding.runs(step.command):
+                return False
+            await asyncio.sleep(LOOK_S)
+        return False
+
+    async def close(self) -> None:
+        """Wait for nothing more; what is under way reads as unknown."""
+        tasks = list(self._running.values())
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)

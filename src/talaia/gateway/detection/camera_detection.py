@@ -1,0 +1,381 @@
+"""Looks at the cameras that detect: counts for signals, boxes for viewers, sightings for the hub.
+
+Each camera is a task: a picture is waited for and read on a thread, seen by a process beside this
+one (`talaia.objects.worker`), and what comes of it is put here. A camera looks no more often than
+it may; cameras of one detector take turns, each with its newest picture.
+
+Long, because a picture is followed here from its camera to all that comes of it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+import numpy as np
+
+from talaia.gateway.ports import Reading
+from talaia.gateway.samples.rate_limit import Sampler, SamplingRule
+from talaia.model.detection import DetectAt
+from talaia.model.seen import counts_of, detecting, eye_of, is_seen
+from talaia.objects.errors import DetectorError
+from talaia.objects.eyes import Eyes, least_of
+from talaia.objects.steady import SteadyCounts
+from talaia.wire.columns import Columns
+from talaia.wire.frames import Boxes, Thing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from talaia.clock import Clock
+    from talaia.gateway.ports import EventSink, Look, Pictures, Readings, SampleSink
+    from talaia.model.detection import Detect
+    from talaia.model.site import Signal, Site
+    from talaia.objects.eyes import Told
+    from talaia.objects.things import Thing as Found
+    from talaia.objects.worker import Worker
+
+__all__ = ["Outlet", "Seeing", "WithSeen"]
+
+log = logging.getLogger(__name__)
+# For a picture is waited so long at a time; sightings end meanwhile.
+WAIT_S = 0.5
+# A detector that cannot see is asked again so much later, and needs no pictures until then.
+FIRST_WAIT_S, LONGEST_WAIT_S = 1.0, 30.0
+# So often a count that stays the same is said: who reads it knows that somebody looks.
+SILENCE_US = 1_000_000
+# Whole things are counted: a change by one is news.
+STILL = 0.5
+THREADS = 8
+_T = TypeVar("_T")
+
+
+class Outlet(NamedTuple):
+    """Where goes what is seen.
+
+    Attributes:
+        samples: takes counts.
+        boxes: takes boxes for viewers.
+        sightings: takes news of sightings, with the stream's address.
+        events: takes what is worth writing down.
+
+    """
+
+    samples: SampleSink
+    boxes: Callable[[Boxes], None]
+    sightings: Callable[[str, Told], None]
+    events: EventSink
+
+
+class _Counted(NamedTuple):
+    """A signal that counts, and the number of its channel."""
+
+    signal: Signal
+    channel: int
+
+
+class Seeing:
+    """All cameras that detect at this gateway. Event loop only, but for `latest`."""
+
+    def __init__(
+        self,
+        site: Site,
+        numbers: Mapping[str, int],
+        pictures: Pictures,
+        worker: Callable[[Callable[[str, str], None]], Worker],
+        outlet: Outlet,
+        clock: Clock,
+    ) -> None:
+        """Look at nothing yet.
+
+        Args:
+            site: the description, with the signals that its cameras imply.
+            numbers: of channels, by address; see `Roster.numbers`.
+            pictures: of the cameras.
+            worker: makes the detectors, which tell this how they fare.
+            outlet: see `Outlet`.
+            clock: for when nothing is seen.
+
+        """
+        self._site, self._numbers = site, numbers
+        self._pictures = pictures
+        self._worker = worker(self._fares)
+        self._outlet = outlet
+        self._clock = clock
+        self._threads = ThreadPoolExecutor(THREADS, "talaia-eyes")
+        self._turns: dict[str, asyncio.Lock] = {}
+        self._cameras: dict[str, tuple[_Camera, asyncio.Task[None]]] = {}
+        self._latest: dict[str, Reading] = {}
+        self._running = False
+
+    def counts(self, address: str) -> bool:
+        """Tell whether a signal counts what a camera sees."""
+        device, _, name = address.partition("/")
+        described = self._site.devices.get(device)
+        signal = None if described is None else described.signals.get(name)
+        return signal is not None and is_seen(signal.source)
+
+    def latest(self, address: str) -> Reading | None:
+        """See `talaia.gateway.ports.Readings.latest`."""
+        return self._latest.get(address)
+
+    async def run(self) -> None:
+        """Look until cancelled, and end all detectors then."""
+        self._running = True
+        self._begin(self._site)
+        try:
+            await asyncio.Event().wait()
+        finally:
+            self._running = False
+            tasks = [task for _, task in self._cameras.values()]
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            await self._worker.close()
+            self._threads.shutdown(wait=False, cancel_futures=True)
+
+    def redescribe(self, site: Site, numbers: Mapping[str, int]) -> None:
+        """Look at what this description says from here on; a camera that is the same goes on."""
+        before, self._site, self._numbers = self._site, site, numbers
+        self._worker.redescribe(site.object_models)
+        for name in list(self._cameras):
+            if _eye(before, name) != _eye(site, name):
+                self._end(name)
+        counted = counts_of(site)
+        self._latest = {
+            address: reading
+            for address, reading in self._latest.items()
+            if address in counted
+            and counted[address][0] in self._cameras
+            and _source(before, address) == _source(site, address)
+        }
+        if self._running:
+            self._begin(site)
+        needed = {detect.model for _, detect in detecting(site) if detect.at is DetectAt.GATEWAY}
+        for model in [each for each in self._turns if each not in needed]:
+            del self._turns[model]
+            self._worker.rest(model)
+
+    def _begin(self, site: Site) -> None:
+        """Begin with cameras that nobody looks at yet; tell the others for what they count."""
+        counted: dict[str, dict[str, _Counted]] = {}
+        for address, (stream, _) in counts_of(site).items():
+            device, _, name = address.partition("/")
+            signal = site.devices[device].signals[name]
+            counted.setdefault(stream, {})[address] = _Counted(signal, self._numbers[address])
+        for name, detect in detecting(site):
+            if detect.at is not DetectAt.GATEWAY:
+                continue
+            known = self._cameras.get(name)
+            if known is not None:
+                known[0].recount(counted.get(name, {}))
+                continue
+            camera = _Camera(name, detect, counted.get(name, {}), self)
+            self._cameras[name] = (camera, asyncio.ensure_future(camera.run()))
+
+    def _end(self, name: str) -> None:
+        _, task = self._cameras.pop(name)
+        task.cancel()
+
+    def _fares(self, model: str, why: str) -> None:
+        """Tell, for each camera of a detector, that it cannot see, or does again."""
+        for name, detect in detecting(self._site):
+            if detect.model != model or detect.at is not DetectAt.GATEWAY:
+                continue
+            device, _, stream = name.partition("/")
+            called = self._site.devices[device].streams[stream].name
+            if why:
+                log.warning("%s: nothing can be detected: %s", name, why)
+                said = f"nothing is detected on {called}: {why}"
+                self._outlet.events.tell("detection lost", said, device=device)
+            else:
+                log.info("%s: objects are detected again", name)
+                said = f"objects are detected on {called} again"
+                self._outlet.events.tell("detection back", said, device=device, good=True)
+
+    # ── for a camera ──
+
+    def hold(self, name: str) -> Callable[[], None]:
+        """Have pictures of a camera; see `Pictures.hold`."""
+        return self._pictures.hold(name)
+
+    async def arrived(self, name: str, since_us: int) -> int:
+        """Wait a while for a picture; see `Pictures.arrived`."""
+        return await self.on_thread(partial(self._pictures.arrived, name, since_us, WAIT_S))
+
+    async def seen(self, name: str, detect: Detect) -> tuple[Look, list[Found]] | None:
+        """See the newest picture of a camera, when its turn has come.
+
+        Raises:
+            DetectorError: its detector cannot see.
+
+        """
+        async with self._turns.setdefault(detect.model, asyncio.Lock()):
+            look = await self.on_thread(partial(self._pictures.newest, name))
+            if look is None:
+                return None
+            return look, await self._worker.seen(detect.model, look.rgb, least_of(detect))
+
+    async def on_thread(self, work: Callable[[], _T]) -> _T:
+        """Do what blocks elsewhere."""
+        return await asyncio.get_running_loop().run_in_executor(self._threads, work)
+
+    def now_us(self) -> int:
+        """Give the wall time (µs)."""
+        return self._clock.wall_ns() // 1000
+
+    def put(self, columns: Columns, readings: Mapping[str, Reading]) -> None:
+        """Take counts."""
+        # One step: it is read by other threads.
+        self._latest = {**self._latest, **readings}
+        if len(columns):
+            self._outlet.samples.put(columns)
+
+    def boxes(self, look: Look, things: Sequence[Found]) -> None:
+        """Take what is on a picture."""
+        told = [Thing(**each._asdict()) for each in things]
+        self._outlet.boxes(
+            Boxes(stream=look.stream, seq=look.seq, time_us=look.time_us, things=told)
+        )
+
+    def tell(self, name: str, news: Sequence[Told]) -> None:
+        """Take news of sightings."""
+        for each in news:
+            self._outlet.sightings(name, each)
+
+
+class _Camera:
+    """One camera's task, and what it has seen."""
+
+    def __init__(
+        self, name: str, detect: Detect, counted: Mapping[str, _Counted], seeing: Seeing
+    ) -> None:
+        self._name, self._detect = name, detect
+        self._seeing = seeing
+        self._counted: Mapping[str, _Counted] = {}
+        self._samplers: dict[str, Sampler] = {}
+        self._eyes = Eyes(detect, {})
+        self._steady = SteadyCounts(detect)
+        self._wait_s = FIRST_WAIT_S
+        self.recount(counted)
+
+    def recount(self, counted: Mapping[str, _Counted]) -> None:
+        """Count for these signals from here on."""
+        before, self._counted = self._counted, counted
+        self._samplers = {
+            address: self._samplers[address]
+            if address in before and before[address].signal == each.signal
+            else _sampler(each.signal)
+            for address, each in counted.items()
+        }
+        self._eyes.recount({address: each.signal.source for address, each in counted.items()})
+
+    async def run(self) -> None:
+        """Look until cancelled; what is in sight then has ended."""
+        try:
+            while True:
+                release = self._seeing.hold(self._name)
+                try:
+                    await self._look()
+                except DetectorError as error:
+                    log.debug("%s: %s", self._name, error)
+                except Exception:
+                    # Whatever one camera brings, the others are looked at, and the robot is driven.
+                    log.exception("%s: what is seen cannot be told", self._name)
+                finally:
+                    release()
+                wait_s, self._wait_s = self._wait_s, min(LONGEST_WAIT_S, self._wait_s * 2)
+                await asyncio.sleep(wait_s)
+                self._pass_time()
+        finally:
+            self._seeing.tell(self._name, self._eyes.end())
+
+    async def _look(self) -> None:
+        """Look at one picture after the other.
+
+        Raises:
+            DetectorError: the detector cannot see.
+
+        """
+        loop, period_s = asyncio.get_running_loop(), 1 / self._detect.max_rate
+        due_s, since_us = loop.time(), 0
+        while True:
+            await asyncio.sleep(due_s - loop.time())
+            came_us = await self._seeing.arrived(self._name, since_us)
+            if not came_us:
+                self._pass_time()
+                continue
+            since_us, now_s = came_us, loop.time()
+            # From the due time, so that the rate is kept in spite of waiting for pictures.
+            due_s = (due_s if now_s - due_s < period_s else now_s) + period_s
+            seen = await self._seeing.seen(self._name, self._detect)
+            if seen is not None:
+                look, things = seen
+                since_us, self._wait_s = max(since_us, look.mono_us), FIRST_WAIT_S
+                self._take(look, things)
+
+    def _take(self, look: Look, things: Sequence[Found]) -> None:
+        gathered = []
+        readings = {}
+        sources = {address: each.signal.source for address, each in self._counted.items()}
+        steady = self._steady.count(things, sources, look.mono_us)
+        for address, count in self._eyes.count(things).items():
+            counted = self._counted[address]
+            value = count * counted.signal.scale
+            held = steady[address] * counted.signal.scale
+            readings[address] = Reading(held, look.mono_us * 1000)
+            if self._samplers[address].accepts(look.time_us, (value,)):
+                gathered.append((counted.channel, value))
+        columns = Columns(
+            np.array([channel for channel, _ in gathered], np.uint16),
+            np.full(len(gathered), look.time_us, np.int64),
+            np.array([value for _, value in gathered], np.float64),
+            {},
+        )
+        self._seeing.put(columns, readings)
+        self._seeing.boxes(look, things)
+        self._seeing.tell(self._name, self._eyes.take(things, look.rgb, look.time_us))
+
+    def _pass_time(self) -> None:
+        self._seeing.tell(self._name, self._eyes.pass_time(self._seeing.now_us()))
+
+
+class WithSeen:
+    """A `Readings`: of the robot, and of what is seen on its cameras."""
+
+    def __init__(self, robot: Readings, seeing: Seeing) -> None:
+        """Join the two."""
+        self._robot, self._seeing = robot, seeing
+
+    def latest(self, address: str) -> Reading | None:
+        """See `Readings.latest`."""
+        if self._seeing.counts(address):
+            return self._seeing.latest(address)
+        return self._robot.latest(address)
+
+
+def _sampler(signal: Signal) -> Sampler:
+    """Keep what changes, and what does not once a second, or as seldom as the signal says."""
+    interval_us = round(1e6 / signal.max_rate) if signal.max_rate > 0 else 0
+    still = max(signal.deadband, STILL * abs(signal.scale))
+    return Sampler(SamplingRule(interval_us, still, max(SILENCE_US, interval_us)))
+
+
+def _eye(site: Site, name: str) -> object:
+    """Give all that decides what is seen on a camera; none where nothing is."""
+    device_id, _, stream_id = name.partition("/")
+    device = site.devices.get(device_id)
+    if device is None or stream_id not in device.streams:
+        return None
+    eye = eye_of(site, device_id, stream_id)
+    return None if eye is None or eye.detect.at is not DetectAt.GATEWAY else eye
+
+
+def _source(site: Site, address: str) -> object:
+    device, _, name = address.partition("/")
+    described = site.devices.get(device)
+    signal = None if described is None else described.signals.get(name)
+    return None if signal is None else signal.source

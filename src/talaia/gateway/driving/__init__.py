@@ -1,0 +1,1 @@
+"""Driving a device: its lease, velocity limits, dead man's zero and STOP."""

@@ -1,0 +1,305 @@
+"""One driven device: its lease, its velocity and its STOP together, under one clock. Pure.
+
+Long, because the arbitration of the safety rules is decided in one place: STOP before the lease
+holder, and nobody else. A seat holds no timer; it says when it wants to be called (`due_ns`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from talaia.clock import MS, SECOND
+from talaia.gateway.driving.drive_keys import KeyCounter
+from talaia.gateway.driving.lease_protocol import Tenancy
+from talaia.gateway.driving.stop_latch import Latched, StopLatch
+from talaia.gateway.driving.velocity_limits import STILL, Demand, Driving
+from talaia.model.site import DriveMessage
+from talaia.wire.frames import DriveState, StopState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.driving.lease import Lease
+    from talaia.gateway.driving.stop_latch import Proof
+    from talaia.gateway.ports import Mouth
+    from talaia.model.site import Drive as DriveRule
+    from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, LeaseState
+
+__all__ = ["Seat"]
+
+REPORT_NS = 100 * MS
+STOP_OFTEN_NS = SECOND
+# Discovery takes a robot a few seconds; what is published before it listens is lost.
+HALT_UNKNOWN_S = 10.0
+STOP_SELDOM_NS = SECOND
+# As long as robots wait before they stop by themselves: the vehicle stands between two drivers.
+BETWEEN_DRIVERS_NS = SECOND // 2
+
+
+class Seat:
+    """Who drives one device, and what it is told."""
+
+    def __init__(
+        self,
+        device: str,
+        rule: DriveRule,
+        mouth: Mouth,
+        next_epoch: Callable[[], int],
+        stopped: Latched | None,
+    ) -> None:
+        """Start with no lease and nothing moving; STOP as it was kept on disk."""
+        self.device = device
+        self.rule = rule
+        self._mouth = mouth
+        lease_ns = round(rule.lease * SECOND)
+        self.tenancy = Tenancy(device, lease_ns, next_epoch, mouth, self._changed)
+        self.driving = Driving(rule)
+        # Of a robot that is driven by characters: what was sent, and what comes next.
+        self._keys = KeyCounter(rule) if rule.message is DriveMessage.KEYS else None
+        # What such a robot says of its own motion, where the description names that.
+        self.measured: tuple[float, float] = (math.nan, math.nan)
+        self.latch = StopLatch(rule.stop.below, stopped)
+        self._period_ns = round(SECOND / rule.rate)
+        self._zero_ns = 0
+        self._told_robot_ns = 0
+        self._stopped_ns = 0
+        self._driver = ""
+        self._told: tuple[Demand, float, str, str] | None = None
+        self._reported_ns = -REPORT_NS
+        self._why = ""
+        self._barred = ""
+        self._noted_refusal = False
+
+    @property
+    def lease(self) -> Lease:
+        """Who may drive it."""
+        return self.tenancy.lease
+
+    # ── lease ──
+
+    def on_lease(self, ask: LeaseAsk | LeaseForce, now_ns: int) -> None:
+        """Take, renew, free, ask for, hand over or force the lease, and answer.
+
+        Raises:
+            OSError: a new epoch could not be kept on disk; nobody has got anything.
+
+        """
+        self.tenancy.on_ask(ask, now_ns)
+
+    def lease_state(self, now_ns: int, asked: str = "", refused: str = "") -> LeaseState:
+        """Say who holds the device."""
+        return self.tenancy.state(now_ns, asked, refused)
+
+    def _changed(self, now_ns: int, why: str, *, over: bool) -> None:
+        """Pass through zero: no driver, not even the same one anew, goes on from another's hold."""
+        self._end(now_ns, why)
+        self._why = ""
+        self._noted_refusal = False
+        if over and self.latch.latched is None:
+            self.driving.halt(now_ns)
+            self.driving.demand_pause(now_ns + BETWEEN_DRIVERS_NS)
+            self._publish(now_ns)
+
+    # ── driving ──
+
+    def on_drive(self, frame: Drive, age_ns: int, now_ns: int) -> None:
+        """Take one frame; a wish that is accepted is published before this returns."""
+        held = self.lease.holder(now_ns)
+        if self.latch.latched is not None:
+            self.driving.demand_rest(now_ns)
+            why = "STOP is on"
+        elif self._barred:
+            # Whoever still holds a key down when it is safe again has to let go first.
+            self.driving.demand_rest(now_ns)
+            why = self._barred
+        elif held is None:
+            why = "nobody holds the lease"
+        elif held.session != frame.session:
+            why = f"{held.who} holds the lease"
+        else:
+            was_moving = self.driving.moving
+            why = self.driving.offer(frame, held.epoch, age_ns, now_ns)
+            if not why:
+                self._driver = held.who
+                if not was_moving:
+                    self._noted_refusal = False
+                    self._why = ""
+                    self._mouth.note("drive_started", self.device, "", held.who, good=True)
+                if self.driving.prompt(now_ns):
+                    self._publish(now_ns)
+                self._report(now_ns)
+                return
+        if why in {"STOP is on", self._barred} or held is None or held.session != frame.session:
+            self.driving.refused += 1
+        self._refuse(why, "" if held is None else held.who)
+        self._report(now_ns)
+
+    def bar(self, why: str, now_ns: int) -> None:
+        """Let nobody drive it while an interlock gives this reason; none when it is empty."""
+        self._barred = why
+        if why and self.driving.moving:
+            self._end(now_ns, why)
+
+    def slow(self, share: float) -> None:
+        """Let it be driven at this share of its limits, 0 to 1; from the next demand on."""
+        self.driving.share = share
+
+    def _refuse(self, why: str, who: str) -> None:
+        changed, self._why = why != self._why, why
+        if changed and not self._noted_refusal:
+            # Once for a hold: a page that drives on in vain must not fill the record.
+            self._noted_refusal = True
+            self._mouth.note("drive_refused", self.device, why, who, good=False)
+
+    def _publish(self, now_ns: int) -> None:
+        was_moving = self.driving.moving
+        demand = self.driving.step(now_ns)
+        if demand is not None:
+            self._send_demand(demand)
+        if was_moving and not self.driving.moving:
+            self._note_end("no fresh frame")
+
+    def _send_demand(self, demand: Demand) -> None:
+        """Tell the robot a velocity, or the next character towards it if there is one."""
+        if self._keys is None:
+            self._mouth.drive(self.device, *demand)
+        elif key := self._keys.next_key(
+            (demand.linear, demand.angular), self.driving.cap, self.measured
+        ):
+            self._mouth.drive(self.device, *demand, key=key)
+
+    def robot_back(self, now_ns: int) -> None:
+        """Halt a robot that keeps its velocity by itself: what it was sent before is not known.
+
+        Also at the gateway's start, for the one before may have been killed while it drove.
+        """
+        if self._keys is not None and not self.driving.moving:
+            self.driving.halt(now_ns, HALT_UNKNOWN_S)
+
+    def _end(self, now_ns: int, why: str) -> None:
+        """End a hold, if one is on, with zeros."""
+        if self.driving.moving:
+            self.driving.halt(now_ns)
+            self._note_end(why)
+        if not self.driving.silent:
+            self._publish(now_ns)
+
+    def _note_end(self, why: str) -> None:
+        count = f"{self.driving.accepted} frames, {self.driving.refused} refused"
+        self.driving.refused = 0
+        self._mouth.note("drive_ended", self.device, f"{why}; {count}", self._driver, good=True)
+
+    def _report(self, now_ns: int) -> None:
+        """Tell the hub what the robot is told, when it changed, at most ten times a second."""
+        driving = self.driving
+        linear, angular = driving.output if self._keys is None else self._keys.velocity
+        sent = "" if self._keys is None else self._keys.sent
+        told = (driving.output, driving.cap, self._why, sent)
+        if told == self._told or now_ns - self._reported_ns < REPORT_NS:
+            return
+        self._told, self._reported_ns = told, now_ns
+        self._mouth.send(
+            DriveState(
+                device=self.device,
+                linear=linear,
+                angular=angular,
+                sent=sent,
+                cap=driving.cap,
+                loop_ms=driving.loop_ms,
+                accepted=driving.accepted,
+                refused=driving.refused,
+                why=self._why,
+            )
+        )
+
+    # ── STOP ──
+
+    def on_stop(self, latched: Latched, now_ns: int) -> bool:
+        """Stop now and answer; tell whether it was open before, so that it is kept on disk."""
+        fresh = self.latch.ask(latched, now_ns)
+        self._end(now_ns, "STOP")
+        if fresh:
+            self._stopped_ns = now_ns
+            self.driving.demand_rest(now_ns)
+            self._say_stop(now_ns)
+            self._say_zero(now_ns)
+            self._mouth.note("stop", self.device, "STOP (software)", latched.who, good=False)
+        self._mouth.send(self.stop_state(latched.id))
+        return fresh
+
+    def on_reset(self, who: str, now_ns: int) -> None:
+        """Release STOP, after token and disk; nothing moves by this."""
+        self.latch.open()
+        self.driving.halt(now_ns)
+        self.driving.demand_rest(now_ns)
+        self._mouth.stop(self.device, stopped=False)
+        self._mouth.note("stop_reset", self.device, "", who, good=True)
+        self._mouth.send(self.stop_state())
+
+    def stop_state(self, asked: str = "") -> StopState:
+        """Say whether it is stopped, answering the ask with this id if any."""
+        latched = self.latch.latched
+        if latched is None:
+            return StopState(device=self.device, latched=False, id=asked)
+        return StopState(
+            device=self.device,
+            latched=True,
+            confirmed=self.latch.confirmed,
+            who=latched.who,
+            time_us=latched.time_us,
+            id=asked or latched.id,
+        )
+
+    def _say_stop(self, now_ns: int) -> None:
+        self._told_robot_ns = now_ns
+        self._mouth.stop(self.device, stopped=True)
+
+    def _say_zero(self, now_ns: int) -> None:
+        self._zero_ns = now_ns
+        self._send_demand(STILL)
+
+    # ── time and link ──
+
+    def vacate(self, now_ns: int, why: str, *, stop_robot: bool) -> None:
+        """End lease and hold; where the description says so, zeros even if nobody drove."""
+        self.tenancy.vacate()
+        was_moving = self.driving.moving
+        self._end(now_ns, why)
+        if stop_robot and not was_moving:
+            self.driving.halt(now_ns)
+            self._publish(now_ns)
+
+    def due_ns(self) -> int | None:
+        """Give when `step` wants to be called next, or none."""
+        times = []
+        if self.latch.latched is not None:
+            times += [self._zero_ns + self._period_ns]
+        elif (turn := self.driving.due_ns()) is not None:
+            times.append(turn)
+        if self._told is not None and self._told[0] != self.driving.output:
+            times.append(self._reported_ns + REPORT_NS)
+        if (until := self.lease.until_ns()) is not None:
+            times.append(until)
+        return min(times, default=None)
+
+    def step(self, now_ns: int, proofs: Callable[[], list[Proof | None]]) -> None:
+        """Do what is due: lease that ends, zeros, STOP repeated and judged, reports."""
+        self.tenancy.settle(now_ns)
+        if self.latch.latched is not None:
+            self._step_stopped(now_ns, proofs)
+        else:
+            turn = self.driving.due_ns()
+            if turn is not None and now_ns >= turn:
+                self._publish(now_ns)
+        self._report(now_ns)
+
+    def _step_stopped(self, now_ns: int, proofs: Callable[[], list[Proof | None]]) -> None:
+        if now_ns - self._zero_ns >= self._period_ns:
+            self._say_zero(now_ns)
+            self.driving.step(now_ns)
+            early = now_ns - self._stopped_ns <= STOP_OFTEN_NS
+            if early or now_ns - self._told_robot_ns >= STOP_SELDOM_NS:
+                self._say_stop(now_ns)
+        if self.latch.judge(proofs(), now_ns):
+            self._mouth.send(self.stop_state())

@@ -1,0 +1,386 @@
+"""All driven devices of a site: gives each message to its seat, sends ticks, keeps time.
+
+Messages are acted on inside the call that brings them; what must be repeated waits for `step`,
+which a timer calls at `due_ns`. Only writing STOP to disk leaves the caller's thread, and it
+never stands before stopping.
+
+Long, because all that may end a hold (people, link, robot, another description) stands here.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import secrets
+from typing import TYPE_CHECKING
+
+from talaia.clock import MS, SECOND
+from talaia.gateway.driving.drive_controller import Seat
+from talaia.gateway.driving.stop_latch import Latched, Proof
+from talaia.model.site import LinkLoss
+from talaia.wire.frames import ResetToken, Tick
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Collection
+
+    from talaia.clock import Clock
+    from talaia.gateway.driving.persistent_state import KeptStops
+    from talaia.gateway.ports import Mouth, Readings
+    from talaia.gateway.safety.interlocks import Interlocks
+    from talaia.model.site import Site
+    from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, OverrideAsk, ResetAsk, StopAsk
+
+__all__ = ["Control", "Ticks"]
+
+TICK_NS = 50 * MS
+CHANGING = "its description is being changed"
+
+
+log = logging.getLogger(__name__)
+
+
+class Ticks:
+    """The gateway's own time marks, by which the age of a driver's frame is told. Pure."""
+
+    KEPT = 64
+
+    def __init__(self) -> None:
+        """Start before the first."""
+        self._sent: dict[int, int] = {}
+        self.last = -1
+        self.last_ns = -TICK_NS
+
+    def next(self, now_ns: int) -> int:
+        """Make the next mark."""
+        self.last += 1
+        self.last_ns = now_ns
+        self._sent[self.last] = now_ns
+        self._sent.pop(self.last - self.KEPT, None)
+        return self.last
+
+    def age_ns(self, tick: int, now_ns: int) -> int:
+        """Tell how long ago a mark was sent; negative if it never was."""
+        if not 0 <= tick <= self.last:
+            return -1
+        sent = self._sent.get(tick)
+        # Older than all that is kept: far beyond every time to live.
+        return 3600 * SECOND if sent is None else now_ns - sent
+
+
+class Control:
+    """Driving, leases and STOP of a site."""
+
+    def __init__(
+        self,
+        site: Site,
+        clock: Clock,
+        mouth: Mouth,
+        readings: Readings,
+        next_epoch: Callable[[], int],
+        stops: KeptStops,
+        on_disk: Callable[[Callable[[], None]], Awaitable[None]],
+        interlocks: Interlocks | None = None,
+    ) -> None:
+        """Make a seat for each driven device.
+
+        Args:
+            site: the description.
+            clock: monotonic for every decision, wall only for the record.
+            mouth: see `Mouth`.
+            readings: for the confirmation of STOP.
+            next_epoch: see `Lease`.
+            stops: latches kept on disk.
+            on_disk: runs a blocking write elsewhere, in order; raises what it raises.
+            interlocks: say when a device may not be driven; kept in time with the rest.
+
+        """
+        self._interlocks = interlocks
+        self._site = site
+        self._clock = clock
+        self._mouth = mouth
+        self._readings = readings
+        self._stops = stops
+        self._on_disk = on_disk
+        self.ticks = Ticks()
+        self._linked = False
+        self._away: set[str] = set()
+        self._changing: frozenset[str] = frozenset()
+        self._next_epoch = next_epoch
+        self.seats = {
+            name: Seat(name, device.drive, mouth, next_epoch, stops.get(name))
+            for name, device in site.devices.items()
+            if device.drive is not None
+        }
+        for seat in self.seats.values():
+            seat.robot_back(clock.monotonic_ns())
+
+    @property
+    def busy(self) -> bool:
+        """Whether somebody holds the lease of a device."""
+        now = self._clock.monotonic_ns()
+        return any(seat.lease.holder(now) is not None for seat in self.seats.values())
+
+    # ── from the hub ──
+
+    def lease(self, ask: LeaseAsk | LeaseForce) -> None:
+        """Take, renew, free, ask for, hand over or force a lease."""
+        now = self._clock.monotonic_ns()
+        seat = self.seats.get(ask.device)
+        if seat is None:
+            self._mouth.note(
+                "lease_refused", "", f"no such driven device: {ask.device}", ask.who, good=False
+            )
+            return
+        before = seat.lease.holder(now)
+        try:
+            seat.on_lease(ask, now)
+        except OSError as error:
+            # No new epoch could be reserved on disk: nobody gets the lease, all else goes on.
+            refused = f"the gateway cannot write its disk: {error}"
+            self._mouth.send(seat.lease_state(now, ask.session, refused))
+            return
+        held = seat.lease.holder(now)
+        if held is not None and (before is None or before.epoch != held.epoch):
+            # So that the new driver need not wait for a tick to echo.
+            self._tick(now)
+
+    def drive(self, frame: Drive) -> None:
+        """Take a driving frame; what is accepted is published before this returns."""
+        seat = self.seats.get(frame.device)
+        if seat is not None:
+            now = self._clock.monotonic_ns()
+            seat.bar(self._barred(frame.device, now), now)
+            seat.slow(self._share(frame.device, now))
+            seat.measured = self._measured(seat, now)
+            seat.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
+
+    def stop(self, ask: StopAsk) -> Latched | None:
+        """Stop at once; give what `keep_stop` is to write when it was not stopped before."""
+        seat = self.seats.get(ask.device)
+        if seat is None:
+            problem = f"STOP for {ask.device}, which is not a driven device"
+            self._mouth.note("stop_refused", "", problem, ask.who, good=False)
+            return None
+        latched = Latched(ask.id, ask.who, self._clock.wall_ns() // 1000)
+        return latched if seat.on_stop(latched, self._clock.monotonic_ns()) else None
+
+    async def keep_stop(self, device: str, latched: Latched) -> None:
+        """Write a STOP to disk, so that it survives a restart."""
+        try:
+            await self._on_disk(lambda: self._stops.write(device, latched))
+        except OSError as error:
+            # Latched it is; `write_waiting` tries again.
+            problem = f"STOP is on, but cannot be kept over a restart: {error}"
+            self._mouth.note("disk_failed", device, problem, latched.who, good=False)
+
+    async def write_waiting(self) -> None:
+        """Try again to write each STOP that the disk did not take."""
+        if not self._stops.behind:
+            return
+        try:
+            await self._on_disk(self._stops.write_waiting)
+        except OSError as error:
+            log.debug("STOP is not on disk yet: %s", error)
+            return
+        said = "STOP is on disk now, and will be kept over a restart"
+        self._mouth.note("disk_recovered", "", said, "", good=True)
+
+    async def reset(self, ask: ResetAsk) -> None:
+        """Give a token, or take it and release STOP."""
+        seat = self.seats.get(ask.device)
+        if seat is None:
+            return
+        now = self._clock.monotonic_ns()
+        held = seat.lease.holder(now)
+        token, refused = "", ""
+        if held is None or held.session != ask.session or held.epoch != ask.epoch:
+            refused = "only who holds the lease may reset STOP"
+        elif not ask.token:
+            token = secrets.token_urlsafe(16)
+            refused = seat.latch.offer_token(ask.session, token, now)
+        else:
+            refused = seat.latch.check_token(ask.session, ask.token, now)
+        if refused or not ask.token:
+            self._mouth.send(
+                ResetToken(
+                    device=ask.device,
+                    session=ask.session,
+                    token="" if refused else token,
+                    refused=refused,
+                )
+            )
+            return
+        await self._release(seat, ask)
+
+    async def _release(self, seat: Seat, ask: ResetAsk) -> None:
+        was = seat.latch.latched
+        try:
+            await self._on_disk(lambda: self._stops.write(seat.device, None))
+        except OSError as error:
+            refused = f"the gateway cannot write its disk: {error}"
+            self._mouth.send(ResetToken(device=seat.device, session=ask.session, refused=refused))
+            return
+        if seat.latch.latched is was:
+            seat.on_reset(ask.who, self._clock.monotonic_ns())
+
+    # ── another description ──
+
+    def leave(self, devices: Collection[str]) -> None:
+        """End leases and holds of devices whose description is about to change, with zeros.
+
+        Nobody drives them until `redescribe`, or until this is called with none.
+        """
+        self._changing = frozenset(devices)
+        now = self._clock.monotonic_ns()
+        for device in devices:
+            if (seat := self.seats.get(device)) is not None:
+                held = seat.lease.holder(now) is not None
+                seat.vacate(now, CHANGING, stop_robot=False)
+                if held:
+                    self._mouth.send(seat.lease_state(now))
+
+    def silent(self, devices: Collection[str]) -> bool:
+        """Tell whether all zeros of these devices have been published."""
+        seats = [self.seats[each] for each in devices if each in self.seats]
+        return all(seat.driving.silent for seat in seats)
+
+    def redescribe(self, site: Site, devices: Collection[str]) -> None:
+        """Take another description, after `leave` with the ``devices`` that it touches.
+
+        Those that are not touched go on as they were, drivers included. STOP stays where it is.
+        """
+        now = self._clock.monotonic_ns()
+        # Whoever took a lease since then has driven nothing, for it was barred.
+        self.leave([each for each in devices if each in self.seats])
+        before, self._site, self._changing = self.seats, site, frozenset()
+        self.seats = {}
+        for name, device in site.devices.items():
+            if device.drive is None:
+                continue
+            seat = before.get(name)
+            if seat is None or seat.rule != device.drive:
+                stopped = self._stops.get(name) if seat is None else seat.latch.latched
+                seat = Seat(name, device.drive, self._mouth, self._next_epoch, stopped)
+                self._mouth.send(seat.stop_state())
+                self._mouth.send(seat.lease_state(now))
+            self.seats[name] = seat
+        self._away &= site.devices.keys()
+
+    # ── link and time ──
+
+    def link_up(self) -> None:
+        """Tell a new link how things stand. Nothing is replayed and nobody holds anything."""
+        self._linked = True
+        now = self._clock.monotonic_ns()
+        for seat in self.seats.values():
+            self._mouth.send(seat.stop_state())
+            self._mouth.send(seat.lease_state(now))
+        if self._interlocks is not None:
+            self._interlocks.link_up(now)
+
+    def link_lost(self) -> None:
+        """End every lease and every hold."""
+        if not self._linked:
+            return
+        self._linked = False
+        now = self._clock.monotonic_ns()
+        for seat in self.seats.values():
+            seat.vacate(now, "link lost", stop_robot=seat.rule.link_loss is LinkLoss.STOP)
+        if self._interlocks is not None:
+            self._interlocks.link_lost(now)
+
+    def robot_lost(self, devices: Collection[str]) -> None:
+        """End leases and holds of devices that cannot be told anything now; nobody drives them."""
+        now = self._clock.monotonic_ns()
+        self._away.update(devices)
+        for device in devices:
+            if (seat := self.seats.get(device)) is not None:
+                seat.vacate(now, "the robot's side was lost", stop_robot=False)
+                self._mouth.send(seat.lease_state(now))
+
+    def robot_back(self, devices: Collection[str]) -> None:
+        """Let them be driven again, by whoever lets go first; STOP is being repeated anyway."""
+        self._away.difference_update(devices)
+        for device in devices:
+            if (seat := self.seats.get(device)) is not None:
+                seat.robot_back(self._clock.monotonic_ns())
+
+    def override(self, ask: OverrideAsk) -> None:
+        """Override an interlock for a time, or end that."""
+        if self._interlocks is not None:
+            self._interlocks.override(ask, self._clock.monotonic_ns())
+
+    def halt(self) -> None:
+        """End every hold with a zero now: the process is about to end."""
+        now = self._clock.monotonic_ns()
+        for seat in self.seats.values():
+            seat.vacate(now, "the gateway ends", stop_robot=False)
+
+    def due_ns(self) -> int | None:
+        """Give when `step` wants to be called next (monotonic), or none while all rests."""
+        times = [due for seat in self.seats.values() if (due := seat.due_ns()) is not None]
+        if self._anyone_holds():
+            times.append(self.ticks.last_ns + TICK_NS)
+        if self._interlocks is not None and (look := self._interlocks.due_ns()) is not None:
+            times.append(look)
+        return min(times, default=None)
+
+    def step(self) -> None:
+        """Do what is due now."""
+        now = self._clock.monotonic_ns()
+        if self._interlocks is not None:
+            self._interlocks.step(now)
+        for seat in self.seats.values():
+            # Whoever drives when it becomes unsafe is stopped by this, and not by the next frame.
+            if seat.driving.moving:
+                seat.bar(self._barred(seat.device, now), now)
+                seat.slow(self._share(seat.device, now))
+            seat.step(now, lambda seat=seat: self._proofs(seat))  # type: ignore[misc]
+        if self._anyone_holds() and now - self.ticks.last_ns >= TICK_NS:
+            self._tick(now)
+
+    def _barred(self, device: str, now_ns: int) -> str:
+        if device in self._changing:
+            return CHANGING
+        if device in self._away:
+            return "the robot's side cannot be reached now"
+        if self._interlocks is None:
+            return ""
+        return self._interlocks.refusal(device, "drive", now_ns)
+
+    def _share(self, device: str, now_ns: int) -> float:
+        return 1.0 if self._interlocks is None else self._interlocks.share(device, now_ns)
+
+    def _measured(self, seat: Seat, now_ns: int) -> tuple[float, float]:
+        """Give what a robot that is driven by characters says of its motion; NaN for nothing."""
+        keys = seat.rule.keys
+        speed, turn = (self._fresh(address, now_ns) for address in (keys.speed, keys.turn))
+        return speed, turn
+
+    def _fresh(self, address: str, now_ns: int) -> float:
+        reading = self._readings.latest(address) if address else None
+        if reading is None:
+            return math.nan
+        device, _, signal = address.partition("/")
+        max_age = self._site.devices[device].signals[signal].max_age
+        return reading.value if now_ns - reading.mono_ns <= round(max_age * SECOND) else math.nan
+
+    def _anyone_holds(self) -> bool:
+        now = self._clock.monotonic_ns()
+        return any(seat.lease.holder(now) is not None for seat in self.seats.values())
+
+    def _tick(self, now_ns: int) -> None:
+        self._mouth.send(Tick(tick=self.ticks.next(now_ns)))
+
+    def _proofs(self, seat: Seat) -> list[Proof | None]:
+        proofs: list[Proof | None] = []
+        for address in seat.rule.stop.confirmed_by:
+            reading = self._readings.latest(address)
+            device, _, signal = address.partition("/")
+            max_age = self._site.devices[device].signals[signal].max_age
+            proofs.append(
+                None
+                if reading is None
+                else Proof(reading.value, reading.mono_ns, round(max_age * SECOND))
+            )
+        return proofs

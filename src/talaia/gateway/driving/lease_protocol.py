@@ -1,0 +1,183 @@
+"""The lease of one device as it is spoken about: asks, answers, and what is written down. Pure.
+
+Everything that gives the lease to another, or to nobody, ends in `changed`, once: there the seat
+brings the vehicle to rest before anybody drives it again.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+from talaia.clock import MS
+from talaia.gateway.driving.lease import Lease
+from talaia.wire.frames import LeaseForce, LeaseOp, LeaseState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.driving.lease import Holder, Rival
+    from talaia.gateway.ports import Mouth
+    from talaia.wire.frames import LeaseAsk
+
+__all__ = ["Tenancy"]
+
+
+class Changed(Protocol):
+    """Called when the lease went from one holder to another or to nobody, before it is told."""
+
+    def __call__(self, now_ns: int, why: str, *, over: bool) -> None:
+        """End what the former holder did; ``over`` when somebody else has it now."""
+        ...
+
+
+class Tenancy:
+    """Who has one device, who asks for it, and all that is said about it."""
+
+    def __init__(
+        self,
+        device: str,
+        duration_ns: int,
+        next_epoch: Callable[[], int],
+        mouth: Mouth,
+        changed: Changed,
+    ) -> None:
+        """Start with nobody. For ``duration_ns`` and ``next_epoch`` see `Lease`."""
+        self.lease = Lease(duration_ns, next_epoch)
+        self._device = device
+        self._mouth = mouth
+        self._changed = changed
+        self._had: Holder | None = None
+        self._asks: Rival | None = None
+
+    def on_ask(self, ask: LeaseAsk | LeaseForce, now_ns: int) -> None:
+        """Act on what a session wants, and answer it.
+
+        Raises:
+            OSError: a new epoch could not be kept on disk; nobody has got anything.
+
+        """
+        # What time has done by itself comes first, and is told as that.
+        self.settle(now_ns)
+        refused = self._act(ask, now_ns)
+        if refused:
+            taking = isinstance(ask, LeaseForce) or ask.op is not LeaseOp.RENEW
+            if taking:
+                self._note("lease_refused", refused, ask.who)
+            forceable = self.lease.may_force(ask.session, now_ns)
+            self._mouth.send(self.state(now_ns, ask.session, refused, forceable=forceable))
+        else:
+            self._mouth.send(self.state(now_ns, ask.session))
+
+    def _act(self, ask: LeaseAsk | LeaseForce, now_ns: int) -> str:
+        lease, held = self.lease, self.lease.holder(now_ns)
+        if isinstance(ask, LeaseForce):
+            refused = lease.force(ask.session, ask.who, now_ns)
+            if not refused and held is not None:
+                self._note("lease_forced", f"from {held.who}", ask.who)
+            return refused or self._given(now_ns, "control was taken by force")
+        match ask.op:
+            case LeaseOp.TAKE:
+                return lease.take(ask.session, ask.who, now_ns) or self._given(now_ns, "taken anew")
+            case LeaseOp.ASK:
+                return lease.ask(ask.session, ask.who, now_ns) or self._asked(now_ns)
+            case LeaseOp.ACCEPT:
+                refused = lease.accept(ask.session, now_ns)
+                return refused or self._given(now_ns, "control was handed over")
+            case LeaseOp.DENY:
+                self._denied(now_ns, lease.deny(ask.session, now_ns), ask.who)
+            case LeaseOp.RENEW:
+                return lease.renew(ask.session, now_ns)
+            case LeaseOp.FREE:
+                if lease.free(ask.session, now_ns):
+                    self._note("lease_freed", "", ask.who)
+                self._asks = lease.rival(now_ns)
+                self.settle(now_ns, "lease given back")
+        return ""
+
+    def _given(self, now_ns: int, why: str) -> str:
+        self._asks = self.lease.rival(now_ns)
+        self._compare(now_ns, why)
+        return ""
+
+    def _asked(self, now_ns: int) -> str:
+        rival = self.lease.rival(now_ns)
+        if rival is None:
+            return self._given(now_ns, "taken anew")
+        if rival != self._asks:
+            held = self.lease.holder(now_ns)
+            self._note("lease_asked", f"of {held.who}" if held else "", rival.who)
+        self._asks = rival
+        return ""
+
+    def _denied(self, now_ns: int, rival: Rival | None, who: str) -> None:
+        if rival is not None:
+            self._asks = None
+            self._note("lease_denied", f"to {rival.who}", who)
+            self._in_vain(now_ns, rival, f"{who} keeps control")
+
+    def _in_vain(self, now_ns: int, rival: Rival, why: str) -> None:
+        self._mouth.send(self.state(now_ns))
+        self._mouth.send(self.state(now_ns, rival.session, why, forceable=True))
+
+    def settle(self, now_ns: int, why: str = "lease ended") -> None:
+        """Do what time has decided: a lease that ran out, an ask that nobody answered."""
+        lease = self.lease
+        asked, self._asks = self._asks, lease.rival(now_ns)
+        held = lease.holder(now_ns)
+        if held is None and why == "lease ended" and self._had is not None:
+            self._note("lease_ended", "not renewed", self._had.who)
+        try:
+            passed = lease.pass_on(now_ns)
+        except OSError as error:
+            lease.withdraw()
+            self._note("lease_refused", f"the gateway cannot write its disk: {error}", "")
+            passed = False
+        if passed:
+            self._asks = None
+        if self._compare(now_ns, why):
+            self._mouth.send(self.state(now_ns))
+        elif asked is not None and self._asks is None and held is not None:
+            self._note("lease_unanswered", f"by {held.who}", asked.who)
+            self._in_vain(now_ns, asked, f"{held.who} has not answered")
+
+    def _compare(self, now_ns: int, why: str) -> bool:
+        """Tell the seat, once, when another has the lease now, or the same one anew, or nobody."""
+        had, held = self._had, self.lease.holder(now_ns)
+        self._had = held
+        if (had and had.epoch) == (held and held.epoch):
+            return False
+        over = had is not None and held is not None and had.session != held.session
+        self._changed(now_ns, why, over=over)
+        if held is not None:
+            came = f"from {had.who}: {why}" if over and had is not None else ""
+            self._note("lease_granted", came, held.who)
+        return True
+
+    def vacate(self) -> None:
+        """End it whoever has it or asks for it; the seat has seen to the vehicle."""
+        self.lease.drop()
+        self._had = self._asks = None
+
+    def state(
+        self, now_ns: int, asked: str = "", refused: str = "", *, forceable: bool = False
+    ) -> LeaseState:
+        """Say who holds the device and who asks for it."""
+        held, rival = self.lease.holder(now_ns), self.lease.rival(now_ns)
+        if held is None:
+            return LeaseState(device=self._device, asked=asked, refused=refused)
+        return LeaseState(
+            device=self._device,
+            session=held.session,
+            who=held.who,
+            epoch=held.epoch,
+            remains_ms=max(0, (held.until_ns - now_ns) // MS),
+            rival="" if rival is None else rival.session,
+            rival_who="" if rival is None else rival.who,
+            rival_ms=0 if rival is None else max(0, (rival.until_ns - now_ns) // MS),
+            asked=asked,
+            refused=refused,
+            forceable=forceable,
+        )
+
+    def _note(self, kind: str, message: str, who: str) -> None:
+        self._mouth.note(kind, self._device, message, who, good=True)

@@ -1,0 +1,212 @@
+"""``talaia gateway enrol``: trade a one-time code for this gateway's own key.
+
+The code carries the beginning of the hash of the hub's public key. The hub must show that very key
+before it is told the code, so nobody between can take it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import hashlib
+import http.client
+import json
+import platform
+import ssl
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+from urllib.parse import urlsplit
+
+from talaia.errors import TalaiaError
+from talaia.gateway.errors import EnrolRefused, HubUnreachable
+from talaia.gateway.key_file import KeyFile, KeyPlace
+from talaia.gateway.settings import HubAddress
+from talaia.gateway.uplink.certificate_der import public_key_of
+from talaia.gateway.uplink.tls import Trust
+from talaia.wire.enrolment import read_code
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.wire.enrolment import EnrolmentCode
+
+__all__ = ["enrol", "main"]
+
+_WAIT_S = 20.0
+_LONGEST = 64 * 1024
+
+
+class Answer(NamedTuple):
+    """What the hub said."""
+
+    status: int
+    body: dict[str, str]
+    retry_s: str
+
+
+def main(argv: Sequence[str]) -> int:
+    """Enrol, keep the key, and say how to go on; 2 when that cannot be done."""
+    options = _options(argv)
+    try:
+        found = _enrol_into(options)
+    except TalaiaError as error:
+        sys.stderr.write(f"talaia gateway enrol: {error}\n")
+        return 2
+    known = "the hub is known by its key" if found.fingerprint else "its authority is trusted"
+    if found.hub.startswith("ws://"):
+        known = "in clear text, on this machine only"
+    sys.stdout.write(
+        f"enrolled: this is the gateway of the site {found.site} at {found.hub} ({known})\n"
+        f"start it: talaia gateway {found.site}.yaml --key-file {options.key_file}\n"
+    )
+    return 0
+
+
+def _enrol_into(options: argparse.Namespace) -> KeyFile:
+    place = KeyPlace(options.key_file)
+    try:
+        found = enrol(
+            options.hub, options.code, options.name, ca=options.ca, allow_plain=options.allow_plain
+        )
+        place.keep(found)
+    finally:
+        place.close()
+    return found
+
+
+def _options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        "talaia gateway enrol",
+        description="Enrol this gateway with a one-time code from the hub's page.",
+    )
+    parser.add_argument("hub", metavar="HUB", help="https://host:port")
+    parser.add_argument("code", metavar="CODE", help="as the page shows it; good for 15 minutes")
+    parser.add_argument(
+        "--key-file", required=True, type=Path, metavar="FILE", help="where the key is kept"
+    )
+    parser.add_argument(
+        "--name", default=platform.node()[:100], help="what the gateway is called (this machine)"
+    )
+    parser.add_argument(
+        "--ca", type=Path, metavar="FILE", help="certificate authorities (PEM) for a code without"
+        " the hub's key"
+    )  # fmt: skip
+    parser.add_argument("--allow-plain", action="store_true", help="permit http:// on loopback")
+    return parser.parse_args(argv)
+
+
+def enrol(
+    url: str, text: str, name: str, *, ca: Path | None = None, allow_plain: bool = False
+) -> KeyFile:
+    """Trade a code for a key.
+
+    Raises:
+        CodeMistyped: the code cannot be one.
+        SettingsError: the address is none, or is in clear text.
+        HubUnreachable: the hub is not there, or is not the one that the code names.
+        EnrolRefused: the hub does not take the code.
+
+    """
+    code = read_code(text)
+    hub = HubAddress.checked(
+        url if "://" in url else f"https://{url}", ca=ca, allow_plain=allow_plain
+    )
+    if code.pin and not hub.plain:
+        hub = HubAddress(hub.url, _key_hash(hub, code))
+    context = asyncio.run(Trust(hub).context())
+    answer = _ask(hub, context, {"code": str(code), "name": name})
+    if answer.status != http.HTTPStatus.OK:
+        raise EnrolRefused(answer.body.get("code", ""), _words(hub, answer))
+    # An authority's certificate is renewed with another key; ours keeps its own.
+    pinned = bool(hub.fingerprint) and not _vouched_for(hub)
+    try:
+        return KeyFile(
+            key=answer.body["key"],
+            site=answer.body["site"],
+            gateway=answer.body["gateway"],
+            hub=hub.url,
+            fingerprint=hub.fingerprint if pinned else "",
+            ca=str(ca.absolute()) if ca is not None and not pinned else "",
+        )
+    except KeyError as error:
+        raise EnrolRefused("", f"{hub.url} gave no {error}; is it a Talaia hub?") from error
+
+
+def _key_hash(hub: HubAddress, code: EnrolmentCode) -> str:
+    """Give the hash of the key the hub shows, if it is the one that the code names."""
+    shown = asyncio.run(Trust(hub).shown())
+    try:
+        found = hashlib.sha256(public_key_of(shown)).hexdigest()
+    except ValueError as error:
+        raise HubUnreachable(f"{hub.url} shows a certificate that cannot be read") from error
+    if not code.fits(found):
+        raise HubUnreachable(
+            f"{hub.url} shows another key than the code names, so it was not told the code; "
+            "is the address that of the hub whose page shows the code? If the hub's certificate "
+            "was changed since, make a new code; if not, somebody stands between"
+        )
+    return found
+
+
+def _vouched_for(hub: HubAddress) -> bool:
+    """Tell whether the system's authorities vouch for the hub, too."""
+    parts = urlsplit(hub.url)
+    connection = http.client.HTTPSConnection(
+        parts.hostname or "", parts.port, timeout=_WAIT_S, context=ssl.create_default_context()
+    )
+    try:
+        connection.connect()
+    except OSError:
+        return False
+    finally:
+        connection.close()
+    return True
+
+
+def _ask(hub: HubAddress, context: ssl.SSLContext | None, said: dict[str, str]) -> Answer:
+    parts = urlsplit(hub.url)
+    host = parts.hostname or ""
+    connection = (
+        http.client.HTTPConnection(host, parts.port, timeout=_WAIT_S)
+        if context is None
+        else http.client.HTTPSConnection(host, parts.port, timeout=_WAIT_S, context=context)
+    )
+    try:
+        connection.request(
+            "POST", "/api/enrol", json.dumps(said), {"Content-Type": "application/json"}
+        )
+        response = connection.getresponse()
+        text = response.read(_LONGEST)
+    except ssl.SSLCertVerificationError as error:
+        raise HubUnreachable(
+            f"{hub.url} cannot be trusted: {error.verify_message}; copy the whole code, "
+            "or give the authority with --ca"
+        ) from error
+    except (OSError, http.client.HTTPException) as error:
+        raise HubUnreachable(
+            f"{hub.url} cannot be reached: {str(error) or type(error).__name__}; "
+            "check the address, and that the hub runs"
+        ) from error
+    finally:
+        connection.close()
+    return Answer(response.status, _body(text), response.headers.get("Retry-After", ""))
+
+
+def _body(text: bytes) -> dict[str, str]:
+    try:
+        found = json.loads(text)
+    except ValueError:
+        return {}
+    if not isinstance(found, dict):
+        return {}
+    return {key: value for key, value in found.items() if isinstance(value, str)}
+
+
+def _words(hub: HubAddress, answer: Answer) -> str:
+    said = answer.body.get("message", "")
+    if not said:
+        return f"{hub.url} answers HTTP {answer.status}; is it a Talaia hub?"
+    if answer.retry_s:
+        said += f" ({answer.retry_s} s)"
+    return said

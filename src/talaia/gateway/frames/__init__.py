@@ -1,1 +1,0 @@
-"""Pictures for the archive: from a camera's bytes to a file with a whole header, to the hub."""

@@ -1,0 +1,1 @@
+"""The WebSocket API of the founding observatory, served by the gateway."""

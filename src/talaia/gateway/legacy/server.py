@@ -1,0 +1,261 @@
+"""A door for clients of the founding observatory: its WebSocket messages over TLS, by the gateway.
+
+Closed unless it is asked for, on this machine only unless told otherwise, and nobody comes in
+without the token, also from loopback. What comes in goes the way of every command: the gateway's
+journal, its interlocks, its limits.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import binascii
+import hashlib
+import hmac
+import json
+import logging
+import os
+import secrets
+import ssl
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import TYPE_CHECKING
+from urllib.parse import parse_qs, urlsplit
+
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.exceptions import ConnectionClosed
+
+from talaia.gateway.errors import SettingsError
+from talaia.gateway.legacy.messages import MAX_MESSAGE, AskWrong, Newest, read_message, status_of
+from talaia.wire.frames import CommandAsk, CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from websockets.http11 import Request, Response
+
+    from talaia.clock import Clock
+    from talaia.gateway.commands.command_service import Commanding
+    from talaia.gateway.legacy.messages import Action
+    from talaia.gateway.ports import EventSink
+    from talaia.gateway.settings import DoorSettings
+    from talaia.model.site import Site
+
+__all__ = ["Door", "Keys", "keys_of"]
+
+log = logging.getLogger(__name__)
+MAX_CLIENTS = 16
+# The founding client asks once a second; more than this from one is not it.
+MOST_A_SECOND = 20
+# After a wrong token everybody with a wrong one waits: a guesser gets one try a second.
+WRONG_S = 1.0
+MAX_MISTAKES = 50
+
+
+@dataclass(frozen=True)
+class Keys:
+    """What the door proves itself with, and what it wants to hear.
+
+    Attributes:
+        fingerprint: SHA-256 of the certificate, hex.
+
+    """
+
+    context: ssl.SSLContext
+    token: str
+    fingerprint: str
+
+
+def keys_of(settings: DoorSettings, data: Path) -> Keys:
+    """Read certificate and token; make what is not given, in the data folder, at the first start.
+
+    Raises:
+        SettingsError: a file cannot be read or does not fit.
+
+    """
+    certificate, key = settings.certificate, settings.key
+    try:
+        if certificate is None or key is None:
+            certificate, key = data / "classic.crt", data / "classic-tls.key"
+            if not certificate.exists():
+                _make_certificate(certificate, key)
+        token_file = settings.token_file or data / "classic.token"
+        if settings.token_file is None and not token_file.exists():
+            _write(token_file, secrets.token_urlsafe(24).encode() + b"\n")
+        token = token_file.read_text().strip()
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        context.minimum_version = ssl.TLSVersion.TLSv1_2
+        context.load_cert_chain(certificate, key)
+        der = ssl.PEM_cert_to_DER_cert(certificate.read_text())
+    except (OSError, ValueError) as error:
+        raise SettingsError(f"the door for founding clients cannot be opened: {error}") from error
+    if len(token) < 16:
+        raise SettingsError(f"{token_file}: expected a token of at least 16 characters")
+    return Keys(context, token, hashlib.sha256(der).hexdigest())
+
+
+def _write(path: Path, data: bytes) -> None:
+    file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    with os.fdopen(file, "wb") as opened:
+        opened.write(data)
+
+
+def _make_certificate(certificate: Path, key: Path) -> None:
+    try:
+        from talaia.gateway.legacy.self_signed import self_signed
+    except ImportError as error:
+        raise SettingsError(
+            f"no certificate can be made here ({error}); give --classic-cert and --classic-key, "
+            "or install the package cryptography"
+        ) from error
+    made, secret = self_signed()
+    key.unlink(missing_ok=True)
+    _write(key, secret)
+    _write(certificate, made)
+
+
+class Door:
+    """Serves founding clients for as long as it runs."""
+
+    def __init__(
+        self,
+        settings: DoorSettings,
+        keys: Keys,
+        site: Site,
+        clock: Clock,
+        commanding: Commanding,
+        newest: Newest,
+        answers: Mapping[str, str],
+        events: EventSink,
+    ) -> None:
+        """Take what it answers from: the newest values, and what commands have printed."""
+        self._settings, self._keys, self._site, self._clock = settings, keys, site, clock
+        self._commanding, self._newest, self._answers = commanding, newest, answers
+        self._events = events
+        self._clients: set[ServerConnection] = set()
+        self._wrong = asyncio.Lock()
+        self.port = settings.port
+
+    def redescribe(self, site: Site) -> None:
+        """Answer by another description from here on."""
+        self._site = site
+
+    async def run(self) -> None:
+        """Serve until cancelled.
+
+        Raises:
+            SettingsError: the port cannot be had.
+
+        """
+        host, port = self._settings.host, self._settings.port
+        try:
+            server = await serve(
+                self._serve,
+                host,
+                port,
+                ssl=self._keys.context,
+                process_request=self._admit,
+                max_size=MAX_MESSAGE,
+                max_queue=4,
+                compression=None,
+                server_header=None,
+            )
+        except OSError as error:
+            raise SettingsError(f"--classic-port {port} cannot be opened: {error}") from error
+        async with server:
+            self.port = next(iter(server.sockets)).getsockname()[1]
+            log.info(
+                "founding clients: wss://%s:%d, certificate %s",
+                host, self.port, self._keys.fingerprint,
+            )  # fmt: skip
+            await asyncio.Event().wait()
+
+    # ── who comes in ──
+
+    async def _admit(self, socket: ServerConnection, request: Request) -> Response | None:
+        if len(self._clients) >= MAX_CLIENTS:
+            return socket.respond(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n")
+        if self._known(request):
+            return None
+        async with self._wrong:
+            await asyncio.sleep(WRONG_S)
+        self._events.tell("classic_refused", f"a wrong token from {_from(socket)}")
+        response = socket.respond(HTTPStatus.UNAUTHORIZED, "give the token\n")
+        response.headers["WWW-Authenticate"] = 'Basic realm="observatory"'
+        return response
+
+    def _known(self, request: Request) -> bool:
+        """Look for the token: Bearer, the password of Basic, or ``?token=`` for old browsers."""
+        given = ""
+        kind, _, value = request.headers.get("Authorization", "").partition(" ")
+        if kind.lower() == "bearer":
+            given = value.strip()
+        elif kind.lower() == "basic":
+            try:
+                given = base64.b64decode(value, validate=True).decode().partition(":")[2]
+            except (binascii.Error, UnicodeDecodeError):
+                given = ""
+        else:
+            given = parse_qs(urlsplit(request.path).query).get("token", [""])[0]
+        return hmac.compare_digest(given.encode(), self._keys.token.encode())
+
+    # ── what is said ──
+
+    async def _serve(self, socket: ServerConnection) -> None:
+        self._clients.add(socket)
+        try:
+            await self._talk(socket)
+        except ConnectionClosed:
+            pass
+        finally:
+            self._clients.discard(socket)
+
+    async def _talk(self, socket: ServerConnection) -> None:
+        loop = asyncio.get_running_loop()
+        second, count, mistakes = loop.time(), 0, 0
+        async for message in socket:
+            if loop.time() - second >= 1.0:
+                second, count = loop.time(), 0
+            count += 1
+            if count > MOST_A_SECOND:
+                await socket.close(1008, "too many messages a second")
+                return
+            answer: dict[str, object] = {}
+            try:
+                actions = read_message(message, self._site)
+                for action in actions:
+                    said = await self._act(action, socket)
+                    told = answer.setdefault("action", {})
+                    if isinstance(told, dict):
+                        told.setdefault(action.device, {})[action.command] = said
+            except AskWrong as error:
+                mistakes += 1
+                answer["error"] = str(error)
+            now = self._clock.monotonic_ns()
+            answer["status"] = status_of(self._site, self._newest, self._answers, now)
+            await socket.send(json.dumps(answer, ensure_ascii=False))
+            if mistakes > MAX_MISTAKES:
+                await socket.close(1008, "too many messages that mean nothing")
+                return
+
+    async def _act(self, action: Action, socket: ServerConnection) -> str:
+        """Begin a command; tell whether it began, in the words for people."""
+        ask = CommandAsk(
+            id=f"classic-{secrets.token_hex(8)}",
+            device=action.device,
+            command=action.command,
+            args=action.args,
+            ttl_ms=5000,
+            who=f"founding client at {_from(socket)}",
+        )
+        await self._commanding.ask(ask)
+        state = self._commanding.state(ask.id)
+        if state is None or state.phase is CommandPhase.REFUSED:
+            return f"refused: {'' if state is None else state.message}"
+        return str(state.phase)
+
+
+def _from(socket: ServerConnection) -> str:
+    address = socket.remote_address
+    return str(address[0]) if address else "nowhere"

@@ -1,0 +1,99 @@
+"""Tells people of what is critical while the hub is away; and ``talaia gateway test-notice``."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import logging
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from talaia.errors import TalaiaError
+from talaia.gateway.notices.sending import send_notice
+from talaia.gateway.notices.settings import read_notice_settings
+from talaia.gateway.notices.standing_notices import Notice, StandingNotices
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from talaia.clock import Clock
+    from talaia.gateway.notices.settings import NoticeSettings
+    from talaia.gateway.ports import EventSink
+    from talaia.wire.frames import EnclosureState
+
+__all__ = ["OwnNotices", "main"]
+
+log = logging.getLogger(__name__)
+LOOK_S = 0.5
+
+
+class OwnNotices:
+    """The gateway's own notices. Event loop only."""
+
+    def __init__(
+        self,
+        settings: NoticeSettings,
+        site: str,
+        clock: Clock,
+        linked: Callable[[], bool],
+        events: EventSink,
+    ) -> None:
+        """Tell nothing while ``linked``; what was told, and what failed, goes to ``events``."""
+        self._settings = settings
+        self._site = site
+        self._clock = clock
+        self._linked = linked
+        self._events = events
+        self._standing = StandingNotices(settings)
+        self._sending: set[asyncio.Task[None]] = set()
+
+    def hear_enclosure(self, state: EnclosureState) -> None:
+        """Take how an enclosure stands."""
+        time_us = self._clock.wall_ns() // 1000
+        if state.why:
+            now = self._clock.monotonic_ns()
+            self._standing.stand(state.enclosure, state.why, time_us, now)
+        else:
+            self._standing.clear(state.enclosure, time_us)
+
+    async def run(self) -> None:
+        """Go on until cancelled."""
+        while True:
+            for notice in self._standing.due(self._clock.monotonic_ns(), linked=self._linked()):
+                task = asyncio.ensure_future(self._send(notice))
+                self._sending.add(task)
+                task.add_done_callback(self._sending.discard)
+            await asyncio.sleep(LOOK_S)
+
+    async def _send(self, notice: Notice) -> None:
+        outcomes = await send_notice(self._settings, self._site, notice)
+        for way, problem in outcomes.items():
+            good = not problem
+            kind = "notice_sent" if good else "notice_failed"
+            said = f"{way}: {problem or notice.message}"
+            log.log(logging.INFO if good else logging.WARNING, "%s %s", kind, said)
+            self._events.tell(kind, said, good=good)
+
+
+def main(argv: Sequence[str]) -> int:
+    """Send a test notice by every way; 0 when all arrived, 1 when one did not, 2 for bad words."""
+    parser = argparse.ArgumentParser(
+        prog="talaia gateway test-notice",
+        description="Send a test by every way of a notices file, and say what became of it.",
+    )
+    parser.add_argument("file", type=Path, help="the notices (TOML)")
+    parser.add_argument("--site", default="test", help="the name that the message says (test)")
+    options = parser.parse_args(argv)
+    now_us = time.time_ns() // 1000
+    notice = Notice(f"test-{now_us}", "test", "a test notice; nothing is wrong", now_us)
+    try:
+        settings = read_notice_settings(options.file)
+    except TalaiaError as error:
+        sys.stderr.write(f"talaia gateway: {error}\n")
+        return 2
+    outcomes = asyncio.run(send_notice(settings, options.site, notice))
+    for way, problem in outcomes.items():
+        sys.stdout.write(f"{way}: {problem or 'sent'}\n")
+    return 1 if any(outcomes.values()) else 0

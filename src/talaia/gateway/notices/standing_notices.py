@@ -1,0 +1,94 @@
+"""Which critical things stand, and when the gateway itself tells people of them. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import SECOND
+
+if TYPE_CHECKING:
+    from talaia.gateway.notices.settings import NoticeSettings
+
+__all__ = ["Notice", "StandingNotices"]
+
+
+class Notice(NamedTuple):
+    """One message.
+
+    Attributes:
+        key: names it; each repetition has another.
+        time_us: since when it stands (UTC).
+        over: it stands no longer.
+
+    """
+
+    key: str
+    what: str
+    message: str
+    time_us: int
+    over: bool = False
+
+
+@dataclass(slots=True)
+class _Standing:
+    message: str
+    time_us: int
+    # When it began to stand, or the hub went away: whichever was later.
+    alone_ns: int
+    due_ns: int | None = None
+    wait_ns: int = 0
+    told: int = 0
+
+
+class StandingNotices:
+    """Keeps time for what stands. The hub, while it has a link, tells people by itself."""
+
+    def __init__(self, settings: NoticeSettings) -> None:
+        """Begin with nothing."""
+        self._settings = settings
+        self._standing: dict[str, _Standing] = {}
+        self._over: list[Notice] = []
+        self._linked = False
+
+    def stand(self, what: str, message: str, time_us: int, now_ns: int) -> None:
+        """Take that something stands (again with other words: it goes on)."""
+        known = self._standing.get(what)
+        if known is None:
+            self._standing[what] = _Standing(message, time_us, now_ns)
+        else:
+            known.message = message
+
+    def clear(self, what: str, time_us: int) -> None:
+        """Take that it stands no longer: whoever was told of it is told that, too."""
+        known = self._standing.pop(what, None)
+        if known is not None and known.told and not self._linked:
+            key = f"{what}-{known.time_us}-over"
+            self._over.append(Notice(key, what, known.message, time_us, over=True))
+
+    def due(self, now_ns: int, *, linked: bool) -> list[Notice]:
+        """Give what is to be told now; nothing while the hub has a link."""
+        if linked:
+            self._linked = True
+            self._over.clear()
+            return []
+        if self._linked:
+            # The hub has heard of all that stood; what stands on is counted anew.
+            self._linked = False
+            for each in self._standing.values():
+                each.alone_ns, each.due_ns, each.wait_ns = now_ns, None, 0
+        told, self._over = self._over, []
+        for what, each in self._standing.items():
+            if each.due_ns is None:
+                each.due_ns = each.alone_ns + round(self._settings.after * SECOND)
+            if now_ns < each.due_ns:
+                continue
+            longest = round(self._settings.longest * SECOND)
+            first = round(self._settings.repeat * SECOND)
+            each.wait_ns = min(longest, 2 * each.wait_ns) if each.wait_ns else min(longest, first)
+            each.due_ns = now_ns + each.wait_ns
+            each.told += 1
+            told.append(
+                Notice(f"{what}-{each.time_us}-{each.told}", what, each.message, each.time_us)
+            )
+        return told

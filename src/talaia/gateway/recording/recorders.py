@@ -1,0 +1,96 @@
+"""All that records at a gateway, begun and ended together: messages as MCAP, cameras as films."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.wire.frames import RecordState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.recording.film_recorder import Films
+    from talaia.gateway.recording.recorder import Recorder
+    from talaia.model.recording import Recording, Trigger
+    from talaia.model.site import Site
+
+__all__ = ["Tapes"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Tapes:
+    """What is told to begin and to end, and tells how it stands. Any thread may call it.
+
+    Attributes:
+        plan: see `Recording`.
+        recorder: of messages; none where no topic is recorded.
+        films: of cameras; none where this machine cannot encode them.
+        tell: takes the state after each change; from any thread.
+
+    """
+
+    plan: Recording
+    recorder: Recorder | None
+    films: Films | None
+    tell: Callable[[RecordState], None]
+
+    def start(self) -> None:
+        """Begin to hold what is held."""
+        if self.recorder is not None:
+            self.recorder.start()
+        if self.films is not None:
+            self.films.start()
+
+    def close(self) -> None:
+        """Finish what is being recorded, and end."""
+        if self.recorder is not None:
+            self.recorder.close()
+        if self.films is not None:
+            self.films.close()
+
+    def redescribe(self, site: Site) -> None:
+        """Record what another description names; its `Recording` is the same."""
+        if self.recorder is not None:
+            self.recorder.topics = frozenset(site.recorded())
+        if self.films is not None:
+            self.films.redescribe(site.filmed())
+
+    def begin(self, who: str, why: str = "", stream: str = "") -> None:
+        """Record until `end` or the longest time; with ``stream`` only that camera's film."""
+        if self.recorder is not None and self.recorder.topics and not stream:
+            self.recorder.begin(who, why)
+        if self.films is not None:
+            self.films.begin(who, why or "asked for", self.plan.longest, stream)
+
+    def end(self, who: str, stream: str = "") -> None:
+        """End what is being recorded; with ``stream`` only that camera's film."""
+        if self.recorder is not None and not stream:
+            self.recorder.end(who)
+        if self.films is not None:
+            self.films.end(who, stream)
+
+    def trigger(self, trigger: Trigger, why: str, who: str = "") -> None:
+        """Record around what has just happened, if the description wants that."""
+        if self.recorder is not None and self.recorder.topics:
+            self.recorder.trigger(trigger, why, who)
+        if self.films is not None and trigger in self.plan.triggers:
+            self.films.begin(who, why, self.plan.after)
+
+    def state(self) -> RecordState:
+        """Tell how it stands."""
+        state = RecordState(on=False) if self.recorder is None else self.recorder.state()
+        if self.films is None:
+            return state
+        return msgspec.structs.replace(
+            state,
+            films=self.films.rolling(),
+            can_film=True,
+            problem=state.problem or self.films.problem[:2000],
+        )
+
+    def say(self) -> None:
+        """Tell how it stands, after a change."""
+        self.tell(self.state())

@@ -1,0 +1,1 @@
+"""Changes of the site description while the gateway runs."""

@@ -1,0 +1,103 @@
+"""The file of the description: the gateway's own copy, which is the authority over the robot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.gateway.persistence import write_whole
+from talaia.model.errors import NotReadable
+from talaia.model.load import beside_of, text_of
+from talaia.wire.sealing import digest_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from talaia.model.site import Site
+
+__all__ = ["OwnCopy"]
+
+# A file's inode, length and time of change; none where there is no file.
+_Mark = tuple[int, int, int] | None
+
+
+class OwnCopy:
+    """A description's file and those that it takes in, watched by looking at them.
+
+    Attributes:
+        path: of the file.
+        text: what counts now, as it stood in the file.
+
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Read the file.
+
+        Raises:
+            NotReadable: it cannot be read.
+
+        """
+        self.path = path
+        self._beside: list[Path] = []
+        self._seen = self._marks()
+        self._settled = self._seen
+        self.text = text_of(path)
+
+    @property
+    def digest(self) -> str:
+        """Name the text."""
+        return digest_of(self.text)
+
+    @property
+    def editable(self) -> bool:
+        """Tell whether its text is a description that can be written anew."""
+        return self.path.suffix != ".json"
+
+    def counts(self, site: Site, text: str) -> None:
+        """Take a text, and what it describes, as what counts from here on."""
+        self.text = text
+        self._beside = beside_of(site, self.path.parent)
+        self._seen = self._settled = self._marks()
+
+    def look(self) -> str | None:
+        """Give the file's text if it was changed and is being written no more, else none.
+
+        A change is given once. It takes two looks, so that a file that is written piece by piece
+        is read whole.
+
+        Raises:
+            NotReadable: it was changed, and cannot be read now.
+
+        """
+        marks = self._marks()
+        still, self._seen = marks == self._seen, marks
+        if not still or marks == self._settled:
+            return None
+        self._settled = marks
+        if marks[0] is None:
+            raise NotReadable(str(self.path), "is not there any more", "put it back")
+        return text_of(self.path)
+
+    def write(self, text: str) -> None:
+        """Put another text in the file's place; a crash leaves the old or the new.
+
+        Raises:
+            OSError: it is not written; the old one stands.
+
+        """
+        # A link to a file stays a link.
+        path = self.path.resolve()
+        mode = path.stat().st_mode & 0o777
+        write_whole(path, text.encode())
+        path.chmod(mode)
+        self._seen = self._settled = self._marks()
+
+    def _marks(self) -> list[_Mark]:
+        return [_mark(each) for each in (self.path, *self._beside)]
+
+
+def _mark(path: Path) -> _Mark:
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_size, found.st_mtime_ns

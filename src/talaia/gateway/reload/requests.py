@@ -1,0 +1,272 @@
+"""Changes of the description while the gateway runs: of its own file, and asked for by the hub.
+
+One after the other. Whatever is wrong with a change, the description that counts stays.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import logging
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.errors import TalaiaError
+from talaia.gateway.change_policy import Accepts, forbidden
+from talaia.gateway.reload.apply import prepared
+from talaia.gateway.reload.discovered_devices import with_kept
+from talaia.model.check import check
+from talaia.model.errors import DescriptionError
+from talaia.model.load import site_in
+from talaia.model.seen import with_counts
+from talaia.model.words import Finding
+from talaia.wire.errors import PeerError
+from talaia.wire.frames import ChangePhase, ChangeState, Problem
+from talaia.wire.sealing import inflated, seal_of
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+    from pathlib import Path
+
+    from talaia.gateway.ports import EventSink
+    from talaia.gateway.reload.apply import Exchange
+    from talaia.gateway.reload.description_file import OwnCopy
+    from talaia.model.site import Site
+    from talaia.wire.frames import ChangeAsk
+
+__all__ = ["Changing", "Refused"]
+
+log = logging.getLogger(__name__)
+LOOK_S = 0.5
+# So often it is looked whether what hinders a change is over.
+AGAIN_S = 0.05
+# Zeros last for ten seconds at the most; a device whose zeros never end is not to hold up others.
+LEFT_S = 12.0
+MOST_PROBLEMS = 50
+MOST_REMEMBERED = 50
+
+
+class Refused(NamedTuple):
+    """Why a change does not take place."""
+
+    message: str
+    problems: tuple[Finding, ...] = ()
+
+    def state(self, change_id: str) -> ChangeState:
+        """Give what the hub is told."""
+        return ChangeState(
+            id=change_id,
+            phase=ChangePhase.REFUSED,
+            message=self.message[:2000],
+            problems=[
+                Problem(
+                    where=each.where[:2000], problem=each.problem[:2000], remedy=each.remedy[:2000]
+                )
+                for each in self.problems[:MOST_PROBLEMS]
+            ],
+        )
+
+
+class Changing:
+    """Takes changes in, judges them, and sees each through."""
+
+    def __init__(
+        self,
+        copy: OwnCopy | None,
+        accepts: Accepts,
+        key_hash: str,
+        data: Path,
+        exchange: Exchange,
+        send: Callable[[ChangeState], None],
+        events: EventSink,
+        on_disk: Callable[[Callable[[], None]], Awaitable[None]],
+    ) -> None:
+        """Judge by what the gateway permits.
+
+        Args:
+            copy: the file; none where the description is not from one.
+            accepts: what may come from the hub.
+            key_hash: SHA-256 of the gateway's key, hex; see `wire.sealing`.
+            data: the data folder, which has the devices that were found.
+            exchange: puts a description in the place of another.
+            send: tells the hub.
+            events: told what is worth writing down.
+            on_disk: runs a blocking write elsewhere, in order; raises what it raises.
+
+        """
+        self._copy = copy
+        self._accepts = accepts
+        self._key_hash = key_hash
+        self._data = data
+        self._exchange = exchange
+        self._send = send
+        self._events = events
+        self._on_disk = on_disk
+        self._turn = asyncio.Lock()
+        self._known: dict[str, ChangeState] = {}
+        # What is wrong with the file as it stands now, if anything.
+        self._standing: ChangeState | None = None
+
+    def link_up(self) -> None:
+        """Tell a new link what is wrong with the file."""
+        if self._standing is not None:
+            self._send(self._standing)
+
+    # ── the file ──
+
+    async def watch(self) -> None:
+        """Follow the file until cancelled."""
+        if self._copy is None:
+            await asyncio.Event().wait()
+            return
+        while True:
+            await asyncio.sleep(LOOK_S)
+            try:
+                text = await asyncio.to_thread(self._copy.look)
+            except DescriptionError as error:
+                self._complain(_of(error))
+                continue
+            if text is not None:
+                await self._follow(text)
+
+    async def _follow(self, text: str) -> None:
+        copy = self._copy
+        assert copy is not None  # noqa: S101 - it has just been read
+        async with self._turn:
+            site = await asyncio.to_thread(self._read, text)
+            if isinstance(site, Refused):
+                self._complain(site)
+                return
+            if site == self._exchange.now.site and text == self._exchange.now.source:
+                self._settled()
+                return
+            if site.site != self._exchange.now.site.site:
+                where = Finding("$.site", "a site keeps its short name while it runs")
+                self._complain(Refused("the description is of another site", (where,)))
+                return
+            while hindrance := self._exchange.hindrance(site):
+                log.info("the description waits: %s", hindrance)
+                while self._exchange.hindrance(site):  # noqa: ASYNC110 - rare, told by nobody
+                    await asyncio.sleep(AGAIN_S)
+            refused = await self._put(site, text, "", "")
+        if refused is not None:
+            self._complain(refused)
+        else:
+            self._settled()
+
+    def _complain(self, refused: Refused) -> None:
+        """Say once what is wrong with the file; what counted before goes on."""
+        said = "; ".join(str(each) for each in refused.problems[:1]) or refused.message
+        more = len(refused.problems) - 1
+        said += f" (and {more} more: run talaia check)" if more > 0 else ""
+        log.warning("the changed description is not used: %s", said)
+        self._standing = refused.state("")
+        self._send(self._standing)
+        self._events.tell("description_refused", said)
+
+    def _settled(self) -> None:
+        if self._standing is not None:
+            self._standing = None
+            self._send(ChangeState(phase=ChangePhase.APPLIED))
+
+    # ── the hub ──
+
+    async def ask(self, asked: ChangeAsk) -> None:
+        """Judge a change that the hub hands on, and tell how it ends. A known id is answered."""
+        known = self._known.get(asked.id)
+        if known is not None:
+            self._send(known)
+            return
+        self._note(ChangeState(id=asked.id, phase=ChangePhase.WAITING))
+        async with self._turn:
+            try:
+                refused = await self._take(asked)
+            except Exception:
+                log.exception("the change %s failed", asked.id)
+                refused = Refused("the gateway failed; see its log")
+        if refused is None:
+            self._note(ChangeState(id=asked.id, phase=ChangePhase.APPLIED))
+            return
+        self._note(refused.state(asked.id))
+        said = "; ".join(str(each) for each in refused.problems[:1]) or refused.message
+        self._events.tell("change_refused", said, who=asked.who)
+
+    def _note(self, state: ChangeState) -> None:
+        self._known[state.id] = state
+        while len(self._known) > MOST_REMEMBERED:
+            self._known.pop(next(iter(self._known)))
+        self._send(state)
+
+    async def _take(self, asked: ChangeAsk) -> Refused | None:
+        copy, now = self._copy, self._exchange.now
+        try:
+            text = inflated(asked.source)
+        except PeerError as error:
+            return Refused(str(error))
+        seal = seal_of(self._key_hash, asked.id, asked.who, asked.base, text)
+        if not hmac.compare_digest(seal, asked.seal):
+            return Refused("the change is not sealed with this gateway's key")
+        if self._accepts is Accepts.NO or copy is None or not copy.editable:
+            findings = forbidden(now.site, now.site, Accepts.NO)
+            return Refused("this gateway takes no changes from the hub", tuple(findings))
+        if asked.base != copy.digest:
+            return Refused("the description has been changed meanwhile; begin with the newest one")
+        site = await asyncio.to_thread(self._read, text)
+        if isinstance(site, Refused):
+            return site
+        if findings := forbidden(now.site, site, self._accepts):
+            return Refused("this gateway does not take such a change from the hub", tuple(findings))
+        if hindrance := self._exchange.hindrance(site):
+            return Refused(f"{hindrance}; wait for its end, or cancel it, and ask again")
+        return await self._put(site, text, asked.id, asked.who)
+
+    # ── both ──
+
+    def _read(self, text: str) -> Site | Refused:
+        """Read and check a text as if it stood in the file; any thread."""
+        assert self._copy is not None  # noqa: S101 - there is a text because there is a file
+        try:
+            site = site_in(text, self._copy.path)
+        except DescriptionError as error:
+            return _of(error)
+        findings = check(site)
+        if findings:
+            return Refused("the description cannot be used as written", tuple(findings))
+        return with_counts(with_kept(self._data, site))
+
+    async def _put(self, site: Site, text: str, change_id: str, who: str) -> Refused | None:
+        copy, exchange = self._copy, self._exchange
+        assert copy is not None  # noqa: S101 - see `_read`
+        source = text if copy.editable else ""
+        next_ = await asyncio.to_thread(prepared, site, source)
+        exchange.leave(site)
+        try:
+            async with asyncio.timeout(LEFT_S):
+                while not exchange.left(site):  # noqa: ASYNC110 - told by nobody
+                    await asyncio.sleep(AGAIN_S)
+            before = copy.text
+            if change_id:
+                await self._on_disk(partial(copy.write, text))
+            try:
+                exchange.put(next_, change_id, who)
+            except TalaiaError:
+                if change_id:
+                    await self._on_disk(partial(copy.write, before))
+                raise
+        except TimeoutError:
+            exchange.leave(None)
+            return Refused("a device that it touches does not come to rest")
+        except OSError as error:
+            exchange.leave(None)
+            return Refused(f"the gateway cannot write {copy.path.name}: {error.strerror or error}")
+        except TalaiaError as error:
+            exchange.leave(None)
+            return Refused(str(error))
+        copy.counts(site, text)
+        log.info("the description was changed%s", f" by {who}" if who else "")
+        return None
+
+
+def _of(error: DescriptionError) -> Refused:
+    finding = Finding(error.where, error.problem, error.remedy)
+    return Refused("the description cannot be used as written", (finding,))

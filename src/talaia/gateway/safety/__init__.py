@@ -1,0 +1,1 @@
+"""Interlocks, enclosures and link-loss policies: what keeps people and hardware safe."""

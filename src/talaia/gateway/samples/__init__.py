@@ -1,0 +1,1 @@
+"""From values of a robot to numbered, rate-limited, ordered samples."""

@@ -1,0 +1,221 @@
+"""Samples from adapter threads become numbered batches, about one every 20 ms.
+
+Threads hand over columns, not samples: the event loop sees a few arrays for each flush, however
+fast the robot speaks, and nothing at all while it is silent.
+
+A batch is made when a hand-over comes and the last batch is long enough ago, not by a timer of
+its own: two beats side by side, the adapter's and the timer's, would let samples wait for both.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.gateway.samples.absence_gaps import FirstHeard
+from talaia.gateway.samples.newest_samples import RunNewest
+from talaia.gateway.samples.rising_times import RisingTimes
+from talaia.gateway.spool.segment import Record
+from talaia.wire.columns import MAX_SAMPLES, Columns, pack, part, renumbered
+from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+
+if TYPE_CHECKING:
+    import asyncio
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from talaia.wire.newest import NewestSamples
+
+__all__ = ["Batcher", "joined", "records_of"]
+
+MAX_WAITING = 1_000_000
+# Of the flush interval: a hand-over this early still makes the batch, one this late is not awaited.
+EARLY, LATE = 0.75, 1.25
+OVERRUN = "the gateway could not keep up"
+
+
+def joined(chunks: list[Columns]) -> Columns:
+    """Put columns one after another."""
+    if len(chunks) == 1:
+        return chunks[0]
+    texts: dict[int, str] = {}
+    at = 0
+    for chunk in chunks:
+        for position, text in chunk.texts.items():
+            texts[at + position] = text
+        at += len(chunk)
+    return Columns(
+        np.concatenate([chunk.channel for chunk in chunks]),
+        np.concatenate([chunk.time_us for chunk in chunks]),
+        np.concatenate([chunk.value for chunk in chunks]),
+        texts,
+    )
+
+
+def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[Record]:
+    """Encode columns as `Samples` frames; several if one cannot hold them.
+
+    A batch is halved until it fits: more samples than a batch may hold, or a wall clock that
+    jumped further than offsets can tell.
+    """
+    count = len(columns)
+    if count == 0:
+        return []
+    if count <= MAX_SAMPLES:
+        try:
+            base, channel, offset, value = pack(columns)
+        except ValueError:
+            if count == 1:
+                raise
+        else:
+            frame = Samples(
+                boot=boot,
+                first=first,
+                catalogue=catalogue,
+                base_us=base,
+                channel=channel,
+                offset=offset,
+                value=value,
+                texts=columns.texts,
+            )
+            low, high = int(columns.time_us.min()), int(columns.time_us.max())
+            return [Record(first, count, low, high, LINK_FROM_GATEWAY.encode(frame))]
+    middle = count // 2
+    return [
+        *records_of(part(columns, 0, middle), boot, catalogue, first),
+        *records_of(part(columns, middle, count), boot, catalogue, first + middle),
+    ]
+
+
+class Batcher:
+    """A `SampleSink`: numbers samples and gives each batch to the spool and to the link."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        boot: str,
+        catalogue: str,
+        flush: float,
+        keep: Callable[[Record], None],
+        lose: Callable[[Record, str], None],
+    ) -> None:
+        """Start at sequence 0.
+
+        Args:
+            loop: where batches are made.
+            boot: this run's name.
+            catalogue: the channel list's name.
+            flush: a batch is made about so often (s).
+            keep: takes each batch, in order.
+            lose: takes the range (a record without body) of samples that had to be dropped.
+
+        """
+        self._loop = loop
+        self._boot = boot
+        self._catalogue = catalogue
+        self._flush_s = flush
+        self._keep = keep
+        self._lose = lose
+        self._chunks: deque[Columns] = deque()
+        self._waiting = 0
+        self._armed = False
+        self._called = False
+        self._timer: asyncio.TimerHandle | None = None
+        self._ripe = 0.0
+        self._dropped = 0
+        self._dropped_us = (0, 0)
+        self._times = RisingTimes()
+        self._newest = RunNewest()
+        self.first_heard = FirstHeard(time.monotonic_ns())
+        self._order: NDArray[np.int64] | None = None
+        self.next = 0
+
+    def put(self, columns: Columns) -> None:
+        """Take samples; any thread."""
+        if self._waiting > MAX_WAITING:
+            from_us, to_us = int(columns.time_us.min()), int(columns.time_us.max())
+            if self._dropped:
+                from_us, to_us = (
+                    min(from_us, self._dropped_us[0]), max(to_us, self._dropped_us[1])
+                )  # fmt: skip
+            self._dropped_us = from_us, to_us
+            self._dropped += len(columns)
+            return
+        self._chunks.append(columns)
+        self._waiting += len(columns)
+        # Only the first hand-over of a batch wakes the loop, and the one that makes it ripe.
+        if not self._armed:
+            self._armed = True
+            self._loop.call_soon_threadsafe(self._arm)
+        elif not self._called and time.monotonic() >= self._ripe:
+            self._called = True
+            self._loop.call_soon_threadsafe(self.flush)
+
+    def redescribe(self, catalogue: str, order: NDArray[np.int64]) -> None:
+        """Number by another channel list from here on; event loop only.
+
+        What was put before goes out by the old one.
+
+        Args:
+            catalogue: the new list's name.
+            order: see `Roster.order`.
+
+        """
+        self.flush()
+        self._catalogue, self._order = catalogue, order
+
+    def _arm(self) -> None:
+        left = self._ripe - time.monotonic()
+        if left <= 0:
+            self.flush()
+        else:
+            self._timer = self._loop.call_later(left + (LATE - EARLY) * self._flush_s, self.flush)
+
+    def flush(self) -> None:
+        """Make batches of what waits; event loop only."""
+        # Before the chunks are taken: what is put from here on arms anew.
+        self._armed = self._called = False
+        self._ripe = time.monotonic() + EARLY * self._flush_s
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        chunks = []
+        while self._chunks:
+            chunks.append(self._chunks.popleft())
+        self._waiting = 0
+        if chunks:
+            columns = self._times.mend(joined(chunks))
+            numbers = columns.channel
+            if self._order is not None:
+                numbers = numbers[self._order[numbers] >= 0]
+                columns = renumbered(columns, self._order)
+            now_ns = time.monotonic_ns()
+            self._newest.update(numbers, columns, self.next, now_ns)
+            self.first_heard.take(numbers, now_ns)
+            made = records_of(columns, self._boot, self._catalogue, self.next)
+            self.next = made[-1].end if made else self.next
+            for record in made:
+                self._keep(record)
+        if self._dropped:
+            dropped, self._dropped = self._dropped, 0
+            self._lose(Record(self.next, dropped, *self._dropped_us, b""), OVERRUN)
+            self.next += dropped
+
+    def newest(self) -> NewestSamples:
+        """Give the newest sample of each channel of this run; event loop only.
+
+        What waits to be numbered is newer, and follows as live samples do.
+        """
+        return self._newest.known(self._order, time.monotonic_ns())
+
+    def missed(self, from_us: int, to_us: int, reason: str) -> None:
+        """Record that samples of this time may never have been heard; event loop only.
+
+        The gap has a number of its own, for nobody knows how many there were.
+        """
+        self._lose(Record(self.next, 1, from_us, to_us, b""), reason)
+        self.next += 1

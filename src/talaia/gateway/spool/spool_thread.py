@@ -1,0 +1,136 @@
+"""The spool on a thread of its own, so that a slow disk never holds up a driving frame."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+    from concurrent.futures import Future
+
+    from talaia.gateway.spool.former_runs import FormerNewest
+    from talaia.gateway.spool.journal import Head, Place, Spool, Stored
+    from talaia.gateway.spool.segment import Record
+    from talaia.wire.frames import Gap
+
+__all__ = ["Keeper"]
+
+log = logging.getLogger(__name__)
+T = TypeVar("T")
+MAX_WAITING = 32 * 1024 * 1024
+# What was heard longer ago than this has been given to the spool (µs).
+UNDER_WAY_US = 250_000
+
+
+class Keeper:
+    """Gives the spool's work to one thread, in order. Called from the event loop only.
+
+    What waits for the disk is bounded: beyond that a batch is not kept but recorded as lost,
+    since a disk that has stood still for that long would take the memory of the robot's own
+    programs next.
+    """
+
+    def __init__(self, spool: Spool) -> None:
+        """Take over ``spool``; nobody else may call it from now on."""
+        self._spool = spool
+        self._thread = ThreadPoolExecutor(1, "talaia-spool")
+        # How far the run before this one came, if there was one.
+        self.former = spool.former
+        # Two counters, each written by one thread only.
+        self._given = 0
+        self._taken = 0
+
+    def append(self, record: Record) -> None:
+        """Keep a record."""
+        size = len(record.body)
+        if self._given - self._taken + size > MAX_WAITING:
+            self._thread.submit(self._spool.lose, record, "the gateway's disk stood still")
+            return
+        self._given += size
+        self._thread.submit(self._append, record, size).add_done_callback(_log_failure)
+
+    def lose(self, record: Record, reason: str, boot: str = "") -> None:
+        """Record a loss that happened outside the spool; see `Spool.lose`."""
+        self._thread.submit(self._spool.lose, record, reason, boot).add_done_callback(_log_failure)
+
+    def all_heard(self) -> None:
+        """See `Spool.all_heard`."""
+        self._thread.submit(self._spool.all_heard).add_done_callback(_log_failure)
+
+    def _append(self, record: Record, size: int) -> None:
+        self._taken += size
+        self._spool.append(record)
+
+    def redescribe(self, head: Head) -> None:
+        """See `Spool.redescribe`; what was given before is kept by the old channel list."""
+        self._thread.submit(self._spool.redescribe, head).add_done_callback(_log_failure)
+
+    def ack(self, boot: str, below: int) -> None:
+        """Pass on an acknowledgement.
+
+        It is only a note in a dictionary, which the next append or sync acts on; so it costs no
+        change of thread.
+        """
+        self._spool.ack(boot, below)
+
+    def unlearn(self, below: int) -> None:
+        """See `Spool.unlearn`; done before whatever is asked for after it."""
+        self._thread.submit(self._spool.unlearn, below).add_done_callback(_log_failure)
+
+    async def sync(self, heard_us: int = 0) -> None:
+        """See `Spool.sync`."""
+        await self._do(lambda: self._spool.sync(heard_us))
+
+    async def keep_syncing(self, period_s: float, wall_us: Callable[[], int]) -> None:
+        """Force what was given to disk so often, until cancelled."""
+        while True:
+            await asyncio.sleep(period_s)
+            try:
+                await self.sync(wall_us() - UNDER_WAY_US)
+            except OSError as error:
+                # A disk that fails ends nothing: what guards the robot needs none.
+                log.debug("the spool cannot be forced to disk: %s", error)
+
+    async def gaps(self) -> list[Gap]:
+        """See `Spool.gaps`."""
+        return await self._do(self._spool.gaps)
+
+    async def seek(self, boot: str, first: int) -> Place:
+        """See `Spool.seek`."""
+        return await self._do(lambda: self._spool.seek(boot, first))
+
+    async def former_newest(self, known: set[str], now_us: int) -> AsyncIterator[FormerNewest]:
+        """Give what former runs heard last of channels that are not ``known``, newest run first.
+
+        One segment at a time, so that what is new is kept in between.
+        """
+        for number in await self._do(self._spool.former_segments):
+            read = partial(self._spool.newest_in, number, known, now_us)
+            found = await self._do(read)
+            if found is not None:
+                yield found
+
+    async def read(self, place: Place, most: int) -> tuple[list[Stored], Place]:
+        """See `Spool.read`."""
+        return await self._do(lambda: self._spool.read(place, most))
+
+    async def _do(self, work: Callable[[], T]) -> T:
+        return await asyncio.wrap_future(self._thread.submit(work))
+
+    async def close(self) -> None:
+        """Finish what waits, close the spool and end the thread."""
+        try:
+            await self._do(self._spool.close)
+        except OSError as error:
+            log.warning("the spool could not be closed well: %s", error)
+        self._thread.shutdown(wait=True)
+
+
+def _log_failure(future: Future[None]) -> None:
+    error = future.exception()
+    if error is not None:
+        log.error("the spool failed: %s", error, exc_info=error)

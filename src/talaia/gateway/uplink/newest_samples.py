@@ -1,0 +1,86 @@
+"""Telling the hub the newest sample of each channel, before anything old."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.wire.frames import LINK_FROM_GATEWAY
+from talaia.wire.newest import chosen_newest, newest_frame
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.clock import Clock
+    from talaia.gateway.spool.former_runs import FormerNewest
+    from talaia.gateway.spool.spool_thread import Keeper
+    from talaia.gateway.uplink.lanes import Lanes
+    from talaia.wire.newest import NewestSamples
+
+__all__ = ["NewestTeller"]
+
+
+class NewestTeller:
+    """Tells it when a link comes up, and again when live samples had to be dropped.
+
+    They go in the lane of live samples, so that what is heard later follows them.
+    """
+
+    def __init__(
+        self,
+        newest: Callable[[], NewestSamples],
+        keeper: Keeper,
+        lanes: Lanes,
+        clock: Clock,
+        boot: str,
+    ) -> None:
+        """Take who knows of this run (named ``boot``) and of former ones, and the way out."""
+        self._newest = newest
+        self._keeper = keeper
+        self._lanes = lanes
+        self._clock = clock
+        self._boot = boot
+        # Of former runs, once they have been read.
+        self._former: list[FormerNewest] | None = None
+
+    def tell_run(self, catalogue: str) -> None:
+        """Tell what this run heard last."""
+        known = self._newest()
+        self._send(known, self._boot, catalogue, None)
+
+    async def tell_former(self, addresses: Callable[[], list[str]]) -> None:
+        """Tell what former runs heard last, where this one has heard nothing yet."""
+        if self._former is None:
+            former: list[FormerNewest] = []
+            known = self._heard(addresses())
+            now_us = self._clock.wall_ns() // 1000
+            async for each in self._keeper.former_newest(known, now_us):
+                former.append(each)
+                self._tell_one(each, addresses())
+                if known.issuperset(addresses()):
+                    break
+            self._former = former
+            return
+        for each in self._former:
+            self._tell_one(each, addresses())
+
+    def _heard(self, addresses: list[str]) -> set[str]:
+        return {addresses[at] for at in self._newest().columns.channel.tolist()}
+
+    def _tell_one(self, former: FormerNewest, addresses: list[str]) -> None:
+        heard = self._heard(addresses)
+        columns = former.known.columns
+        unheard = [former.addresses[at] not in heard for at in columns.channel.tolist()]
+        keep = np.array(unheard, bool)
+        if keep.any():
+            known = chosen_newest(former.known, keep)
+            self._send(known, former.boot, former.catalogue, former.addresses)
+
+    def _send(
+        self, known: NewestSamples, boot: str, catalogue: str, addresses: list[str] | None
+    ) -> None:
+        if not len(known.columns):
+            return
+        data = LINK_FROM_GATEWAY.encode(newest_frame(known, boot, catalogue, addresses))
+        self._lanes.newest(data)

@@ -1,0 +1,361 @@
+"""One camera: what comes of it, in each form that somebody wants.
+
+Long, because a picture is followed here from its bytes to every form of it.
+
+A picture is read once and encoded once for each form, however many look at it, and not at all in
+a form that nobody wants.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
+
+from talaia.gateway.errors import FieldError
+from talaia.gateway.ports import Filming
+from talaia.gateway.video import jpeg
+from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of, thinned
+from talaia.wire.frames import Form, Picture
+
+try:
+    from talaia.gateway.video import h264
+    from talaia.gateway.video.camera_film import Reel
+
+    ABLE = h264.can_encode()
+except ImportError:
+    # PyAV is an extra, and without it all is JPEG.
+    ABLE = False
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from talaia.gateway.ports import PictureSink
+    from talaia.model.site import Stream
+
+__all__ = ["ABLE", "IMAGE", "PictureStream", "Stamp", "Taken"]
+
+IMAGE = "sensor_msgs/msg/Image"
+COMPRESSED = "sensor_msgs/msg/CompressedImage"
+# The small rung: no wider than this (px), at most so many a second, and its share of the bits.
+SMALL_PX, SMALL_HZ, SMALL_BITS, SMALL_QUALITY = 320, 15.0, 250_000, 50
+STILL_HZ = 1.0
+# By its large pictures a hub sees whether a connection on the small rung would carry more.
+KEY_EVERY_S = {Form.H264: 10.0, Form.H264_SMALL: 3.0}
+# A problem that lasts is told again so often, to those who have come meanwhile.
+_AGAIN_US = 2_000_000
+# One who asks for key pictures all the time makes them no dearer than this for the others.
+_KEY_EVERY_US = 300_000
+_LEAST_QUALITY = 20
+# An encoder goes on while its bits are within this factor of what the line bears.
+_NEAR = 0.6
+# What decoders of foreign bytes raise; a camera's nonsense must not end the thread of them all.
+_UNREADABLE = (
+    FieldError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, LookupError,
+    BufferError, MemoryError, struct.error,
+)  # fmt: skip
+_PNG = b"\x89PNG"
+
+
+class Stamp(NamedTuple):
+    """A picture's number and when it came: wall and monotonic clock (µs)."""
+
+    seq: int
+    time_us: int
+    mono_us: int
+
+
+class Taken:
+    """One picture as it came, read once and only when somebody wants it."""
+
+    def __init__(self, read: Callable[[], object], kind: str) -> None:
+        """Take what gives the message (or `Pixels`), and the message's type."""
+        self._read = read
+        self._kind = kind
+        self._jpeg: tuple[bytes, int, int] | None = None
+        self._pixels: Pixels | None = None
+        self._seen = False
+
+    def jpeg(self) -> tuple[bytes, int, int] | None:
+        """Give it as the camera's own JPEG with width and height, if that is what came."""
+        self._look()
+        return self._jpeg
+
+    def pixels(self) -> Pixels:
+        """Give its pixels.
+
+        Raises:
+            FieldError: it is not what it says, or not known.
+
+        """
+        self._look()
+        if self._pixels is None and self._jpeg is not None:
+            self._pixels = jpeg.pixels_in(self._jpeg[0])
+        assert self._pixels is not None  # noqa: S101 - told to mypy; `_look` raised
+        return self._pixels
+
+    def rgb(self) -> NDArray[np.uint8] | None:
+        """Give it as RGB, or none where it cannot be read."""
+        try:
+            return rgb_of(self.pixels())
+        except _UNREADABLE:
+            return None
+
+    def _look(self) -> None:
+        if self._seen:
+            return
+        message = self._read()
+        if isinstance(message, Pixels):
+            self._pixels = message
+        elif self._kind == COMPRESSED:
+            data = bytes(cast("jpeg.Compressed", message).data)
+            if data[:4] == _PNG:
+                if not ABLE:
+                    raise FieldError("format", "PNG needs PyAV: install talaia[camera]")
+                self._pixels = h264.png_pixels(data)
+            else:
+                self._jpeg = jpeg.jpeg_size(message)
+        else:
+            self._pixels = pixels_of(message)
+        self._seen = True
+
+
+class _Rung:
+    """One form of one camera: keeps its own pace, and its encoder where it has one."""
+
+    def __init__(self, rate: float) -> None:
+        self.period_us = round(1e6 / rate)
+        self._due_us = 0
+        self._key_us = -_KEY_EVERY_US
+        self._wants_key = True
+        self.encoder: h264.Encoder | None = None
+
+    def is_due(self, mono_us: int, slower: int) -> bool:
+        """Tell whether the pace allows a picture now; if so, count it as taken."""
+        period = self.period_us * slower
+        # A tenth early will do: pictures come with jitter.
+        if mono_us < self._due_us - period // 10:
+            return False
+        late = mono_us - self._due_us
+        self._due_us = (self._due_us if late < period else mono_us) + period
+        return True
+
+    def key_now(self, mono_us: int, *, asked: bool) -> bool:
+        """Tell whether this is to be a key picture."""
+        self._wants_key = self._wants_key or asked
+        if not self._wants_key or mono_us - self._key_us < _KEY_EVERY_US:
+            return False
+        self._wants_key, self._key_us = False, mono_us
+        return True
+
+
+class PictureStream:
+    """One camera: keeps its rate, numbers its pictures, and says what it cannot read."""
+
+    def __init__(
+        self,
+        address: str,
+        stream: Stream,
+        decode: Callable[[Any], object],
+        tell: Callable[[str, str], None],
+    ) -> None:
+        """Take how to decode what `PictureWorker.offer` is given, and who is told problems once."""
+        self.address = address
+        self._stream = stream
+        self._decode = decode
+        self._tell = tell
+        self._told = ""
+        self._told_us = 0
+        self._period_ns = round(1e9 / stream.max_rate)
+        self._due_ns = 0
+        self._seq = 0
+        self._rungs: dict[Form, _Rung] = {}
+        self._reel = Reel() if ABLE else None
+
+    def is_due(self, mono_ns: int) -> bool:
+        """Tell whether the rate allows a picture now; if so, count it as taken."""
+        if mono_ns < self._due_ns:
+            return False
+        # From the due time, not from now: a camera at just this rate keeps all its pictures.
+        late = mono_ns - self._due_ns
+        self._due_ns = (self._due_ns if late < self._period_ns else mono_ns) + self._period_ns
+        return True
+
+    def take(self, raw: object, time_us: int, mono_us: int, sink: PictureSink) -> None:
+        """Make of one raw picture what is wanted of it, and give that to ``sink``."""
+        self._seq += 1
+        stamp = Stamp(self._seq, time_us, mono_us)
+        taken = Taken(lambda: self._decode(raw), self._stream.source.type)
+        sink.look(self.address, stamp, taken.rgb)
+        forms = _served(sink.asked(self.address))
+        for form in self._rungs.keys() - forms.keys():
+            del self._rungs[form]
+        filming = Filming.NO if self._reel is None else sink.filming(self.address, time_us)
+        if not forms and filming is Filming.NO:
+            return
+        share = sink.room()
+        large: Picture | None = None
+        try:
+            for form, served in forms.items():
+                picture = self._made(taken, stamp, form, served, share, sink)
+                if picture is not None:
+                    self._told = ""
+                    sink.offer(picture)
+                    large = picture if form is Form.H264 else large
+            # Last: those who look on do not wait for it.
+            self._film(taken, stamp, large, filming, sink, whole=Form.H264 in forms and share >= 1)
+        except _UNREADABLE as error:
+            self._complain(str(error) or type(error).__name__, mono_us, sink)
+
+    def _film(
+        self,
+        taken: Taken,
+        stamp: Stamp,
+        large: Picture | None,
+        filming: Filming,
+        sink: PictureSink,
+        *,
+        whole: bool,
+    ) -> None:
+        """Give the film its next picture: what viewers get where they get all, else one for it."""
+        reel = self._reel
+        if reel is None:
+            return
+        if filming is Filming.NO:
+            reel.rest()
+            return
+        picture = large if whole else None
+        if not reel.shares(picture, whole=whole, anew=filming is Filming.ANEW):
+            pixels = taken.pixels()
+            width, height, bits = self._film_size(pixels, Form.H264, self._stream.max_rate)
+            picture = reel.own(
+                self.address, stamp, pixels, (width, height, bits, self._stream.max_rate)
+            )
+        if picture is not None:
+            self._told = ""
+            sink.film(picture)
+
+    def _complain(self, why: str, mono_us: int, sink: PictureSink) -> None:
+        where = self._stream.source.topic or self._stream.source.url or self._stream.source.file
+        if why != self._told:
+            self._tell(self.address, f"{where}: {why}")
+        elif mono_us - self._told_us < _AGAIN_US:
+            return
+        self._told, self._told_us = why, mono_us
+        sink.trouble(self.address, f"{where}: {why}")
+
+    def _made(
+        self,
+        taken: Taken,
+        stamp: Stamp,
+        form: Form,
+        served: list[str],
+        share: float,
+        sink: PictureSink,
+    ) -> Picture | None:
+        """Give a picture in one form, or none now."""
+        rung = self._rungs.get(form)
+        if rung is None:
+            rung = self._rungs[form] = _Rung(_rate(form, self._stream.max_rate))
+        asked = any([sink.key_due(self.address, each) for each in served])  # noqa: C419 - each is asked
+        if share <= 0 or not rung.is_due(stamp.mono_us, _slower(share)):
+            # One who has just come waits no longer than need be.
+            if asked:
+                rung.key_now(-_KEY_EVERY_US, asked=True)
+            return None
+        if form in (Form.H264, Form.H264_SMALL):
+            return self._h264(taken, stamp, form, served, share, rung, asked=asked)
+        data, width, height = self._jpeg(taken, form, share)
+        return Picture(
+            stream=self.address, **stamp._asdict(), width=width, height=height, forms=served,
+            data=data,
+        )  # fmt: skip
+
+    def _jpeg(self, taken: Taken, form: Form, share: float) -> tuple[bytes, int, int]:
+        stream = self._stream
+        small = form is Form.JPEG_SMALL
+        own = taken.jpeg()
+        wide = stream.width and own is not None and own[1] > stream.width
+        if own is not None and not small and not wide and share >= 1:
+            return own
+        pixels = thinned(
+            taken.pixels(), min(stream.width or SMALL_PX, SMALL_PX) if small else stream.width
+        )
+        quality = SMALL_QUALITY if small else stream.quality
+        quality = max(_LEAST_QUALITY, round(quality * share**0.5))
+        return jpeg.encoded(pixels, quality), pixels.width, pixels.height
+
+    def _h264(
+        self,
+        taken: Taken,
+        stamp: Stamp,
+        form: Form,
+        served: list[str],
+        share: float,
+        rung: _Rung,
+        *,
+        asked: bool,
+    ) -> Picture | None:
+        pixels = taken.pixels()
+        rate = 1e6 / rung.period_us
+        width, height, bits = self._film_size(pixels, form, rate)
+        encoder = rung.encoder
+        if encoder is None or not _serves(encoder, width, height, bits, share):
+            encoder = rung.encoder = h264.Encoder(
+                width, height, rate, round(bits * share), KEY_EVERY_S[form]
+            )
+        made = encoder.encode(pixels, stamp.mono_us, key=rung.key_now(stamp.mono_us, asked=asked))
+        if made is None:
+            return None
+        return Picture(
+            stream=self.address, **stamp._asdict(), width=encoder.width, height=encoder.height,
+            format="h264", forms=served, key=made.key, codec=encoder.codec if made.key else "",
+            data=made.data,
+        )  # fmt: skip
+
+    def _film_size(self, pixels: Pixels, form: Form, rate: float) -> tuple[int, int, int]:
+        """Give width and height (px) and bit rate (bit/s) of a film of these pictures."""
+        most = self._stream.width or pixels.width
+        if form is Form.H264_SMALL:
+            most = min(most, SMALL_PX)
+        by = max(1, -(-pixels.width // most))
+        width, height = max(16, pixels.width // by & ~1), max(16, pixels.height // by & ~1)
+        bits = self._stream.kbits * 1000 or h264.bits_for(width, height, rate)
+        return width, height, min(bits, SMALL_BITS) if form is Form.H264_SMALL else bits
+
+
+def _serves(encoder: h264.Encoder, width: int, height: int, bits: int, share: float) -> bool:
+    """Tell whether an encoder goes on: a new one begins with a key picture, which is the dearest.
+
+    ``bits`` a second are the line's whole; while the share of it wavers, an encoder that is near
+    enough stays.
+    """
+    if (encoder.width, encoder.height) != (width, height):
+        return False
+    if share >= 1:
+        return encoder.bits == bits
+    return _NEAR <= encoder.bits / (bits * share) <= 1 / _NEAR
+
+
+def _served(asked: Collection[str]) -> dict[Form, list[str]]:
+    """Pair what is made with what it is made for; without an encoder all is JPEG."""
+    made: dict[Form, list[str]] = {}
+    for form in sorted(set(asked) & set(Form)):
+        as_form = Form(form)
+        if not ABLE:
+            as_form = {Form.H264: Form.JPEG, Form.H264_SMALL: Form.JPEG_SMALL}.get(as_form, as_form)
+        made.setdefault(as_form, []).append(form)
+    return made
+
+
+def _rate(form: Form, most: float) -> float:
+    if form is Form.STILL:
+        return min(most, STILL_HZ)
+    return min(most, SMALL_HZ) if form in (Form.H264_SMALL, Form.JPEG_SMALL) else most
+
+
+def _slower(share: float) -> int:
+    """Give how many times slower pictures come on a link with this share of room."""
+    return 1 if share >= 0.5 else 2 if share >= 0.25 else 3 if share >= 0.15 else 5

@@ -1,0 +1,64 @@
+"""The thread that encodes pictures; of those that wait, the newest of each camera wins."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from talaia.clock import Clock
+    from talaia.gateway.ports import PictureSink
+    from talaia.gateway.video.camera import PictureStream
+
+__all__ = ["PictureWorker"]
+
+
+class PictureWorker:
+    """The encoding thread. At most one raw picture of each stream waits.
+
+    It has no lower priority than the thread that drives: a thread that is put back while it holds
+    the interpreter's lock would hold driving back with it. What takes long in it (the codecs, the
+    copies) is done without that lock.
+    """
+
+    def __init__(self, sink: PictureSink, clock: Clock) -> None:
+        """Take where pictures go; `start` begins."""
+        self._sink = sink
+        self._clock = clock
+        self._waiting: dict[str, tuple[PictureStream, object, int, int]] = {}
+        self._turn = threading.Condition()
+        self._ended = False
+        self._thread = threading.Thread(target=self._run, name="talaia-pictures", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def offer(self, stream: PictureStream, raw: object) -> None:
+        """Take the newest raw picture of a stream; stamped now."""
+        mono_ns = self._clock.monotonic_ns()
+        if not stream.is_due(mono_ns):
+            return
+        with self._turn:
+            self._waiting.pop(stream.address, None)
+            stamp = (self._clock.wall_ns() // 1000, mono_ns // 1000)
+            self._waiting[stream.address] = (stream, raw, *stamp)
+            self._turn.notify()
+
+    def _run(self) -> None:
+        while True:
+            with self._turn:
+                while not self._waiting and not self._ended:
+                    self._turn.wait()
+                if self._ended:
+                    return
+                stream, raw, time_us, mono_us = self._waiting.pop(next(iter(self._waiting)))
+            stream.take(raw, time_us, mono_us, self._sink)
+
+    def close(self) -> None:
+        """End the thread."""
+        with self._turn:
+            self._ended = True
+            self._turn.notify()
+        if self._thread.is_alive():
+            self._thread.join()
