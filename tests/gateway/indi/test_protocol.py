@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.gateway.adapters.indi.adapter import numbers
+from talaia.gateway.adapters.indi import numbers
 from talaia.gateway.adapters.indi.errors import IndiError
 from talaia.gateway.adapters.indi.protocol import (
     MAX_PENDING,
