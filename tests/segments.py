@@ -1,10 +1,15 @@
-"""Which shared memory a ROS 2 process owns."""
+"""Which shared memory a ROS 2 process owns, and the table of a crash loop."""
 
+import os
 from pathlib import Path
 
-__all__ = ["segments_of"]
+__all__ = ["segments_of", "write_crash_row"]
 
 SHARED = Path("/dev/shm")  # noqa: S108
+HEAD = """\
+| killed (`kill -9`) | times | segments they left | room they took, MB | left at the end |
+| --- | --: | --: | --: | --: |
+"""
 
 
 def segments_of(pid: int) -> set[Path]:
@@ -27,3 +32,22 @@ def segments_of(pid: int) -> set[Path]:
         and each.exists()
         and each.stat().st_ino in owned
     }
+
+
+def write_crash_row(killed: str, times: int, room: dict[Path, int]) -> None:
+    """Put a row into the proof's table, if there is one, in place of a former one.
+
+    Args:
+        killed: what was killed.
+        times: how often.
+        room: the segments that the dead owned, and what each took (bytes).
+
+    """
+    if not (target := os.environ.get("TALAIA_PROOF_TABLE")):
+        return
+    table, begin = Path(target), f"| {killed} | "
+    rows = table.read_text().splitlines()[2:] if table.exists() else []
+    left = sum(each.exists() for each in room)
+    mine = f"{begin}{times} | {len(room)} | {sum(room.values()) / 1e6:,.0f} | {left} |"
+    kept = [each for each in rows if not each.startswith(begin)]
+    table.write_text(HEAD + "\n".join([*kept, mine]) + "\n")

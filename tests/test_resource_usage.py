@@ -29,7 +29,7 @@ async def test_the_signal_writes_it_to_the_log_and_ends_nothing(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     loop = asyncio.get_running_loop()
-    report_usage_on_signal(loop)
+    report_usage_on_signal(loop, lambda: 3 * 2**19)
     try:
         with caplog.at_level(logging.INFO):
             os.kill(os.getpid(), signal.SIGUSR1)
@@ -38,3 +38,4 @@ async def test_the_signal_writes_it_to_the_log_and_ends_nothing(
     finally:
         loop.remove_signal_handler(signal.SIGUSR1)
     assert caplog.messages[0].startswith("usage: tasks ")
+    assert ", cached 1.50 MiB;" in caplog.messages[0]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from patience import PATIENCE_S
-from segments import segments_of
+from segments import segments_of, write_crash_row
 
 from talaia.shared_memory import Removed, remove_dead_segments
 from talaia.sim import domain
@@ -131,13 +131,13 @@ def test_a_crash_loop_of_ros_nodes_leaves_nothing_and_a_living_one_is_spared() -
         environment = domain.environment(reserved.domain)
         living = start_node(environment)
         try:
-            spared, dead = segments_of(living.pid), set[Path]()
+            spared, dead = segments_of(living.pid), dict[Path, int]()
             assert spared
             # A frozen owner is no dead one.
             living.send_signal(signal.SIGSTOP)
             for _ in range(KILLS):
                 node = start_node(environment)
-                dead |= segments_of(node.pid)
+                dead |= {e: e.stat().st_blocks * 512 for e in segments_of(node.pid)}
                 end(node, signal.SIGKILL)
                 remove_dead_segments()
             assert len(dead) >= KILLS
@@ -146,6 +146,7 @@ def test_a_crash_loop_of_ros_nodes_leaves_nothing_and_a_living_one_is_spared() -
                 remove_dead_segments()
                 assert time.monotonic() < deadline
             assert all(each.exists() and lock_of(each).exists() for each in spared)
+            write_crash_row("ROS 2 node", KILLS, dead)
         finally:
             living.send_signal(signal.SIGCONT)
             end(living, signal.SIGTERM)

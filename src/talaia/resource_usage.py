@@ -13,6 +13,11 @@ import os
 import signal
 import threading
 from collections import Counter
+from functools import partial
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["report_usage_on_signal", "usage"]
 
@@ -20,19 +25,27 @@ _LOG = logging.getLogger(__name__)
 _MOST_NAMED = 15
 
 
-def report_usage_on_signal(loop: asyncio.AbstractEventLoop) -> None:
+def report_usage_on_signal(
+    loop: asyncio.AbstractEventLoop, cached_bytes: Callable[[], int] | None = None
+) -> None:
     """From now on write `usage` to the log at each SIGUSR1, where the system has that signal."""
     if hasattr(signal, "SIGUSR1"):
-        loop.add_signal_handler(signal.SIGUSR1, lambda: _LOG.info("%s", usage(loop)))
+        report = partial(usage, loop, cached_bytes)
+        loop.add_signal_handler(signal.SIGUSR1, lambda: _LOG.info("%s", report()))
 
 
-def usage(loop: asyncio.AbstractEventLoop) -> str:
-    """Say how many tasks, threads and open descriptors there are, and which tasks the most."""
+def usage(loop: asyncio.AbstractEventLoop, cached_bytes: Callable[[], int] | None = None) -> str:
+    """Say how many tasks, threads and open descriptors there are, and which tasks the most.
+
+    ``cached_bytes``: gives the memory of what is kept only because it may be asked for again.
+    """
     tasks = Counter(_what_runs(each) for each in asyncio.all_tasks(loop))
     named = ", ".join(f"{count} {name}" for name, count in tasks.most_common(_MOST_NAMED))
     figures = [f"tasks {tasks.total()}", f"threads {threading.active_count()}"]
     with contextlib.suppress(OSError):
         figures.append(f"descriptors {len(os.listdir('/proc/self/fd'))}")
+    if cached_bytes is not None:
+        figures.append(f"cached {cached_bytes() / 2**20:.2f} MiB")
     return f"usage: {', '.join(figures)}; tasks by what they run: {named}"
 
 

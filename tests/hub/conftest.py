@@ -62,6 +62,8 @@ _TLS = ssl.create_default_context()
 class MemoryHistory:
     """The promise of `talaia.hub.ports.History`, kept in memory."""
 
+    cached_bytes = 0
+
     def __init__(self) -> None:
         self.samples = {}
         self.appended = asyncio.Event()

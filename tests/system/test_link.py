@@ -16,7 +16,7 @@ from typing import NamedTuple
 import httpx
 import pytest
 from patience import PATIENCE_S
-from segments import segments_of
+from segments import segments_of, write_crash_row
 
 from talaia.clock import SystemClock
 from talaia.hub.history.series import Series
@@ -143,16 +143,7 @@ async def test_a_crash_loop_of_the_gateway_leaves_no_shared_memory(stack: Stack)
         await stack.gateway.says("linked to")
     await until(lambda: not any(each.exists() for each in left), PATIENCE_S, f"gone: {[*left]}")
     assert all(each.exists() for each in robots | segments_of(stack.gateway.popen.pid))
-    write_crash_table(left)
-
-
-def write_crash_table(left: dict[Path, int]) -> None:
-    if table := os.environ.get("TALAIA_PROOF_TABLE"):
-        Path(table).write_text(
-            "| kills of the gateway | segments left by them | room, MB | left at the end |\n"
-            "| --: | --: | --: | --: |\n"
-            f"| {CRASHES} | {len(left)} | {sum(left.values()) / 1e6:,.0f} | 0 |\n"
-        )
+    write_crash_row("gateway", CRASHES, left)
 
 
 @pytest.mark.parametrize("seed", range(TRIES))

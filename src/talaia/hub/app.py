@@ -230,6 +230,10 @@ class Hub:
         await self._history.close()
         await self._database.close()
 
+    def cached_bytes(self) -> int:
+        """Give the memory of what was read of the history and may be asked for again (bytes)."""
+        return self._history.cached_bytes
+
     def driven(self) -> bool:
         """Tell whether somebody has control of a device anywhere."""
         return any(state.session for live in self._sites for state, _ in live.leases.values())

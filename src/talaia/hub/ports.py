@@ -117,6 +117,11 @@ class History(Protocol):
         ...
 
     @property
+    def cached_bytes(self) -> int:
+        """Memory of what is kept only because it may be asked for again."""
+        ...
+
+    @property
     def trouble(self) -> str:
         """Why nothing can be stored at present; empty while all is well."""
         ...

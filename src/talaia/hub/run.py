@@ -260,7 +260,7 @@ async def _serve_alone(settings: Settings) -> None:
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
             loop.add_signal_handler(number, _stop, server)
-        report_usage_on_signal(loop)
+        report_usage_on_signal(loop, hub.cached_bytes)
         beside = [
             asyncio.create_task(keep_certificate(server, settings)),
             asyncio.create_task(collect_at_rest(hub.driven)),

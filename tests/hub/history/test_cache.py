@@ -19,6 +19,7 @@ def test_what_was_asked_for_longest_ago_goes_first() -> None:
     assert set(cache.found(0, [1])) == {1}
     cache.keep(0, {3: block(40)})
     assert set(cache.found(0, [1, 2, 3])) == {1, 3}
+    assert cache.bytes == 80 * 16
 
 
 def test_a_block_larger_than_all_room_is_not_kept() -> None:

@@ -20,6 +20,7 @@ __all__ = ["Measure"]
 
 MIB = 2**20
 TASKS = re.compile(r"usage: tasks (\d+)")
+CACHED = re.compile(r"usage: .*, cached (\d+\.\d+) MiB")
 SHARED = Path("/dev/shm")
 # How much of a log's end is searched for the last answer.
 TAIL = 65_536
@@ -129,9 +130,11 @@ def _process(part: Process) -> dict[str, float]:
         "descriptors": sum(len(os.listdir(f"/proc/{each}/fd")) for each in family),
         "threads": sum(len(os.listdir(f"/proc/{each}/task")) for each in family),
     }
-    said = TASKS.findall(_end_of(part))
-    if said:
+    log = _end_of(part)
+    if said := TASKS.findall(log):
         found["tasks"] = float(said[-1])
+    if said := CACHED.findall(log):
+        found["cache of what was read, MiB"] = float(said[-1])
     return found
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from .report import FIGURES, Sample, passed, table
+from .report import CACHE, FIGURES, Sample, passed, table
 from .slopes import Point, Verdict, by_minute, judge, slope_of
 
 HOURS = np.arange(120) / 60
@@ -126,3 +126,19 @@ def test_a_journal_that_goes_up_and_down_by_hours_is_judged_by_its_most() -> Non
     assert passed(samples)
     samples[-1]["rows"] = {"history_hot": 120_001}
     assert not passed(samples)
+
+
+def test_a_cache_that_fills_is_no_leak_until_it_is_over_its_bound() -> None:
+    samples = run_of(2.0, 0.0)
+    for each in samples:
+        each["figures"][CACHE] = each["s"] / 600
+        each["figures"]["hub: memory (RSS), MiB"] += each["s"] / 600
+    assert passed(samples)
+    assert f"| {CACHE} | 3.0 | 12.0 | 12.0 |" in table(samples)
+    # What grows beside it is seen all the same.
+    for each in samples:
+        each["figures"]["hub: memory (RSS), MiB"] += each["s"] / 600
+    assert not passed(samples)
+    full = run_of(2.0, 0.0)
+    full[-1]["figures"][CACHE] = 17.0
+    assert not passed(full)

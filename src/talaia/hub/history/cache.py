@@ -33,6 +33,11 @@ class BlockCache:
         self._samples = 0
         self._run = 0
 
+    @property
+    def bytes(self) -> int:
+        """Memory that the samples take: a time and a value each."""
+        return 16 * self._samples
+
     def found(self, run: int, ids: Iterable[int]) -> dict[int, Samples]:
         """Give those of the blocks that are here; ``run`` counts the ledger's loads."""
         with self._lock:

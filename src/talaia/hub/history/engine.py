@@ -29,6 +29,10 @@ __all__ = ["READERS", "Checkpoints", "address_of", "open_engine"]
 READERS = 4
 # SQLite's journal is copied into the database after so many bytes of bodies.
 _CHECKPOINT_BYTES = 4 * 1024 * 1024
+# Of pages, each of SQLite's connections holds so many (KiB). More is of no use: each commit makes
+# the readers forget theirs, the journal is only ever added to, and what is read again comes from
+# the system's cache.
+_CACHE_KIB = 2048
 
 
 def open_engine(url: str, *, writes: bool) -> Engine:
@@ -58,7 +62,7 @@ def open_engine(url: str, *, writes: bool) -> Engine:
     elif engine.dialect.name == "mysql":
         event.listen(engine, "connect", _gather_long)
     elif engine.dialect.name == "sqlite":
-        opened = open_sqlite("wal_autocheckpoint=0", "cache_size=-16384")
+        opened = open_sqlite("wal_autocheckpoint=0", f"cache_size=-{_CACHE_KIB}")
         event.listen(engine, "connect", opened)
         event.listen(engine, "begin", _begin_writing if writes else _begin_reading)
     return engine

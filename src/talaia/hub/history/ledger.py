@@ -13,7 +13,6 @@ commit and its reading back after a crash must agree on every column: they are r
 from __future__ import annotations
 
 import logging
-from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -23,6 +22,7 @@ from talaia.hub.history.block import concatenate, decode
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Rename, Show, checked
 from talaia.hub.history.journal import part_of, read_row, write_row
+from talaia.hub.history.journal_rows import JournalRows
 from talaia.hub.history.names import Names
 from talaia.hub.history.ranges import Ranges
 from talaia.hub.history.recent import Recent
@@ -106,8 +106,7 @@ class Ledger:
         self._changed: set[int] = set()
         self._next_row = 1
         self._next_block = 1
-        self._journal: deque[tuple[int, int]] = deque()
-        self._in_journal = 0
+        self._journal = JournalRows()
         self._plan: _Plan | None = None
         self._samples = 0
         self.written = 0
@@ -117,7 +116,7 @@ class Ledger:
         names = Names()
         self._newest, self._written_ranges = {}, {}
         self._stored, self._settled, self._changed = {}, {}, set()
-        self._journal, self._in_journal = deque(), 0
+        self._journal = JournalRows()
         self._plan = None
         with self._engine.begin() as connection:
             names.load(connection)
@@ -175,7 +174,7 @@ class Ledger:
         due = [(size, channel) for size, channel in sizes if size >= enough]
         chosen = [channel for _, channel in sorted(due, reverse=True)[:budget]]
         saved: list[int] = []
-        full = self._in_journal > self._limits.journal + 2 * enough * len(tails.items())
+        full = self._journal.samples > self._limits.journal + 2 * enough * len(tails.items())
         if full and len(chosen) < budget:
             waiting = [
                 (tail.oldest_row, channel)
@@ -223,7 +222,7 @@ class Ledger:
             tails.add([_only(chunk, np.flatnonzero(saved[ids] < row.id))])
             if tails.is_due():
                 tails.deal()
-            self._note(row.id, row.samples)
+            self._journal.append(row.id, row.samples)
             self._next_row = max(self._next_row, row.id + 1)
         tails.deal()
 
@@ -358,13 +357,9 @@ class Ledger:
     def _delete_done(self, connection: Connection, draft: _Draft) -> int:
         """Delete journal rows that nobody needs; a range of numbers stands for them then."""
         most = self._limits.delete + 4 * len(draft.rows)
-        needed = self.tails.needed_row()
-        last = 0
-        for row, _ in self._journal:
-            if row >= needed or most == 0:
-                break
-            last, most = row, most - 1
-        if last and (most == 0 or self._in_journal > self._limits.journal // 8):
+        count = min(most, self._journal.below(self.tails.needed_row()))
+        if count and (count == most or self._journal.samples > self._limits.journal // 8):
+            last = self._journal.oldest(count)
             self._write_ranges(connection, draft)
             connection.execute(delete(tables.hot).where(tables.hot.c.id <= last))
             return last
@@ -400,15 +395,10 @@ class Ledger:
             tail.saved, tail.oldest_row = True, None
         if last_gone:
             self._changed.clear()
-            while self._journal and self._journal[0][0] <= last_gone:
-                self._in_journal -= self._journal.popleft()[1]
+            self._journal.forget(last_gone)
         self.tails.add(draft.chunks)
         for row in draft.rows:
-            self._note(row["id"], row["samples"])
-
-    def _note(self, row: int, samples: int) -> None:
-        self._journal.append((row, samples))
-        self._in_journal += samples
+            self._journal.append(row["id"], row["samples"])
 
 
 def _only(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:

@@ -56,6 +56,11 @@ class Reader:
         self._limits = limits
         self._cache = BlockCache(limits.cached)
 
+    @property
+    def cached_bytes(self) -> int:
+        """Memory that blocks which were read lately take."""
+        return self._cache.bytes
+
     def read(
         self,
         site: str,

@@ -288,6 +288,11 @@ class HistoryStore:
         return await self._in_thread(read_storage, self._reading, self._clock.wall_ns() // 1000)
 
     @property
+    def cached_bytes(self) -> int:
+        """Memory that blocks which were read lately take."""
+        return self._reader.cached_bytes
+
+    @property
     def trouble(self) -> str:
         """Why nothing can be stored at present; empty while all is well."""
         return self._writer.trouble

@@ -1,0 +1,48 @@
+"""The list of the journal's rows is what a plain list would be, and small."""
+
+import tracemalloc
+
+from hypothesis import given, settings, strategies as st
+
+from talaia.hub.history.journal_rows import JournalRows
+
+MANY = 100_000
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.tuples(st.integers(1, 3), st.integers(1, 9), st.integers(0, 12)), max_size=60))
+def test_it_counts_as_a_list_of_pairs_does(steps: list[tuple[int, int, int]]) -> None:
+    # Each step adds a row some numbers further on, and forgets those so far behind it.
+    rows, plain, last = JournalRows(), list[tuple[int, int]](), 0
+    for further, samples, behind in steps:
+        last += further
+        rows.append(last, samples)
+        plain.append((last, samples))
+        rows.forget(last - behind)
+        plain = [each for each in plain if each[0] > last - behind]
+        assert len(rows) == len(plain)
+        assert rows.samples == sum(size for _, size in plain)
+        assert rows.below(last) == sum(row < last for row, _ in plain)
+        for count in range(1, len(plain) + 1):
+            assert rows.oldest(count) == plain[count - 1][0]
+
+
+def test_a_hundred_thousand_rows_take_less_than_two_megabytes() -> None:
+    tracemalloc.start()
+    rows = JournalRows()
+    for row in range(MANY):
+        rows.append(10**9 + row, 300 + row % 7)
+    held, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    # As pairs they took 12 MB.
+    assert held < 2e6
+
+
+def test_rows_that_come_and_go_for_good_take_no_more_than_those_that_are_there() -> None:
+    rows = JournalRows()
+    for row in range(1, MANY):
+        rows.append(row, 6)
+        rows.forget(row - 3_000)
+    assert len(rows) == 3_000
+    assert rows.samples == 18_000
+    assert rows.bytes <= 2 * 12 * 3_001
