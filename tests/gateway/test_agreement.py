@@ -95,6 +95,8 @@ class Roof:
         assert load_site(dump_site(self.site)) == self.site
         self.now = 0
         self.sensors = dict(CLOSED)
+        # By sensor: when it spoke last, where that is not just now.
+        self.said: dict[str, int] = {}
         self.rain = 0.0
         self.asked: list[str] = []
         self.notes: list[tuple[str, str]] = []
@@ -104,7 +106,7 @@ class Roof:
     def latest(self, address: str) -> Reading | None:
         device, _, signal = address.partition("/")
         value = self.rain if device == "weather" else self.sensors.get(signal)
-        return None if value is None else Reading(value, self.now)
+        return None if value is None else Reading(value, self.said.get(signal, self.now))
 
     def send(self, message: object) -> None:
         if isinstance(message, EnclosureState):
@@ -162,6 +164,98 @@ def test_sensors_that_disagree_are_an_event_once_and_its_end_once() -> None:
     assert roof.kinds("enclosure_agrees") == []
     roof.lasts(30, **CLOSED)
     assert [kind for kind, _ in roof.notes] == ["enclosure_disagrees", "enclosure_agrees"]
+
+
+def closing_roof() -> Roof:
+    """It rains, the roof was asked to close twice, and would be again in a tenth of a second."""
+    roof = Roof()
+    roof.rain = 1.0
+    roof.lasts(5.9, **OPEN)
+    roof.asked.clear()
+    roof.notes.clear()
+    return roof
+
+
+def test_a_position_said_before_the_end_switch_turned_is_no_witness_against_it() -> None:
+    roof = closing_roof()
+    # The switch tells of the end at once; the position was said just before, and comes again.
+    roof.said["position"] = roof.now
+    for _ in range(5):
+        roof.lasts(0.1, closed=1.0, position=4.0)
+        # A dome that wants a heartbeat gets it: its sensors are read.
+        assert roof.interlocks.blind("dome", roof.now) == ""
+    assert roof.notes == []
+    del roof.said["position"]
+    roof.lasts(5, position=0.0)
+    assert roof.kinds("enclosure_closed", "enclosure_retry") == ["enclosure_closed"]
+    assert roof.asked == []
+
+
+def test_a_position_said_after_the_end_switch_turned_is_a_witness_at_once() -> None:
+    roof = closing_roof()
+    roof.lasts(0.2, closed=1.0, position=4.0)
+    assert roof.interlocks.enclosure_seen("dome", roof.now).disagree
+    assert roof.asked == ["dome/close"]
+
+
+def test_a_position_that_does_not_come_again_is_a_witness_after_two_seconds() -> None:
+    roof = closing_roof()
+    roof.said["position"] = roof.now
+    roof.lasts(1.9, closed=1.0, position=4.0)
+    assert roof.asked == []
+    roof.lasts(0.5)
+    assert roof.asked == ["dome/close"]
+    assert roof.interlocks.enclosure_seen("dome", roof.now).disagree
+
+
+def test_no_closing_waits_for_a_sensor_to_speak_again() -> None:
+    roof = Roof()
+    roof.lasts(30, **OPEN)
+    # A switch turns in the moment in which rain begins.
+    roof.said["position"] = roof.now
+    roof.rain = 1.0
+    roof.lasts(0.1, closed=1.0)
+    assert roof.asked == ["dome/close"]
+
+
+def test_a_closed_roof_whose_switch_says_open_is_asked_to_close_at_once() -> None:
+    roof = Roof()
+    roof.rain = 1.0
+    roof.lasts(30)
+    assert roof.asked == []
+    roof.said["position"] = roof.now
+    roof.lasts(0.1, closed=0.0)
+    assert roof.kinds("enclosure_reopened") == ["enclosure_reopened"]
+    assert roof.asked == ["dome/close"]
+
+
+def test_the_shells_of_a_clamshell_settle_one_after_another() -> None:
+    roof = Roof(CLAMSHELL)
+    roof.rain = 1.0
+    roof.lasts(5.9, **OPEN)
+    roof.asked.clear()
+    roof.said |= dict.fromkeys(("position", "west", "east"), roof.now)
+    roof.lasts(0.3, closed=1.0)
+    for name in ("west", "position", "east"):
+        del roof.said[name]
+        roof.lasts(0.1, **{name: 0.0})
+        assert roof.interlocks.blind("dome", roof.now) == ""
+    assert roof.asked == []
+    assert roof.kinds("enclosure_closed", "enclosure_retry")[-1] == "enclosure_closed"
+
+
+def test_an_alarm_about_sensors_does_not_end_while_they_settle() -> None:
+    roof = Roof()
+    roof.lasts(20, closed=1.0, position=100.0)
+    assert roof.kinds("enclosure_disagrees") == ["enclosure_disagrees"]
+    # The switch is silent, and speaks again before the position does.
+    roof.said["position"] = roof.now
+    roof.lasts(0.5, closed=None)
+    roof.lasts(0.5, closed=1.0)
+    assert roof.interlocks.enclosure_seen("dome", roof.now).disagree == ""
+    del roof.said["position"]
+    roof.lasts(20)
+    assert roof.kinds("enclosure_disagrees", "enclosure_agrees") == ["enclosure_disagrees"]
 
 
 @pytest.mark.parametrize("still_open", ["west", "east"])
@@ -230,7 +324,7 @@ def test_a_roof_is_closed_exactly_when_every_sensor_of_it_says_so(
         *whole,
         *(one for part in (segments, others) for some in part.values() for one in some),
     ]
-    seen = closed_by(whole, segments, others)
+    seen = closed_by(whole, segments, others, now_ns=0)
     assert (seen.closed is True) == all(one.closed is True for one in every)
     if seen.disagree:
         assert seen.closed is None

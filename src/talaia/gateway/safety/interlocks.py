@@ -33,7 +33,7 @@ from talaia.gateway.safety.interlock_state import Change, Latch, Verdict
 from talaia.gateway.safety.link_losses import LinkLosses
 from talaia.gateway.safety.outlet_guard import refuse_power_cut
 from talaia.gateway.safety.pointing_limits import misdirected
-from talaia.gateway.safety.sensor_agreement import Agreement, Closed, Sensor, closed_by
+from talaia.gateway.safety.sensor_agreement import Agreement, Closed, Sensor, SensorTurns, closed_by
 from talaia.gateway.safety.value_validity import Validity, within_sighting, word_of
 from talaia.model.interlock import Condition
 from talaia.model.opening import opening_of
@@ -166,6 +166,7 @@ class Interlocks:
             name: EnclosureGuard(name, rule) for name, rule in site.enclosures.items()
         }
         self._agreements = {name: Agreement(rule) for name, rule in site.enclosures.items()}
+        self._turns = SensorTurns()
         # What was last told of each enclosure, see `EnclosureState`.
         self._told_problems: dict[str, str] = {}
         self._followers = {
@@ -391,7 +392,8 @@ class Interlocks:
             disagree=closed.disagree,
             open_parts=closed.open_parts,
             opening=opening,
-            moving=any(self._sighted(each, now_ns) for each in rule.moving),
+            # Not every sensor has spoken since the end of the motion: none is asked to begin anew.
+            moving=closed.settling or any(self._sighted(each, now_ns) for each in rule.moving),
             parked=rule.parked is not None and self._sighted(rule.parked, now_ns) is True,
         )
 
@@ -527,14 +529,17 @@ class Interlocks:
 
         segments = {name: sensors(each.closed) for name, each in rule.segments.items()}
         flap = {} if rule.flap is None else {"flap": sensors(rule.flap.closed)}
-        return closed_by(sensors(rule.closed), segments, flap)
+        return closed_by(sensors(rule.closed), segments, flap, now_ns=now_ns)
 
     def _sensor(self, sighting: Sighting, now_ns: int) -> Sensor:
         described = self._site.signal(sighting.signal)
         value = self._fresh(sighting.signal, now_ns)
         word = "unknown" if value is None or described is None else word_of(described, value)
         name = sighting.signal if described is None else described.name
-        return Sensor(self._sighted(sighting, now_ns), f"{name}: {word}")
+        reading, closed = self._readings.latest(sighting.signal), self._sighted(sighting, now_ns)
+        said_ns = 0 if reading is None else reading.mono_ns
+        since_ns = self._turns.since_ns(sighting, closed, said_ns)
+        return Sensor(closed, f"{name}: {word}", said_ns, since_ns)
 
     def _follow(self, follower: Follower, now_ns: int) -> None:
         rule = follower.rule

@@ -2,6 +2,10 @@
 
 A closed switch that says *yes* beside a position of 100 % proves nothing: sensors that disagree
 count as sensors that say nothing, and nothing is closed by them.
+
+What was said before the newest turn is no witness against it: an end switch tells of the end of a
+motion at once, a position perhaps half a second later. Until it has spoken again, for `SETTLE_NS`
+at most, the roof counts as not closed yet, and not as one whose sensors disagree.
 """
 
 from __future__ import annotations
@@ -14,9 +18,12 @@ from talaia.gateway.safety.enclosure_guard import Said
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from talaia.model.enclosure import Enclosure
+    from talaia.model.enclosure import Enclosure, Sighting
 
-__all__ = ["Agreement", "Closed", "Sensor", "closed_by"]
+__all__ = ["SETTLE_NS", "Agreement", "Closed", "Sensor", "SensorTurns", "closed_by"]
+
+# How long a sensor that has said nothing since another one's turn is not held against it.
+SETTLE_NS = 2 * SECOND
 
 
 class Sensor(NamedTuple):
@@ -25,11 +32,15 @@ class Sensor(NamedTuple):
     Attributes:
         closed: none when it says nothing.
         word: its name and what it says, for people.
+        said_ns: when it spoke last (monotonic).
+        since_ns: when it spoke first after it had said something else (monotonic).
 
     """
 
     closed: bool | None
     word: str
+    said_ns: int = 0
+    since_ns: int = 0
 
 
 class Closed(NamedTuple):
@@ -39,18 +50,23 @@ class Closed(NamedTuple):
         closed: none when they say nothing, or disagree.
         disagree: what each says, where they disagree; else empty.
         open_parts: segments and flap that are not certainly closed, by name.
+        settling: one has just turned, and those that say otherwise have not spoken since; then
+            ``closed`` is false.
 
     """
 
     closed: bool | None
     disagree: str = ""
     open_parts: tuple[str, ...] = ()
+    settling: bool = False
 
 
 def closed_by(
     whole: Sequence[Sensor],
     segments: Mapping[str, Sequence[Sensor]],
     others: Mapping[str, Sequence[Sensor]],
+    *,
+    now_ns: int,
 ) -> Closed:
     """Judge the sensors of a roof.
 
@@ -58,37 +74,76 @@ def closed_by(
         whole: those that are about all of it.
         segments: those of each segment. The whole is closed exactly when all segments are.
         others: those of parts that move by themselves, such as a flap.
+        now_ns: monotonic.
 
     """
     parts = {**segments, **others}
-    words = [_contradiction(each) for each in (whole, *parts.values())]
-    together = _together(whole)
+    apart = [each for each in (whole, *parts.values()) if {True, False} <= _said(each)]
+    disputes = [(each, each) for each in apart]
+    together, shells = _together(whole), _flat(segments)
     each = [_together(one) for one in segments.values()]
     if segments and together is not None and None not in each and together != all(each):
-        words.append(", ".join(one.word for one in (*whole, *_flat(segments))))
-    disagree = "; ".join(word for word in words if word)
+        apart.append([*whole, *shells])
+        disputes.append((whole, shells))
+    settling = [_settles(one, other, now_ns) for one, other in disputes]
+    disagree = "; ".join(
+        ", ".join(sensor.word for sensor in some)
+        for some, settles in zip(apart, settling, strict=True)
+        if not settles
+    )
     open_parts = tuple(name for name, one in parts.items() if _together(one) is not True)
-    said = [together, *(_together(one) for one in parts.values())]
-    if disagree or None in said:
+    said = _said([*whole, *_flat(parts)])
+    if disagree or None in said or not all((whole, *parts.values())):
         return Closed(None, disagree, open_parts)
-    return Closed(all(said), "", open_parts)
+    return Closed(said == {True}, "", open_parts, settling=bool(settling))
 
 
 def _flat(parts: Mapping[str, Sequence[Sensor]]) -> list[Sensor]:
     return [sensor for one in parts.values() for sensor in one]
 
 
+def _said(sensors: Sequence[Sensor]) -> set[bool | None]:
+    return {each.closed for each in sensors}
+
+
 def _together(sensors: Sequence[Sensor]) -> bool | None:
     """Give what these sensors say; none when one says nothing, or they disagree."""
-    said = {each.closed for each in sensors}
+    said = _said(sensors)
     return said.pop() if len(said) == 1 else None
 
 
-def _contradiction(sensors: Sequence[Sensor]) -> str:
-    said = {each.closed for each in sensors}
-    if not {True, False} <= said:
-        return ""
-    return ", ".join(each.word for each in sensors)
+def _settles(one: Sequence[Sensor], other: Sequence[Sensor], now_ns: int) -> bool:
+    """Tell whether whoever contradicts the newest turn has not spoken since.
+
+    Args:
+        one: some sensors.
+        other: those that contradict them; the same, where they contradict each other.
+        now_ns: monotonic.
+
+    """
+    turned = max((*one, *other), key=lambda each: each.since_ns)
+    against = [
+        each
+        for each in (other if turned in one else one)
+        if each.closed is not None and each.closed != turned.closed
+    ]
+    recent = now_ns - turned.since_ns <= SETTLE_NS
+    return recent and all(each.said_ns < turned.since_ns for each in against)
+
+
+class SensorTurns:
+    """Since when each sensor says what it says."""
+
+    def __init__(self) -> None:
+        """Have heard nobody."""
+        self._turns: dict[Sighting, tuple[bool | None, int]] = {}
+
+    def since_ns(self, sighting: Sighting, closed: bool | None, said_ns: int) -> int:  # noqa: FBT001
+        """Take what a sensor says; give when it said so first (monotonic, as ``said_ns``)."""
+        before = self._turns.get(sighting)
+        if before is None or before[0] is not closed:
+            before = self._turns[sighting] = closed, said_ns
+        return before[1]
 
 
 class Agreement:
@@ -110,8 +165,8 @@ class Agreement:
         """Say what is to be written down now (monotonic, ns)."""
         name = self._rule.name
         if not seen.disagree:
-            if seen.closed is None:
-                # A sensor that is silent has not come to agree.
+            if seen.closed is None or seen.settling:
+                # A sensor that is silent has not come to agree, nor has one that did not hear yet.
                 return []
             said, self._said, self._since_ns = self._said, False, None
             self._problem = ""

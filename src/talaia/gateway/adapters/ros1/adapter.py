@@ -49,9 +49,12 @@ log = logging.getLogger(__name__)
 # Messages that rospy keeps for a reader that is behind.
 DEPTH = 1_000
 _LOOK_S = 0.5
-_START_S = 10.0
-# A node that has not answered in so many looks hangs.
+# Importing rospy takes seconds where the machine has other work, too.
+_START_S = 30.0
+# A node that has not shown a sign of life in so many looks hangs; until it has done what it is
+# told first, each of which is a question to the master, it is given more.
 _MISSES = 4
+_MISSES_FIRST = 20
 MAX_PENDING = 1000
 BOOL = "std_msgs/msg/Bool"
 _CUT = "the connection was lost; look at the device to see what it did"
@@ -100,7 +103,10 @@ class Ros1:
         self._node: NodeProcess | None = None
         self._presence: Ros1Presence | None = None
         self._ready: asyncio.Future[str] | None = None
-        self._pongs = 0
+        # What the node has said that only its main thread says, and whether it is through with
+        # what it was told first.
+        self._signs = 0
+        self._settled = False
         self._calls = count()
         self._pending: dict[int, Callable[[Outcome], None]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
@@ -129,6 +135,7 @@ class Ros1:
                 self._turn,
                 fail,
             )
+            self._settled = False
             node.tell(node=self._settings.node, namespace=self._settings.namespace)
             name = await self._joined(failed)
             self._node = node
@@ -168,7 +175,7 @@ class Ros1:
     async def _stay(self, node: NodeProcess, name: str, failed: asyncio.Future[str]) -> None:
         """Stay until the node ends or hangs, or the master knows it no more."""
         loop = asyncio.get_running_loop()
-        asked = answered = missed = 0
+        asked = seen = missed = 0
         while True:
             asked += 1
             node.tell(op="ping", n=asked)
@@ -176,9 +183,9 @@ class Ros1:
             if failed.done():
                 raise AdapterLost(failed.result())
             # Looks are counted, not time: if this process stood still, the node is not to blame.
-            missed = missed + 1 if self._pongs == answered else 0
-            answered = self._pongs
-            if missed >= _MISSES:
+            missed = missed + 1 if self._signs == seen else 0
+            seen = self._signs
+            if missed >= (_MISSES if self._settled else _MISSES_FIRST):
                 node.kill()
                 raise AdapterLost("ROS 1's node hangs")
             if not await loop.run_in_executor(None, self._master.knows, name):
@@ -474,7 +481,10 @@ class Ros1:
                 if self._ready is not None and not self._ready.done():
                     self._ready.set_result(said["node"])
             case "pong":
-                self._pongs += 1
+                self._signs += 1
+                self._settled = True
+            case "working":
+                self._signs += 1
             case "outcome":
                 self._on_outcome(said)
             case "missing":

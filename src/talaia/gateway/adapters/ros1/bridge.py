@@ -35,6 +35,8 @@ MAX_FRAME = 16 * 1024 * 1024
 # A velocity stands no longer than this without a new one (s).
 SILENCE_S = 0.5
 MAX_CALLS = 32
+# While it works through what it was told, it says so at most so often (s).
+WORKING_EVERY_S = 0.25
 PARAMETERS_EVERY_S = 1.0
 
 
@@ -208,12 +210,17 @@ class Bridge:
         self._problems: dict[str, str] = {}
         self._calls = threading.Semaphore(MAX_CALLS)
         self._ended = threading.Event()
+        self._shown = 0.0
 
     # ── what the gateway may say ──
 
     def handle(self, asked: dict[str, Any]) -> None:
         """Act on one frame."""
         getattr(self, "on_" + asked["op"])(asked)
+        # Each topic is a question to the master; where that is slow, pings wait behind many.
+        if time.monotonic() - self._shown >= WORKING_EVERY_S:
+            self._shown = time.monotonic()
+            self._out.say(op="working")
 
     def on_ping(self, asked: dict[str, Any]) -> None:
         """Show that this process is alive."""
