@@ -13,7 +13,7 @@ export class ActionController implements ReactiveController {
   }
 
   /** What is under way, by its key; empty for nothing. */
-  get under(): string {
+  get runningKey(): string {
     return this.current;
   }
 
@@ -27,7 +27,7 @@ export class ActionController implements ReactiveController {
   }
 
   /** What was done last, for screen readers and eyes; empty when nothing was. */
-  get done(): string {
+  get doneText(): string {
     return this.success;
   }
 
@@ -40,20 +40,20 @@ export class ActionController implements ReactiveController {
    */
   async run(asked: string, action: () => Promise<unknown>, done = "", key = asked): Promise<boolean> {
     if (this.busy) return false;
-    this.become(key, null, "");
+    this.setState(key, null, "");
     try {
       await action();
-      this.become("", null, done);
+      this.setState("", null, done);
       return true;
     } catch (error) {
-      this.become("", actionAdvice(error, asked), "");
+      this.setState("", actionAdvice(error, asked), "");
       return false;
     }
   }
 
   /** Forgets what was said. */
   clear(): void {
-    if (this.failure !== null || this.success !== "") this.become(this.current, null, "");
+    if (this.failure !== null || this.success !== "") this.setState(this.current, null, "");
   }
 
   hostConnected(): void {
@@ -61,7 +61,7 @@ export class ActionController implements ReactiveController {
     this.success = "";
   }
 
-  private become(current: string, failure: Advice | null, success: string): void {
+  private setState(current: string, failure: Advice | null, success: string): void {
     this.current = current;
     this.failure = failure;
     this.success = success;

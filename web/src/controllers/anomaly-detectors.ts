@@ -21,12 +21,12 @@ export class DetectorsController implements ReactiveController {
     host.addController(this);
     this.load = new LoadController(host);
     new LinkController(host, (connection) => [
-      connection.on("anomaly", (news) => {
-        if (news.site === this.site && this.book.hear(news)) host.requestUpdate();
+      connection.onMessage("anomaly", (news) => {
+        if (news.site === this.site && this.book.applyUpdate(news)) host.requestUpdate();
       }),
       connection.onState((state) => {
         // What was told meanwhile was not heard.
-        if (state === "open") this.again();
+        if (state === "open") this.retry();
       }),
     ]);
   }
@@ -36,33 +36,33 @@ export class DetectorsController implements ReactiveController {
   }
 
   /** There is a list, though a newer one may be on its way. */
-  get known(): boolean {
+  get hasList(): boolean {
     return this.load.value !== undefined;
   }
 
-  get error(): unknown {
+  get renderError(): unknown {
     return this.load.result.state === "failed" ? this.load.result.error : null;
   }
 
   /** Call it from `willUpdate`. @param edition names the site's description: another one has other detectors */
-  ask(api: Watchers, site: string, edition: string): void {
+  loadDetectors(api: Watchers, site: string, edition: string): void {
     if (site !== this.site) {
       this.site = site;
       this.book = new DetectorBook();
       this.taken = undefined;
     }
-    this.load.ask(`${site} ${edition}`, () => {
-      this.book.asking();
+    this.load.load(`${site} ${edition}`, () => {
+      this.book.beginLoad();
       return api.anomalies(site);
     });
     const { result } = this.load;
     if (result.state !== "ready" || result.value === this.taken) return;
     this.taken = result.value;
-    this.book.answered(result.value);
+    this.book.setList(result.value);
   }
 
-  again(): void {
-    this.load.again();
+  retry(): void {
+    this.load.invalidate();
   }
 
   hostConnected(): void {

@@ -23,7 +23,7 @@ export class LinkController implements ReactiveController {
       context: connectionContext,
       callback: (connection) => {
         this.found = connection;
-        this.listen();
+        this.subscribeConnection();
       },
     });
   }
@@ -37,7 +37,7 @@ export class LinkController implements ReactiveController {
   }
 
   hostConnected(): void {
-    this.listen();
+    this.subscribeConnection();
   }
 
   hostDisconnected(): void {
@@ -45,7 +45,7 @@ export class LinkController implements ReactiveController {
     this.stops = [];
   }
 
-  private listen(): void {
+  private subscribeConnection(): void {
     const connection = this.found;
     if (connection === undefined || this.stops.length > 0 || !this.host.isConnected) return;
     this.stops = [

@@ -5,7 +5,7 @@ import type { ReactiveController, ReactiveControllerHost } from "lit";
 
 /** What `StoreController` needs of a store; see `state/store.ts`. */
 export interface Watchable {
-  watch(watcher: () => void): () => void;
+  subscribe(watcher: () => void): () => void;
 }
 
 export class StoreController<S extends Watchable> implements ReactiveController {
@@ -23,7 +23,7 @@ export class StoreController<S extends Watchable> implements ReactiveController 
       context,
       callback: (store) => {
         this.found = store;
-        this.listen();
+        this.subscribeStore();
       },
     });
   }
@@ -34,7 +34,7 @@ export class StoreController<S extends Watchable> implements ReactiveController 
   }
 
   hostConnected(): void {
-    this.listen();
+    this.subscribeStore();
   }
 
   hostDisconnected(): void {
@@ -42,14 +42,14 @@ export class StoreController<S extends Watchable> implements ReactiveController 
     this.stop = undefined;
   }
 
-  private listen(): void {
+  private subscribeStore(): void {
     const store = this.found;
     if (store === undefined || this.stop !== undefined || !this.host.isConnected) return;
-    const tell = (): void => {
+    const notifyHost = (): void => {
       this.changed?.(store);
       this.host.requestUpdate();
     };
-    this.stop = store.watch(tell);
-    tell();
+    this.stop = store.subscribe(notifyHost);
+    notifyHost();
   }
 }

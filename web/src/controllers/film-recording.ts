@@ -21,11 +21,11 @@ class Watched {
     private readonly site: string,
   ) {}
 
-  async ask(): Promise<void> {
+  async loadStatus(): Promise<void> {
     clearTimeout(this.timer);
     const run = ++this.run;
     try {
-      const list = await new FilmsApi(this.api).now(this.site);
+      const list = await new FilmsApi(this.api).recordingStatus(this.site);
       if (run !== this.run) return;
       this.list = list;
     } catch {
@@ -33,15 +33,15 @@ class Watched {
       if (run !== this.run) return;
     }
     for (const each of this.listeners) each();
-    this.rest();
+    this.stopPolling();
   }
 
-  rest(): void {
+  stopPolling(): void {
     clearTimeout(this.timer);
     if (this.listeners.size === 0) return;
     this.timer = setTimeout(() => {
-      if (document.hidden) this.rest();
-      else void this.ask();
+      if (document.hidden) this.stopPolling();
+      else void this.loadStatus();
     }, this.list?.may_film === true ? EVERY_MS : SELDOM_MS);
   }
 }
@@ -61,32 +61,32 @@ export class FilmingController implements ReactiveController {
   }
 
   /** Call it from `willUpdate`. */
-  watch(api: HubApi | undefined, site: string): void {
+  setSite(api: HubApi | undefined, site: string): void {
     if (api === undefined || site === "" || site === this.site) return;
     this.hostDisconnected();
     this.site = site;
     let watched = sites.get(site);
     if (watched === undefined) sites.set(site, (watched = new Watched(api, site)));
     this.watched = watched;
-    watched.listeners.add(this.changed);
-    if (watched.listeners.size === 1) void watched.ask();
+    watched.listeners.add(this.requestHostUpdate);
+    if (watched.listeners.size === 1) void watched.loadStatus();
   }
 
-  again(): void {
-    void this.watched?.ask();
+  refresh(): void {
+    void this.watched?.loadStatus();
   }
 
   hostDisconnected(): void {
     const { watched } = this;
     if (watched === null) return;
-    watched.listeners.delete(this.changed);
+    watched.listeners.delete(this.requestHostUpdate);
     if (watched.listeners.size === 0) sites.delete(this.site);
-    watched.rest();
+    watched.stopPolling();
     this.watched = null;
     this.site = "";
   }
 
-  private readonly changed = (): void => {
+  private readonly requestHostUpdate = (): void => {
     this.host.requestUpdate();
   };
 }

@@ -28,7 +28,7 @@ export class FilterForm<F> implements ReactiveController {
   }
 
   /** For the form's `input`. */
-  readonly typed = (event: Event): void => {
+  readonly onInput = (event: Event): void => {
     const form = event.currentTarget;
     if (!(form instanceof HTMLFormElement)) return;
     const typing = event.target instanceof HTMLInputElement && event.target.type !== "checkbox";
@@ -42,14 +42,14 @@ export class FilterForm<F> implements ReactiveController {
   };
 
   /** For the form's `submit`, and for `change` where nothing is shown while it is typed. */
-  readonly chosen = (event: Event): void => {
+  readonly onSubmit = (event: Event): void => {
     event.preventDefault();
     clearTimeout(this.timer);
     if (event.currentTarget instanceof HTMLFormElement) this.go(this.read(new FormData(event.currentTarget)));
   };
 
   /** For a button that shows everything. */
-  readonly clear = (event: UIEvent): void => {
+  readonly clearFilter = (event: UIEvent): void => {
     clearTimeout(this.timer);
     const form = this.host.renderRoot.querySelector("form");
     form?.reset();

@@ -7,7 +7,7 @@ type Host = ReactiveControllerHost & { readonly renderRoot: ParentNode };
 
 export class EndlessList<R extends Row> extends EndlessRows<R> implements ReactiveController {
   private readonly watcher = new IntersectionObserver((entries) => {
-    if (entries.some(({ isIntersecting }) => isIntersecting)) void this.older();
+    if (entries.some(({ isIntersecting }) => isIntersecting)) void this.loadOlder();
   });
 
   /** `find` and `fits` are as those of `EndlessRows`. */
@@ -30,11 +30,11 @@ export class EndlessList<R extends Row> extends EndlessRows<R> implements Reacti
     // Watched anew each time: an end that has stayed in view is told of once more.
     this.watcher.disconnect();
     const end = this.host.renderRoot.querySelector(".end");
-    if (end !== null && this.more && this.failure === null) this.watcher.observe(end);
+    if (end !== null && this.hasMore && this.renderFailure === null) this.watcher.observe(end);
   }
 
   hostDisconnected(): void {
     this.watcher.disconnect();
-    this.stop();
+    this.stopPolling();
   }
 }

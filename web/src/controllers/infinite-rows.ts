@@ -42,7 +42,7 @@ export class EndlessRows<R extends Row> {
   }
 
   /** There are older ones than those that are shown. */
-  get more(): boolean {
+  get hasMore(): boolean {
     return this.left;
   }
 
@@ -52,25 +52,25 @@ export class EndlessRows<R extends Row> {
   }
 
   /** Why older ones did not come; null when they did. */
-  get failure(): unknown {
+  get renderFailure(): unknown {
     return this.wrong;
   }
 
   /** Whether something has been asked for. */
-  get asked(): boolean {
+  get hasStarted(): boolean {
     return this.question !== null;
   }
 
   /** Begins anew when the question is another than the last; call it from `willUpdate`. */
-  ask(question: string): void {
+  load(question: string): void {
     if (question === this.question) return;
     this.question = question;
-    this.begin([], true);
-    void this.older();
+    this.setRows([], true);
+    void this.loadOlder();
   }
 
-  async older(): Promise<void> {
-    if (!this.asked || this.asking || !this.left || this.wrong !== null) return;
+  async loadOlder(): Promise<void> {
+    if (!this.hasStarted || this.asking || !this.left || this.wrong !== null) return;
     const { run } = this;
     this.asking = true;
     this.changed();
@@ -90,22 +90,22 @@ export class EndlessRows<R extends Row> {
   }
 
   /** After a failure. */
-  readonly again = (): void => {
+  readonly retry = (): void => {
     this.wrong = null;
     this.changed();
-    void this.older();
+    void this.loadOlder();
   };
 
   /** Looks for newer ones soon; what comes one after the other is looked for together. */
-  soon(): void {
-    if (this.timer === undefined) this.timer = setTimeout(this.look, SOON_MS);
+  scheduleRefresh(): void {
+    if (this.timer === undefined) this.timer = setTimeout(this.refresh, SOON_MS);
     else this.late = true;
   }
 
   /** Puts what is new above the rest. */
-  async newer(): Promise<void> {
+  async loadNewer(): Promise<void> {
     this.told += 1;
-    if (!this.asked || this.looking) return;
+    if (!this.hasStarted || this.looking) return;
     this.looking = true;
     let { run } = this;
     let told = 0;
@@ -114,7 +114,7 @@ export class EndlessRows<R extends Row> {
       told = this.told;
       try {
         const found = await this.find("");
-        if (run === this.run) run = this.put(found);
+        if (run === this.run) run = this.mergeNewest(found);
       } catch {
         // The next news, or the next page, tries again.
       }
@@ -123,25 +123,25 @@ export class EndlessRows<R extends Row> {
   }
 
   /** Changes rows that are shown. */
-  change(how: (rows: readonly R[]) => readonly R[]): void {
+  updateRows(how: (rows: readonly R[]) => readonly R[]): void {
     this.held = how(this.held);
     this.changed();
   }
 
   /** Looks for nothing any more. */
-  stop(): void {
+  stopPolling(): void {
     clearTimeout(this.timer);
     this.timer = undefined;
     this.late = false;
   }
 
-  private readonly look = (): void => {
-    this.timer = this.late ? setTimeout(this.look, SOON_MS) : undefined;
+  private readonly refresh = (): void => {
+    this.timer = this.late ? setTimeout(this.refresh, SOON_MS) : undefined;
     this.late = false;
-    void this.newer();
+    void this.loadNewer();
   };
 
-  private begin(rows: readonly R[], more: boolean): void {
+  private setRows(rows: readonly R[], more: boolean): void {
     this.run += 1;
     this.held = rows;
     this.left = more;
@@ -151,9 +151,9 @@ export class EndlessRows<R extends Row> {
   }
 
   /** Gives the run that goes on: another where more than a page is new, and all begins with that. */
-  private put(found: Found<R>): number {
+  private mergeNewest(found: Found<R>): number {
     const rows = this.held.length === 0 ? null : joined(this.held, found.rows, found.more);
-    if (rows === null) this.begin(found.rows, found.more);
+    if (rows === null) this.setRows(found.rows, found.more);
     else this.held = rows;
     this.held = this.held.filter(this.fits);
     this.looking = true;

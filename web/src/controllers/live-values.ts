@@ -29,7 +29,7 @@ export class LiveValuesController implements ReactiveController {
       context: liveContext,
       callback: (live) => {
         this.live = live;
-        this.listen();
+        this.subscribeAll();
       },
     });
   }
@@ -43,8 +43,8 @@ export class LiveValuesController implements ReactiveController {
     if (same) return;
     this.site = site;
     this.channels = [...channels];
-    this.hush();
-    this.listen();
+    this.unsubscribeAll();
+    this.subscribeAll();
   }
 
   reading(channel: string): Reading | undefined {
@@ -52,16 +52,16 @@ export class LiveValuesController implements ReactiveController {
   }
 
   /** Age of the newest reading (s); NaN when there is none. */
-  age(channel: string): number {
+  ageS(channel: string): number {
     const reading = this.reading(channel);
-    return reading === undefined || this.live === undefined ? Number.NaN : this.live.ageOf(reading);
+    return reading === undefined || this.live === undefined ? Number.NaN : this.live.ageS(reading);
   }
 
   /** @param maxAge the signal's limit (s) */
   freshness(channel: string, maxAge: number): Freshness {
     // What a device last said is not true any more, however young it is.
-    if (this.reach.store?.of(this.site, deviceOf(channel)) !== undefined) return "unreached";
-    const age = this.age(channel);
+    if (this.reach.store?.unreachableSince(this.site, deviceOf(channel)) !== undefined) return "unreached";
+    const age = this.ageS(channel);
     if (Number.isNaN(age)) return "unknown";
     return age > maxAge ? "stale" : "live";
   }
@@ -70,16 +70,16 @@ export class LiveValuesController implements ReactiveController {
     this.timer ??= setInterval(() => {
       this.host.requestUpdate();
     }, 1000);
-    this.listen();
+    this.subscribeAll();
   }
 
   hostDisconnected(): void {
     clearInterval(this.timer);
     this.timer = undefined;
-    this.hush();
+    this.unsubscribeAll();
   }
 
-  private listen(): void {
+  private subscribeAll(): void {
     const live = this.live;
     if (live === undefined || this.stops.length > 0 || !this.host.isConnected) return;
     this.stops = this.channels.map((channel) =>
@@ -90,7 +90,7 @@ export class LiveValuesController implements ReactiveController {
     this.host.requestUpdate();
   }
 
-  private hush(): void {
+  private unsubscribeAll(): void {
     for (const stop of this.stops) stop();
     this.stops = [];
   }

@@ -28,7 +28,7 @@ export class LoadController<T> implements ReactiveController {
   }
 
   /** Loads when the question is another than the last; call it from `willUpdate`. */
-  ask(question: string, load: () => Promise<T>): void {
+  load(question: string, load: () => Promise<T>): void {
     if (question !== this.question) {
       this.question = question;
       void this.start(load);
@@ -36,7 +36,7 @@ export class LoadController<T> implements ReactiveController {
   }
 
   /** The next `ask` loads, also when the question is the same. */
-  again(): void {
+  invalidate(): void {
     this.question = undefined;
     this.host.requestUpdate();
   }
@@ -48,16 +48,16 @@ export class LoadController<T> implements ReactiveController {
 
   private async start(load: () => Promise<T>): Promise<void> {
     const run = ++this.run;
-    this.become({ state: "loading", before: this.value });
+    this.setResult({ state: "loading", before: this.value });
     try {
       const value = await load();
-      if (run === this.run) this.become({ state: "ready", value });
+      if (run === this.run) this.setResult({ state: "ready", value });
     } catch (error) {
-      if (run === this.run) this.become({ state: "failed", error });
+      if (run === this.run) this.setResult({ state: "failed", error });
     }
   }
 
-  private become(now: Loaded<T>): void {
+  private setResult(now: Loaded<T>): void {
     this.now = now;
     this.host.requestUpdate();
   }

@@ -12,12 +12,12 @@ export class WatchController implements ReactiveController {
   }
 
   /** Call it from `willUpdate`; the same store again changes nothing. */
-  watch(store: Watchable | null): void {
+  setStore(store: Watchable | null): void {
     if (store === this.watched) return;
     this.stop?.();
     this.watched = store;
     this.stop =
-      store?.watch(() => {
+      store?.subscribe(() => {
         this.host.requestUpdate();
       }) ?? null;
   }

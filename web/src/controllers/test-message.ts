@@ -18,16 +18,16 @@ export class Tester {
   ) {}
 
   /** How the last test went, if it was of this one. */
-  went(id: string): WentShape | null {
+  lastResult(id: string): WentShape | null {
     return this.last?.id === id ? this.last.how : null;
   }
 
-  busy(id: string): boolean {
-    return this.action.under === keyOf(id);
+  isRunning(id: string): boolean {
+    return this.action.runningKey === keyOf(id);
   }
 
   /** What a press of its button does. */
-  presser(id: string): () => void {
+  testAction(id: string): () => void {
     return () => {
       this.last = null;
       void this.action.run(

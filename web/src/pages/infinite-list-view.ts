@@ -19,8 +19,8 @@ interface Listed<R> {
   readonly nothing: () => TemplateResult;
 }
 
-export function listed<R extends Row>(list: EndlessRows<R>, { label, what, row, nothing: none }: Listed<R>): TemplateResult {
-  const { rows, more, loading } = list;
+export function renderListed<R extends Row>(list: EndlessRows<R>, { label, what, row, nothing: none }: Listed<R>): TemplateResult {
+  const { rows, hasMore: more, loading } = list;
   return html`${rows.length === 0 && !more ? none() : nothing}
     ${rows.length === 0
       ? nothing
@@ -29,14 +29,14 @@ export function listed<R extends Row>(list: EndlessRows<R>, { label, what, row, 
             ${repeat(rows, ({ id }) => id, row)}
           </ul>
         </section>`}
-    ${ending(list, what)}`;
+    ${renderEnding(list, what)}`;
 }
 
-function ending<R extends Row>(list: EndlessRows<R>, what: string): TemplateResult {
-  const advice = list.failure === null ? null : adviceFor(list.failure, what);
+function renderEnding<R extends Row>(list: EndlessRows<R>, what: string): TemplateResult {
+  const advice = list.renderFailure === null ? null : adviceFor(list.renderFailure, what);
   return html`${advice === null
       ? nothing
-      : html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${list.again}></t-problem>`}
-    ${list.loading || !list.asked ? html`<t-loading what=${`Loading ${what}`}></t-loading>` : nothing}
-    <p class="end">${list.more || list.rows.length === 0 ? "" : "This is where it begins."}</p>`;
+      : html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${list.retry}></t-problem>`}
+    ${list.loading || !list.hasStarted ? html`<t-loading what=${`Loading ${what}`}></t-loading>` : nothing}
+    <p class="end">${list.hasMore || list.rows.length === 0 ? "" : "This is where it begins."}</p>`;
 }

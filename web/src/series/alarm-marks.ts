@@ -41,7 +41,7 @@ export class AlarmMarks {
   }
 
   /** Those of a device and of the whole site; the same array until something happens. */
-  of(device: string): readonly AlarmMark[] {
+  marksOf(device: string): readonly AlarmMark[] {
     const held = this.lists.get(device);
     if (held !== undefined) return held;
     const list = this.events

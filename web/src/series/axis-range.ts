@@ -70,7 +70,7 @@ export class SteadyRange {
     private readonly least = 0,
   ) {}
 
-  next(min: number, max: number): Range {
+  nextRange(min: number, max: number): Range {
     const fresh = niceRange(min, max, this.limits, this.least);
     const held = this.held;
     if (held === null || min < held.low || max > held.high || !(min <= max)) return (this.held = fresh);

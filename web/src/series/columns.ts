@@ -28,29 +28,29 @@ export class Columns {
   }
 
   /** Time of column `i`: the middle of its samples (µs), so a lone sample stands where it was taken. */
-  time(i: number): number {
-    return (this.at("first", i) + this.at("last", i)) / 2;
+  timeAt(i: number): number {
+    return (this.valueAt("first", i) + this.valueAt("last", i)) / 2;
   }
 
-  min(i: number): number {
-    return this.at("min", i);
+  minAt(i: number): number {
+    return this.valueAt("min", i);
   }
 
-  max(i: number): number {
-    return this.at("max", i);
+  maxAt(i: number): number {
+    return this.valueAt("max", i);
   }
 
-  mean(i: number): number {
-    return this.at("sum", i) / this.at("count", i);
+  meanAt(i: number): number {
+    return this.valueAt("sum", i) / this.valueAt("count", i);
   }
 
-  count(i: number): number {
-    return this.at("count", i);
+  countAt(i: number): number {
+    return this.valueAt("count", i);
   }
 
   /** Whether the line must not be drawn from column `i - 1` to column `i`. */
-  broken(i: number): boolean {
-    return this.at("broken", i) !== 0;
+  isBroken(i: number): boolean {
+    return this.valueAt("broken", i) !== 0;
   }
 
   /**
@@ -79,7 +79,7 @@ export class Columns {
       return;
     }
     this.bucket = bucket;
-    this.open(timeUs, value, broken);
+    this.openColumn(timeUs, value, broken);
   }
 
   /** Forget the columns that end before `timeUs`. */
@@ -92,7 +92,7 @@ export class Columns {
     return firstFrom(this.rows.last.subarray(this.start, this.end), timeUs);
   }
 
-  private open(timeUs: number, value: number, broken: boolean): void {
+  private openColumn(timeUs: number, value: number, broken: boolean): void {
     if (this.end === this.rows.first.length) this.makeRoom();
     const at = this.end;
     this.rows.first[at] = timeUs;
@@ -105,7 +105,7 @@ export class Columns {
     this.end += 1;
   }
 
-  private at(row: Row, i: number): number {
+  private valueAt(row: Row, i: number): number {
     return this.rows[row][this.start + i] ?? NaN;
   }
 
@@ -150,11 +150,11 @@ export function summary(columns: Columns, fromUs: number, toUs: number): Summary
   let max = -Infinity;
   let sum = 0;
   let count = 0;
-  for (let i = columns.firstFrom(fromUs); i < columns.length && columns.time(i) <= toUs; i += 1) {
-    min = Math.min(min, columns.min(i));
-    max = Math.max(max, columns.max(i));
-    sum += columns.mean(i) * columns.count(i);
-    count += columns.count(i);
+  for (let i = columns.firstFrom(fromUs); i < columns.length && columns.timeAt(i) <= toUs; i += 1) {
+    min = Math.min(min, columns.minAt(i));
+    max = Math.max(max, columns.maxAt(i));
+    sum += columns.meanAt(i) * columns.countAt(i);
+    count += columns.countAt(i);
   }
   return { min, max, mean: sum / count, count };
 }

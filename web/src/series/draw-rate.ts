@@ -23,12 +23,12 @@ export class Pace {
   }
 
   /** Whether a round may start now. A frame that is a little early counts: the next would be late. */
-  due(nowMs: number): boolean {
+  isDue(nowMs: number): boolean {
     return nowMs - this.last >= this.intervalMs - 4;
   }
 
   /** Take down a round that was drawn. */
-  drew(startedMs: number, tookMs: number): void {
+  recordRound(startedMs: number, tookMs: number): void {
     this.last = startedMs;
     this.cost += (tookMs - this.cost) * SMOOTHING;
   }

@@ -38,7 +38,7 @@ export class IntervalWatch {
     return this.typical;
   }
 
-  see(timeUs: number): void {
+  addTime(timeUs: number): void {
     const pause = timeUs - this.last;
     this.last = timeUs;
     if (!(pause > 0)) return;
@@ -49,12 +49,12 @@ export class IntervalWatch {
   }
 
   /** Believe this interval until samples have come to tell a better one. */
-  assume(intervalUs: number): void {
+  assumeInterval(intervalUs: number): void {
     if (Number.isNaN(this.typical)) this.typical = intervalUs;
   }
 
   /** Go on from where another has come to. */
-  follow(other: IntervalWatch): void {
+  continueFrom(other: IntervalWatch): void {
     this.recent.splice(0, Infinity, ...other.recent);
     this.next = other.next;
     this.typical = other.typical;

@@ -13,7 +13,7 @@ export class LiveEdge {
   private since = NaN;
 
   /** Whether any sample has been seen. */
-  get known(): boolean {
+  get isKnown(): boolean {
     return Number.isFinite(this.offset);
   }
 
@@ -35,7 +35,7 @@ export class LiveEdge {
   }
 
   /** The robot's "now" (µs since the epoch); NaN before the first sample. */
-  at(nowMs: number): number {
+  nowUs(nowMs: number): number {
     return (nowMs + this.offset) * 1000;
   }
 }

@@ -80,7 +80,7 @@ export class OutlierMemo {
   private found: Outliers | null = null;
 
   /** @param by so many times the distance of the samples' own quartiles, or fences that are known */
-  of(samples: { readonly times: ArrayLike<number>; readonly values: ArrayLike<number>; readonly version: number }, span: Span, by: number | Fences): Outliers {
+  outliersOf(samples: { readonly times: ArrayLike<number>; readonly values: ArrayLike<number>; readonly version: number }, span: Span, by: number | Fences): Outliers {
     const { asked, found } = this;
     const same =
       asked?.of === samples &&

@@ -54,12 +54,12 @@ export class Ring {
   push(timeUs: number, value: number): "end" | "inside" | "refused" {
     const newest = this.newestUs;
     if (!Number.isFinite(timeUs) || timeUs < newest - this.spanUs) return "refused";
-    if (timeUs <= newest) return this.insert(timeUs, value);
+    if (timeUs <= newest) return this.insertSorted(timeUs, value);
     this.makeRoom();
     this.time[this.end] = timeUs;
     this.value[this.end] = value;
     this.end += 1;
-    this.forget();
+    this.dropOldest();
     return "end";
   }
 
@@ -98,7 +98,7 @@ export class Ring {
     return twin;
   }
 
-  private insert(timeUs: number, value: number): "inside" | "refused" {
+  private insertSorted(timeUs: number, value: number): "inside" | "refused" {
     const at = this.start + firstFrom(this.times, timeUs);
     if (this.time[at] === timeUs) return "refused";
     if (this.length >= this.most && at === this.start) return "refused";
@@ -109,11 +109,11 @@ export class Ring {
     this.time[place] = timeUs;
     this.value[place] = value;
     this.end += 1;
-    this.forget();
+    this.dropOldest();
     return "inside";
   }
 
-  private forget(): void {
+  private dropOldest(): void {
     const oldest = this.newestUs - this.spanUs;
     while (this.length > this.most || (this.time[this.start] ?? Infinity) < oldest) this.start += 1;
   }

@@ -56,7 +56,7 @@ export class Trace {
     this.ring.spanUs = us;
   }
 
-  take(timeUs: number, value: number): void {
+  addSample(timeUs: number, value: number): void {
     const where = this.ring.push(timeUs, value);
     if (where === "refused") return;
     this.changes += 1;
@@ -64,7 +64,7 @@ export class Trace {
       this.columns = null;
       return;
     }
-    this.watch.see(timeUs);
+    this.watch.addTime(timeUs);
     this.columns?.append(timeUs, value, this.allowedUs);
   }
 
@@ -76,7 +76,7 @@ export class Trace {
    */
   backfill(times: ArrayLike<number>, values: ArrayLike<number>, intervalUs = typicalInterval(times)): void {
     this.ring.backfill(times, values);
-    this.watch.assume(intervalUs);
+    this.watch.assumeInterval(intervalUs);
     this.columns = null;
     this.changes += 1;
   }
@@ -96,7 +96,7 @@ export class Trace {
   copy(): Trace {
     const twin = new Trace(this.ring.spanUs, this.maxAgeUs);
     twin.ring = this.ring.copy();
-    twin.watch.follow(this.watch);
+    twin.watch.continueFrom(this.watch);
     return twin;
   }
 }

@@ -44,34 +44,34 @@ export class AlarmSound extends Store {
     super();
   }
 
-  get on(): boolean {
+  get isOn(): boolean {
     return this.storage?.getItem(KEY) === "on";
   }
 
   /** Whether it is switched on and will be heard. */
-  get ready(): boolean {
-    return this.on && this.touched;
+  get isAudible(): boolean {
+    return this.isOn && this.touched;
   }
 
   /** Call it from a click or a key: that is what lets a page make a sound. */
-  choose(on: boolean): void {
+  setOn(on: boolean): void {
     this.touched = true;
     this.storage?.setItem(KEY, on ? "on" : "off");
     if (on) this.beeper.beep();
-    this.changed();
+    this.notifyWatchers();
   }
 
   /** Somebody has touched the page. */
-  touch(): void {
+  unlockAudio(): void {
     if (this.touched) return;
     this.touched = true;
-    this.changed();
+    this.notifyWatchers();
   }
 
   /** Makes a sound if more alarms have been raised than were heard. */
-  hear(raised: number): void {
+  soundIfMore(raised: number): void {
     const more = raised > this.heard;
     this.heard = raised;
-    if (more && this.ready) this.beeper.beep();
+    if (more && this.isAudible) this.beeper.beep();
   }
 }

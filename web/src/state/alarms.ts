@@ -4,7 +4,7 @@ import type { AlarmNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
-type Line = Pick<Connection, "on" | "onState">;
+type Line = Pick<Connection, "onMessage" | "onState">;
 
 /** What the bar on every page says. */
 export interface AlarmSummary {
@@ -30,22 +30,22 @@ export class Alarms extends Store {
     private readonly nowUs: () => number = () => Date.now() * 1000,
   ) {
     super();
-    line.on("alarm", (news) => {
+    line.onMessage("alarm", (news) => {
       const id = `${news.site}\n${news.alarm}`;
       const before = this.raisedAt.get(id);
       this.raisedAt.set(id, news.raised_us);
       if (news.gone) this.known.delete(id);
       else this.known.set(id, news);
-      if (before !== undefined && news.phase === "active" && news.raised_us !== before && !this.shelved(news)) {
+      if (before !== undefined && news.phase === "active" && news.raised_us !== before && !this.isShelved(news)) {
         this.fresh += 1;
       }
-      this.changed();
+      this.notifyWatchers();
     });
     line.onState((state) => {
       // Nobody knows how they stand now; that there is no connection is shown instead.
       if (state !== "open" && this.known.size > 0) {
         this.known.clear();
-        this.changed();
+        this.notifyWatchers();
       }
     });
   }
@@ -54,7 +54,7 @@ export class Alarms extends Store {
   get list(): readonly AlarmNews[] {
     return [...this.known.values()].sort(
       (a, b) =>
-        this.place(a) - this.place(b) ||
+        this.sortKey(a) - this.sortKey(b) ||
         (RANKS[a.severity] ?? 9) - (RANKS[b.severity] ?? 9) ||
         b.raised_us - a.raised_us ||
         a.name.localeCompare(b.name),
@@ -62,7 +62,7 @@ export class Alarms extends Store {
   }
 
   get summary(): AlarmSummary {
-    const shown = this.list.filter((one) => !this.shelved(one));
+    const shown = this.list.filter((one) => !this.isShelved(one));
     return {
       unseen: shown.filter(({ phase }) => phase === "active" || phase === "cleared"),
       undelivered: shown.filter(({ undelivered, phase }) => undelivered !== "" && phase !== "normal"),
@@ -78,13 +78,13 @@ export class Alarms extends Store {
     return this.known.get(`${site}\n${alarm}`);
   }
 
-  shelved(one: AlarmNews): boolean {
+  isShelved(one: AlarmNews): boolean {
     return one.shelved_until_us > this.nowUs();
   }
 
   /** What cannot be judged stands before what is well. */
-  private place(one: AlarmNews): number {
-    if (this.shelved(one)) return 5;
+  private sortKey(one: AlarmNews): number {
+    if (this.isShelved(one)) return 5;
     if (one.phase === "normal" && !one.known) return 3;
     return PHASES[one.phase] ?? 4;
   }

@@ -54,50 +54,50 @@ export class DetectorBook {
     return this.listed;
   }
 
-  of(address: string): readonly Detector[] {
+  detectorsOf(address: string): readonly Detector[] {
     return this.list.filter((one) => one.address === address);
   }
 
   /** The anomalies of a signal that this page knows of, in order of time. */
   anomalies(address: string): readonly Anomaly[] {
-    const all = this.of(address).flatMap(({ scores }) => this.past.get(scores) ?? []);
+    const all = this.detectorsOf(address).flatMap(({ scores }) => this.past.get(scores) ?? []);
     return all.sort((a, b) => a.fromUs - b.fromUs);
   }
 
   /** The list is being asked for: what is told from now on is newer. */
-  asking(): void {
+  beginLoad(): void {
     this.since.clear();
   }
 
-  answered(list: AnomalyList): void {
+  setList(list: AnomalyList): void {
     this.mayForgive = list.may_forgive;
-    this.become(new Map(list.detectors.map((one) => [one.scores, fromList(one)])));
-    for (const one of this.known.values()) this.remember(one);
-    for (const news of this.since.values()) this.put(news);
+    this.setDetectors(new Map(list.detectors.map((one) => [one.scores, fromList(one)])));
+    for (const one of this.known.values()) this.recordAnomaly(one);
+    for (const news of this.since.values()) this.replaceDetector(news);
   }
 
   /** Takes news; gives whether it is about a detector that is known. */
-  hear(news: AnomalyNews): boolean {
+  applyUpdate(news: AnomalyNews): boolean {
     this.since.set(scoresOf(news), news);
-    return this.put(news);
+    return this.replaceDetector(news);
   }
 
-  private put(news: AnomalyNews): boolean {
+  private replaceDetector(news: AnomalyNews): boolean {
     const before = this.known.get(scoresOf(news));
     if (before === undefined) return false;
     const { on, score, learning } = news;
     const now: Detector = { ...before, on, score, learning, anomaly: anomalyOf(before.scores, news) };
-    this.become(new Map(this.known).set(before.scores, now));
-    this.remember(now);
+    this.setDetectors(new Map(this.known).set(before.scores, now));
+    this.recordAnomaly(now);
     return true;
   }
 
-  private become(known: ReadonlyMap<string, Detector>): void {
+  private setDetectors(known: ReadonlyMap<string, Detector>): void {
     this.known = known;
     this.listed = [...known.values()];
   }
 
-  private remember({ scores, anomaly }: Detector): void {
+  private recordAnomaly({ scores, anomaly }: Detector): void {
     if (anomaly === null) return;
     const others = (this.past.get(scores) ?? []).filter(({ fromUs }) => fromUs !== anomaly.fromUs);
     this.past.set(scores, [...others, anomaly].slice(-MOST));

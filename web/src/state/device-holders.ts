@@ -4,7 +4,7 @@ import type { CommandNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
-type Line = Pick<Connection, "on" | "onState">;
+type Line = Pick<Connection, "onMessage" | "onState">;
 
 /** One who acts: in words, and since when by this page's monotonic clock (ms). */
 export interface DeviceHolder {
@@ -25,42 +25,42 @@ export class DeviceHolders extends Store {
     private readonly now: () => number = () => performance.now(),
   ) {
     super();
-    line.on("command_news", (news) => {
-      this.hear(news);
+    line.onMessage("command_news", (news) => {
+      this.applyCommandUpdate(news);
     });
-    line.on("site", (news) => {
+    line.onMessage("site", (news) => {
       // Without its gateway nobody knows, and it tells anew when it is back.
-      if (!news.online) this.forget((one) => one.site === news.site);
+      if (!news.online) this.removeWhere((one) => one.site === news.site);
     });
     line.onState((state) => {
-      if (state !== "open") this.forget(() => true);
+      if (state !== "open") this.removeWhere(() => true);
     });
   }
 
   /** All who act on a device, the newest first: that one a refusal names. */
-  of(site: string, device: string): readonly DeviceHolder[] {
+  holdersOf(site: string, device: string): readonly DeviceHolder[] {
     return [...this.known.values()]
       .filter((one) => one.site === site && one.device === device)
       .sort((a, b) => b.since - a.since);
   }
 
-  private hear({ id, site, device, acting, acting_s: seconds }: CommandNews): void {
+  private applyCommandUpdate({ id, site, device, acting, acting_s: seconds }: CommandNews): void {
     if (acting === "") {
-      this.forget((one) => one.site === site && one.id === id);
+      this.removeWhere((one) => one.site === site && one.id === id);
       return;
     }
     const key = `${site}\n${id}`;
     // Counted from the first word of it: later ones would let the seconds jump.
     const since = this.known.get(key)?.since ?? this.now() - seconds * 1000;
     this.known.set(key, { id, site, device, words: acting, since });
-    this.changed();
+    this.notifyWatchers();
   }
 
-  private forget(which: (one: DeviceHolder) => boolean): void {
+  private removeWhere(which: (one: DeviceHolder) => boolean): void {
     const before = this.known.size;
     for (const [key, one] of this.known) {
       if (which(one)) this.known.delete(key);
     }
-    if (this.known.size !== before) this.changed();
+    if (this.known.size !== before) this.notifyWatchers();
   }
 }

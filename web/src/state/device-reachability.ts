@@ -4,7 +4,7 @@ import type { DeviceNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
-type Line = Pick<Connection, "on" | "onState">;
+type Line = Pick<Connection, "onMessage" | "onState">;
 
 export class Reach extends Store {
   private readonly away = new Map<string, DeviceNews>();
@@ -12,32 +12,32 @@ export class Reach extends Store {
   /** Listens for as long as the connection lives. */
   constructor(line: Line) {
     super();
-    line.on("device_news", (news) => {
+    line.onMessage("device_news", (news) => {
       const id = key(news.site, news.device);
       if (news.reached) this.away.delete(id);
       else this.away.set(id, news);
-      this.changed();
+      this.notifyWatchers();
     });
-    line.on("site", (news) => {
+    line.onMessage("site", (news) => {
       // Without its gateway all of it is stale anyway, and the gateway tells anew when it is back.
-      if (!news.online) this.forget((one) => one.site === news.site);
+      if (!news.online) this.removeWhere((one) => one.site === news.site);
     });
     line.onState((state) => {
-      if (state !== "open") this.forget(() => true);
+      if (state !== "open") this.removeWhere(() => true);
     });
   }
 
   /** Why a device is not reached and since when; undefined while it is. */
-  of(site: string, device: string): DeviceNews | undefined {
+  unreachableSince(site: string, device: string): DeviceNews | undefined {
     return this.away.get(key(site, device));
   }
 
-  private forget(which: (one: DeviceNews) => boolean): void {
+  private removeWhere(which: (one: DeviceNews) => boolean): void {
     const before = this.away.size;
     for (const [id, one] of this.away) {
       if (which(one)) this.away.delete(id);
     }
-    if (this.away.size !== before) this.changed();
+    if (this.away.size !== before) this.notifyWatchers();
   }
 }
 

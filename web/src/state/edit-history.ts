@@ -12,11 +12,11 @@ export class Edits {
     return this.current;
   }
 
-  get undoable(): boolean {
+  get canUndo(): boolean {
     return this.before.length > 0;
   }
 
-  get redoable(): boolean {
+  get canRedo(): boolean {
     return this.after.length > 0;
   }
 
@@ -25,7 +25,7 @@ export class Edits {
    *
    * @param along it goes on with the last one, as typing does: one step back undoes both
    */
-  put(text: string, along = false): void {
+  recordEdit(text: string, along = false): void {
     if (text === this.current) return;
     if (!along || this.before.length === 0) {
       this.before = [...this.before.slice(1 - MOST), this.current];
@@ -34,14 +34,14 @@ export class Edits {
     this.after = [];
   }
 
-  undo(): void {
+  undoEdit(): void {
     const text = this.before.pop();
     if (text === undefined) return;
     this.after.push(this.current);
     this.current = text;
   }
 
-  redo(): void {
+  redoEdit(): void {
     const text = this.after.pop();
     if (text === undefined) return;
     this.before.push(this.current);

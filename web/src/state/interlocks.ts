@@ -4,7 +4,7 @@ import type { InterlockNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
-type Line = Pick<Connection, "on" | "onState">;
+type Line = Pick<Connection, "onMessage" | "onState">;
 
 /** What was said of an interlock, and when by this page's monotonic clock (ms). */
 export interface Interlock {
@@ -21,16 +21,16 @@ export class Interlocks extends Store {
     private readonly now: () => number = () => performance.now(),
   ) {
     super();
-    line.on("interlock_news", (news) => {
+    line.onMessage("interlock_news", (news) => {
       this.known.set(`${news.site}\n${news.interlock}`, { news, heardAt: this.now() });
-      this.changed();
+      this.notifyWatchers();
     });
-    line.on("site", (news) => {
+    line.onMessage("site", (news) => {
       // Without its gateway nobody knows how they stand; that it is offline is shown instead.
-      if (!news.online) this.forget((one) => one.news.site === news.site);
+      if (!news.online) this.removeWhere((one) => one.news.site === news.site);
     });
     line.onState((state) => {
-      if (state !== "open") this.forget(() => true);
+      if (state !== "open") this.removeWhere(() => true);
     });
   }
 
@@ -42,12 +42,12 @@ export class Interlocks extends Store {
   }
 
   /** Whether anything was said of an interlock, locked or not. */
-  get any(): boolean {
+  get hasAny(): boolean {
     return this.known.size > 0;
   }
 
   /** What was last said of one, whether it locks or not; undefined before anything was. */
-  of(site: string, interlock: string): Interlock | undefined {
+  interlockOf(site: string, interlock: string): Interlock | undefined {
     return this.known.get(`${site}\n${interlock}`);
   }
 
@@ -71,16 +71,16 @@ export class Interlocks extends Store {
   }
 
   /** How much is left of a time (ms) that was told with the news. */
-  left(one: Interlock, ms: number): number {
+  remainingMs(one: Interlock, ms: number): number {
     return Math.max(0, ms - (this.now() - one.heardAt));
   }
 
-  private forget(which: (one: Interlock) => boolean): void {
+  private removeWhere(which: (one: Interlock) => boolean): void {
     let changed = false;
     for (const [id, one] of this.known) {
       if (which(one)) changed = this.known.delete(id) || changed;
     }
-    if (changed) this.changed();
+    if (changed) this.notifyWatchers();
   }
 }
 

@@ -50,7 +50,7 @@ export class LiveValues {
   }
 
   /** Age of a reading (s). */
-  ageOf(reading: Reading): number {
+  ageS(reading: Reading): number {
     return (this.now() - reading.freshAtMs) / 1000;
   }
 
@@ -63,11 +63,11 @@ export class LiveValues {
       watcher();
     };
     watchers.add(call);
-    this.want(site, channel, 1);
+    this.changeInterest(site, channel, 1);
     return () => {
       if (!watchers.delete(call)) return;
       if (watchers.size === 0) this.watchers.delete(id);
-      this.want(site, channel, -1);
+      this.changeInterest(site, channel, -1);
     };
   }
 
@@ -76,7 +76,7 @@ export class LiveValues {
     this.readings.clear();
   }
 
-  private want(site: string, channel: string, change: 1 | -1): void {
+  private changeInterest(site: string, channel: string, change: 1 | -1): void {
     const fresh: Group = { wanted: new Map<string, number>(), asked: [], cancel: null, scheduled: false };
     const group = this.groups.get(site) ?? fresh;
     this.groups.set(site, group);
@@ -88,11 +88,11 @@ export class LiveValues {
     // A page that is drawn or left changes many at once: ask once, afterwards.
     queueMicrotask(() => {
       group.scheduled = false;
-      this.ask(site, group);
+      this.subscribeGroup(site, group);
     });
   }
 
-  private ask(site: string, group: Group): void {
+  private subscribeGroup(site: string, group: Group): void {
     const channels = [...group.wanted.keys()].sort();
     if (channels.length === group.asked.length && channels.every((name, i) => name === group.asked[i])) return;
     const before = group.cancel;
@@ -101,12 +101,12 @@ export class LiveValues {
       channels.length === 0
         ? null
         : this.feed.subscribe(site, channels, this.everyMs, (batch) => {
-            this.take(batch);
+            this.receiveBatch(batch);
           });
     before?.();
   }
 
-  private take(batch: Batch): void {
+  private receiveBatch(batch: Batch): void {
     const { channel, timeUs, value, texts, ageMs } = batch.columns;
     const touched = new Set<string>();
     for (let i = 0; i < channel.length; i++) {

@@ -6,7 +6,7 @@
 import type { LeaseNews, StopNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 
-type Line = Pick<Connection, "on" | "onState">;
+type Line = Pick<Connection, "onMessage" | "onState">;
 
 export class RobotNews {
   private readonly leases = new Map<string, LeaseNews>();
@@ -14,10 +14,10 @@ export class RobotNews {
 
   /** Listens for as long as the connection lives. */
   constructor(line: Line) {
-    line.on("lease_news", (news) => this.leases.set(key(news.site, news.device), news));
-    line.on("stop_news", (news) => this.stops.set(key(news.site, news.device), news));
-    line.on("site", (news) => {
-      if (!news.online) this.forget(news.site);
+    line.onMessage("lease_news", (news) => this.leases.set(key(news.site, news.device), news));
+    line.onMessage("stop_news", (news) => this.stops.set(key(news.site, news.device), news));
+    line.onMessage("site", (news) => {
+      if (!news.online) this.removeSite(news.site);
     });
     line.onState((state) => {
       if (state === "open") return;
@@ -26,7 +26,7 @@ export class RobotNews {
     });
   }
 
-  lease(site: string, device: string): LeaseNews | undefined {
+  leaseOf(site: string, device: string): LeaseNews | undefined {
     return this.leases.get(key(site, device));
   }
 
@@ -35,11 +35,11 @@ export class RobotNews {
     return [...this.leases.values()].some(({ yours }) => yours);
   }
 
-  stop(site: string, device: string): StopNews | undefined {
+  stopOf(site: string, device: string): StopNews | undefined {
     return this.stops.get(key(site, device));
   }
 
-  private forget(site: string): void {
+  private removeSite(site: string): void {
     for (const known of [this.leases, this.stops]) {
       for (const [id, news] of known) if (news.site === site) known.delete(id);
     }

@@ -143,7 +143,7 @@ export class Router extends Store {
   constructor(private readonly address: Address) {
     super();
     address.addEventListener("popstate", () => {
-      this.changed();
+      this.notifyWatchers();
     });
   }
 
@@ -167,15 +167,15 @@ export class Router extends Store {
     return this.address.location.origin;
   }
 
-  go(path: string): void {
+  navigate(path: string): void {
     if (path === this.path) return;
     this.address.history.pushState(null, "", path);
-    this.changed();
+    this.notifyWatchers();
   }
 
   /** Like `go`, but the way back does not lead here. */
   replace(path: string): void {
     this.address.history.replaceState(null, "", path);
-    this.changed();
+    this.notifyWatchers();
   }
 }

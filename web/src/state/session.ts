@@ -44,7 +44,7 @@ export class Session extends Store {
   }
 
   /** The hub is being told that the person goes. */
-  get leaving(): boolean {
+  get isSigningOut(): boolean {
     return this.going;
   }
 
@@ -53,7 +53,7 @@ export class Session extends Store {
 
   /** Nobody can be signed in here: known without asking the hub. */
   assumeNobody(): void {
-    this.become(null);
+    this.setPerson(null);
   }
 
   /**
@@ -62,46 +62,46 @@ export class Session extends Store {
    * @throws Unreachable
    */
   async refresh(): Promise<void> {
-    this.become(await this.api.me());
+    this.setPerson(await this.api.currentPerson());
   }
 
   /** Tells the hub that the person is still here. @throws Unreachable */
-  async stay(): Promise<void> {
-    this.become(await this.api.me(false));
+  async extend(): Promise<void> {
+    this.setPerson(await this.api.currentPerson(false));
   }
 
   /** @throws Refused, Unreachable */
   async login(name: string, password: string, code = ""): Promise<void> {
     const person = await this.api.login(name, password, code);
     this.notice = "";
-    this.become(person);
+    this.setPerson(person);
   }
 
   /** Nobody is signed in afterwards, also when the hub could not be told. */
   async logout(): Promise<void> {
     this.going = true;
-    this.changed();
+    this.notifyWatchers();
     try {
       await this.api.logout();
     } finally {
       this.going = false;
       this.notice = "";
-      this.become(null);
+      this.setPerson(null);
     }
   }
 
   /** Changes when somebody else is here, or the same person may do other things than before. */
-  get rights(): string {
+  get rightsKey(): string {
     return rightsOf(this.someone);
   }
 
-  private become(person: Person | null): void {
+  private setPerson(person: Person | null): void {
     const same = this.asked && alike(person, this.someone);
     this.asked = true;
     this.someone = person;
     if (person === null) this.notes?.removeItem(NOTE);
     else this.notes?.setItem(NOTE, "1");
-    if (!same) this.changed();
+    if (!same) this.notifyWatchers();
   }
 }
 

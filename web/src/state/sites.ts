@@ -27,7 +27,7 @@ export class Sites extends Store {
   }
 
   /** What went wrong with the last load; null when nothing did. */
-  get error(): unknown {
+  get renderError(): unknown {
     return this.problem;
   }
 
@@ -38,10 +38,10 @@ export class Sites extends Store {
 
   /** Zone of a site; of the first one where the site is not known. */
   zoneOf(site: string): string {
-    return this.row(site)?.zone ?? this.zone;
+    return this.siteRow(site)?.zone ?? this.zone;
   }
 
-  row(site: string): SiteRow | undefined {
+  siteRow(site: string): SiteRow | undefined {
     return this.rows.find((row) => row.site === site);
   }
 
@@ -53,7 +53,7 @@ export class Sites extends Store {
   /** Asks for the list. The old one stays on screen meanwhile. */
   async load(): Promise<void> {
     if (this.loading !== "ready") this.loading = "loading";
-    this.changed();
+    this.notifyWatchers();
     try {
       this.rows = await this.api.sites();
       this.loading = "ready";
@@ -62,7 +62,7 @@ export class Sites extends Store {
       this.loading = "failed";
       this.problem = error;
     }
-    this.changed();
+    this.notifyWatchers();
   }
 
   /**
@@ -70,7 +70,7 @@ export class Sites extends Store {
    *
    * @throws Refused, Unreachable
    */
-  detail(site: string): Promise<SiteDetail> {
+  loadDetail(site: string): Promise<SiteDetail> {
     const catalogue = this.catalogueOf(site);
     const held = this.details.get(site);
     if (held?.catalogue === catalogue) return held.detail;
@@ -84,9 +84,9 @@ export class Sites extends Store {
   }
 
   /** Takes in that a site came, went, or changed its description. */
-  apply(news: SiteNews): void {
+  applyUpdate(news: SiteNews): void {
     if (news.catalogue !== "") this.catalogues.set(news.site, news.catalogue);
-    const row = this.row(news.site);
+    const row = this.siteRow(news.site);
     if (row === undefined) {
       // A site we have not heard of: the list has grown, or rights have changed.
       if (this.loading === "ready") void this.load();
@@ -106,7 +106,7 @@ export class Sites extends Store {
           }
         : other,
     );
-    this.changed();
+    this.notifyWatchers();
   }
 
   /** Forgets all: another person may see other things. */
@@ -116,6 +116,6 @@ export class Sites extends Store {
     this.problem = null;
     this.details.clear();
     this.catalogues.clear();
-    this.changed();
+    this.notifyWatchers();
   }
 }

@@ -7,12 +7,12 @@ export class Store {
   private readonly watchers = new Set<() => void>();
 
   /** Calls `watcher` after each change. Returns the way to end it. */
-  watch(watcher: () => void): Unsubscribe {
+  subscribe(watcher: () => void): Unsubscribe {
     this.watchers.add(watcher);
     return () => this.watchers.delete(watcher);
   }
 
-  protected changed(): void {
+  protected notifyWatchers(): void {
     for (const watcher of [...this.watchers]) watcher();
   }
 }

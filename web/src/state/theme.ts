@@ -16,21 +16,21 @@ export class ThemeChoice extends Store {
   ) {
     super();
     this.choice = THEMES.find((theme) => theme === storage?.getItem(KEY)) ?? "auto";
-    this.show();
+    this.applyTheme();
   }
 
   get theme(): Theme {
     return this.choice;
   }
 
-  choose(theme: Theme): void {
+  setTheme(theme: Theme): void {
     this.choice = theme;
     this.storage?.setItem(KEY, theme);
-    this.show();
-    this.changed();
+    this.applyTheme();
+    this.notifyWatchers();
   }
 
-  private show(): void {
+  private applyTheme(): void {
     if (this.choice === "auto") this.root.removeAttribute("data-theme");
     else this.root.setAttribute("data-theme", this.choice);
   }

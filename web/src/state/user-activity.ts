@@ -8,21 +8,21 @@ export class Touched {
   constructor(private readonly target: EventTarget) {}
 
   start(): void {
-    for (const kind of KINDS) this.target.addEventListener(kind, this.note, { passive: true, capture: true });
+    for (const kind of KINDS) this.target.addEventListener(kind, this.recordEvent, { passive: true, capture: true });
   }
 
   stop(): void {
-    for (const kind of KINDS) this.target.removeEventListener(kind, this.note, { capture: true });
+    for (const kind of KINDS) this.target.removeEventListener(kind, this.recordEvent, { capture: true });
   }
 
   /** Tells whether there was a touch since this was last asked. */
-  take(): boolean {
+  consumeTouch(): boolean {
     const seen = this.seen;
     this.seen = false;
     return seen;
   }
 
-  private readonly note = (event: Event): void => {
+  private readonly recordEvent = (event: Event): void => {
     // What a script of the page dispatches is not a person.
     if (event.isTrusted) this.seen = true;
   };

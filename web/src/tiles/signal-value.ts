@@ -57,11 +57,11 @@ export class SignalValue extends LitElement {
         size=${this.size}
         state=${this.freshness(signal, channel)}
         .value=${reading?.value ?? Number.NaN}
-        .text=${this.word(signal)}
+        .text=${this.stateText(signal)}
         .unit=${signal.unit}
         .decimals=${signal.decimals}
-        .age=${this.live.age(channel)}
-        .level=${levelOf(this.word(signal))}
+        .age=${this.live.ageS(channel)}
+        .level=${levelOf(this.stateText(signal))}
       ></t-value>
     `;
   }
@@ -71,7 +71,7 @@ export class SignalValue extends LitElement {
     return now === "live" && outOfRange(signal, this.live.reading(channel)?.value ?? Number.NaN) ? "outside" : now;
   }
 
-  private word(signal: SignalInfo): string {
+  private stateText(signal: SignalInfo): string {
     const first = this.live.reading(signal.channels[0] ?? signal.address);
     if (first === undefined) return "";
     switch (signal.type) {
@@ -82,11 +82,11 @@ export class SignalValue extends LitElement {
       case "state":
         return stateWord(signal.states, first.value);
       case "position":
-        return this.place(signal);
+        return this.positionText(signal);
     }
   }
 
-  private place(signal: SignalInfo): string {
+  private positionText(signal: SignalInfo): string {
     const [a, b] = signal.channels.map((channel) => this.live.reading(channel)?.value ?? Number.NaN);
     const decimals = signal.decimals >= 0 ? signal.decimals : signal.frame === "wgs84" ? 5 : decimalsFor("m");
     const unit = signal.frame === "wgs84" ? "°" : " m";

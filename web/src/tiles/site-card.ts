@@ -153,7 +153,7 @@ export class SiteCard extends LitElement {
     const row = this.row;
     const sites = this.sites.store;
     if (row === null || sites === undefined) return;
-    this.detail.ask(`${row.site} ${sites.catalogueOf(row.site)}`, () => sites.detail(row.site));
+    this.detail.load(`${row.site} ${sites.catalogueOf(row.site)}`, () => sites.loadDetail(row.site));
   }
 
   override render(): TemplateResult | null {
@@ -173,25 +173,25 @@ export class SiteCard extends LitElement {
             : html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`}
         </p>
       </header>
-      <div class="values">${this.values(row)}</div>
+      <div class="values">${this.renderValues(row)}</div>
       <nav aria-label=${row.name}>
         <a href=${sitePath(row.site, "live")}><t-icon name="live"></t-icon>Real-time</a>
         <a href=${sitePath(row.site, "history")}><t-icon name="history"></t-icon>History</a>
-        ${this.usable()
+        ${this.isUsable()
           ? html`<a href=${sitePath(row.site, "drive")}><t-icon name="drive"></t-icon>Actuate</a>`
           : nothing}
       </nav>
     </t-card>`;
   }
 
-  private values(row: SiteRow): unknown {
+  private renderValues(row: SiteRow): unknown {
     if (this.detail.result.state === "failed") {
       return html`<p class="facts note">Its description could not be loaded. It is asked for again when the site changes.</p>`;
     }
-    if (this.wide) return this.byDevice(row);
+    if (this.wide) return this.renderByDevice(row);
     const signals = keySignals(this.detail.value?.devices ?? [], SHOWN);
     if (this.detail.value !== undefined && signals.length === 0) {
-      return this.noValues();
+      return this.renderNoValues();
     }
     return repeat(
       signals,
@@ -213,9 +213,9 @@ export class SiteCard extends LitElement {
     return owner === undefined ? "" : `${owner.name}: ${signal.name}`;
   }
 
-  private byDevice(row: SiteRow): unknown {
+  private renderByDevice(row: SiteRow): unknown {
     const groups = primaryByDevice(this.detail.value?.devices ?? [], SHOWN_EACH);
-    if (this.detail.value !== undefined && groups.length === 0) return this.noValues();
+    if (this.detail.value !== undefined && groups.length === 0) return this.renderNoValues();
     return groups.map(
       ({ device, signals }) => html`<section>
         <h3>${device.name}</h3>
@@ -230,11 +230,11 @@ export class SiteCard extends LitElement {
     );
   }
 
-  private noValues(): TemplateResult {
+  private renderNoValues(): TemplateResult {
     return html`<p class="facts note">No values to show here: none is marked as primary, or none is yours to see.</p>`;
   }
 
-  private usable(): boolean {
+  private isUsable(): boolean {
     return (this.detail.value?.devices ?? []).some(
       (device) => device.rights.includes("use") && (device.drive !== null || device.commands.length > 0),
     );

@@ -5,50 +5,50 @@ import type { Permission } from "./api-types.js";
 import type { HubApi } from "./hub-api.js";
 
 export class AccountApi {
-  constructor(private readonly hub: Pick<HubApi, "ask">) {}
+  constructor(private readonly hub: Pick<HubApi, "request">) {}
 
   /** Every other session ends with it. */
   async changePassword(old: string, fresh: string): Promise<void> {
-    await this.hub.ask("POST", "/api/me/password", { old, new: fresh });
+    await this.hub.request("POST", "/api/me/password", { old, new: fresh });
   }
 
   async sessions(): Promise<readonly SessionRow[]> {
-    return (await this.hub.ask<{ sessions: readonly SessionRow[] }>("GET", "/api/me/sessions")).sessions;
+    return (await this.hub.request<{ sessions: readonly SessionRow[] }>("GET", "/api/me/sessions")).sessions;
   }
 
   async endSession(session: string): Promise<void> {
-    await this.hub.ask("DELETE", `/api/me/sessions/${encodeURIComponent(session)}`);
+    await this.hub.request("DELETE", `/api/me/sessions/${encodeURIComponent(session)}`);
   }
 
   /** Ends all but this one. */
   async endOtherSessions(): Promise<void> {
-    await this.hub.ask("DELETE", "/api/me/sessions");
+    await this.hub.request("DELETE", "/api/me/sessions");
   }
 
   /** It is not asked for at sign-in until `confirmFactor`. */
   offerFactor(password: string): Promise<FactorOffer> {
-    return this.hub.ask("POST", "/api/me/factor", { password });
+    return this.hub.request("POST", "/api/me/factor", { password });
   }
 
   /** Gives the recovery codes; they are not shown again. */
   async confirmFactor(code: string): Promise<readonly string[]> {
-    return (await this.hub.ask<{ recovery: readonly string[] }>("POST", "/api/me/factor/confirm", { code })).recovery;
+    return (await this.hub.request<{ recovery: readonly string[] }>("POST", "/api/me/factor/confirm", { code })).recovery;
   }
 
   async removeFactor(password: string, code: string): Promise<void> {
-    await this.hub.ask("POST", "/api/me/factor/remove", { password, code });
+    await this.hub.request("POST", "/api/me/factor/remove", { password, code });
   }
 
   async tokens(): Promise<readonly TokenRow[]> {
-    return (await this.hub.ask<{ tokens: readonly TokenRow[] }>("GET", "/api/me/tokens")).tokens;
+    return (await this.hub.request<{ tokens: readonly TokenRow[] }>("GET", "/api/me/tokens")).tokens;
   }
 
   /** The token is not shown again. */
   makeToken(name: string, endsUs: number, permissions: readonly Permission[]): Promise<TokenMade> {
-    return this.hub.ask("POST", "/api/me/tokens", { name, ends_us: endsUs, permissions });
+    return this.hub.request("POST", "/api/me/tokens", { name, ends_us: endsUs, permissions });
   }
 
   async revokeToken(token: string): Promise<void> {
-    await this.hub.ask("DELETE", `/api/me/tokens/${encodeURIComponent(token)}`);
+    await this.hub.request("DELETE", `/api/me/tokens/${encodeURIComponent(token)}`);
   }
 }

@@ -14,85 +14,85 @@ export interface PersonChange {
 const at = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
 
 export class AdminApi {
-  constructor(private readonly hub: Pick<HubApi, "ask">) {}
+  constructor(private readonly hub: Pick<HubApi, "request">) {}
 
   async people(): Promise<readonly PersonRow[]> {
-    return (await this.hub.ask<{ people: readonly PersonRow[] }>("GET", "/api/people")).people;
+    return (await this.hub.request<{ people: readonly PersonRow[] }>("GET", "/api/people")).people;
   }
 
   addPerson(name: string, password: string, role: string): Promise<PersonRow> {
-    return this.hub.ask("POST", "/api/people", { name, password, role });
+    return this.hub.request("POST", "/api/people", { name, password, role });
   }
 
   changePerson(person: string, change: PersonChange): Promise<PersonRow> {
-    return this.hub.ask("PATCH", at("people", person), change);
+    return this.hub.request("PATCH", at("people", person), change);
   }
 
   async removePerson(person: string): Promise<void> {
-    await this.hub.ask("DELETE", at("people", person));
+    await this.hub.request("DELETE", at("people", person));
   }
 
   async endSessions(person: string): Promise<void> {
-    await this.hub.ask("DELETE", at("people", person, "/sessions"));
+    await this.hub.request("DELETE", at("people", person, "/sessions"));
   }
 
   async removeFactor(person: string): Promise<void> {
-    await this.hub.ask("DELETE", at("people", person, "/factor"));
+    await this.hub.request("DELETE", at("people", person, "/factor"));
   }
 
   async roles(): Promise<readonly RoleRow[]> {
-    return (await this.hub.ask<{ roles: readonly RoleRow[] }>("GET", "/api/roles")).roles;
+    return (await this.hub.request<{ roles: readonly RoleRow[] }>("GET", "/api/roles")).roles;
   }
 
   async addRole(name: string, permissions: readonly Permission[]): Promise<void> {
-    await this.hub.ask("POST", "/api/roles", { name, permissions });
+    await this.hub.request("POST", "/api/roles", { name, permissions });
   }
 
   async changeRole(role: string, name: string, permissions: readonly Permission[]): Promise<void> {
-    await this.hub.ask("PUT", at("roles", role), { name, permissions });
+    await this.hub.request("PUT", at("roles", role), { name, permissions });
   }
 
   async removeRole(role: string): Promise<void> {
-    await this.hub.ask("DELETE", at("roles", role));
+    await this.hub.request("DELETE", at("roles", role));
   }
 
   gateways(): Promise<GatewayList> {
-    return this.hub.ask("GET", "/api/gateways");
+    return this.hub.request("GET", "/api/gateways");
   }
 
   makeCode(site: string, name: string): Promise<CodeMade> {
-    return this.hub.ask("POST", "/api/gateways/codes", name === "" ? { site } : { site, name });
+    return this.hub.request("POST", "/api/gateways/codes", name === "" ? { site } : { site, name });
   }
 
   async withdrawCode(code: string): Promise<void> {
-    await this.hub.ask("DELETE", at("gateways/codes", code));
+    await this.hub.request("DELETE", at("gateways/codes", code));
   }
 
   /** Its key is void and its link closed at once. */
   async revokeGateway(gateway: string): Promise<void> {
-    await this.hub.ask("POST", at("gateways", gateway, "/revoke"), {});
+    await this.hub.request("POST", at("gateways", gateway, "/revoke"), {});
   }
 
   /** @param device empty: the link between gateway and hub; else the gateway's own to that device */
   async reconnect(gateway: string, device = ""): Promise<void> {
-    await this.hub.ask("POST", at("gateways", gateway, "/reconnect"), { device });
+    await this.hub.request("POST", at("gateways", gateway, "/reconnect"), { device });
   }
 
   /** @param search the filter, as in the address; see `pages/audit/query.ts` */
   audit(search: string, signal?: AbortSignal): Promise<AuditPage> {
-    return this.hub.ask("GET", `/api/audit?${search}`, undefined, { signal });
+    return this.hub.request("GET", `/api/audit?${search}`, undefined, { signal });
   }
 
   storage(): Promise<StorageUse> {
-    return this.hub.ask("GET", "/api/storage");
+    return this.hub.request("GET", "/api/storage");
   }
 
   /** Whether there is room for what comes; cheap, and a few minutes old. */
   outlook(): Promise<Outlook> {
-    return this.hub.ask("GET", "/api/storage/outlook");
+    return this.hub.request("GET", "/api/storage/outlook");
   }
 
   checkAudit(): Promise<AuditCheck> {
-    return this.hub.ask("GET", "/api/audit/verify");
+    return this.hub.request("GET", "/api/audit/verify");
   }
 }

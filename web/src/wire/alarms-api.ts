@@ -37,91 +37,91 @@ export type {
 } from "../generated/api.js";
 
 export class AlarmsApi {
-  constructor(private readonly hub: Pick<HubApi, "ask">) {}
+  constructor(private readonly hub: Pick<HubApi, "request">) {}
 
-  list(site: string): Promise<AlarmList> {
-    return this.hub.ask("GET", at(site));
+  listAlarms(site: string): Promise<AlarmList> {
+    return this.hub.request("GET", at(site));
   }
 
-  past(site: string, alarm: string, before = ""): Promise<AlarmPastList> {
+  alarmHistory(site: string, alarm: string, before = ""): Promise<AlarmPastList> {
     const query = before === "" ? "" : `?before=${encodeURIComponent(before)}`;
-    return this.hub.ask("GET", `${at(site, alarm)}/history${query}`);
+    return this.hub.request("GET", `${at(site, alarm)}/history${query}`);
   }
 
-  async act(site: string, alarm: string, asked: ActAsk): Promise<void> {
-    await this.hub.ask("POST", `${at(site, alarm)}/act`, asked);
+  async applyAction(site: string, alarm: string, asked: ActAsk): Promise<void> {
+    await this.hub.request("POST", `${at(site, alarm)}/act`, asked);
   }
 
-  async define(site: string, alarm: string, definition: AlarmDefinition): Promise<void> {
-    await this.hub.ask("PUT", at(site, alarm), definition);
+  async saveAlarm(site: string, alarm: string, definition: AlarmDefinition): Promise<void> {
+    await this.hub.request("PUT", at(site, alarm), definition);
   }
 
-  async remove(site: string, alarm: string): Promise<void> {
-    await this.hub.ask("DELETE", at(site, alarm));
+  async removeAlarm(site: string, alarm: string): Promise<void> {
+    await this.hub.request("DELETE", at(site, alarm));
   }
 
-  preview(site: string, definition: AlarmDefinition, hours = 24): Promise<PreviewShape> {
-    return this.hub.ask("POST", `/api/sites/${encodeURIComponent(site)}/alarm-preview`, { definition, hours });
+  previewAlarm(site: string, definition: AlarmDefinition, hours = 24): Promise<PreviewShape> {
+    return this.hub.request("POST", `/api/sites/${encodeURIComponent(site)}/alarm-preview`, { definition, hours });
   }
 
   /** @param query what is asked for, as the hub reads it */
   events(site: string, query: string): Promise<EventList> {
-    return this.hub.ask("GET", `/api/sites/${encodeURIComponent(site)}/events?${query}`);
+    return this.hub.request("GET", `/api/sites/${encodeURIComponent(site)}/events?${query}`);
   }
 }
 
 export class NotifyApi {
-  constructor(private readonly hub: Pick<HubApi, "ask">) {}
+  constructor(private readonly hub: Pick<HubApi, "request">) {}
 
-  ways(): Promise<WayList> {
-    return this.hub.ask("GET", "/api/ways");
+  listChannels(): Promise<WayList> {
+    return this.hub.request("GET", "/api/ways");
   }
 
-  async putWay(id: string, way: WayAsk): Promise<void> {
-    if (id === "") await this.hub.ask("POST", "/api/ways", way);
-    else await this.hub.ask("PUT", `/api/ways/${encodeURIComponent(id)}`, way);
+  async saveChannel(id: string, way: WayAsk): Promise<void> {
+    if (id === "") await this.hub.request("POST", "/api/ways", way);
+    else await this.hub.request("PUT", `/api/ways/${encodeURIComponent(id)}`, way);
   }
 
-  async removeWay(id: string): Promise<void> {
-    await this.hub.ask("DELETE", `/api/ways/${encodeURIComponent(id)}`);
+  async removeChannel(id: string): Promise<void> {
+    await this.hub.request("DELETE", `/api/ways/${encodeURIComponent(id)}`);
   }
 
-  testWay(id: string): Promise<WentShape> {
-    return this.hub.ask("POST", `/api/ways/${encodeURIComponent(id)}/test`, {});
+  testChannel(id: string): Promise<WentShape> {
+    return this.hub.request("POST", `/api/ways/${encodeURIComponent(id)}/test`, {});
   }
 
-  choices(): Promise<WayChoiceList> {
-    return this.hub.ask("GET", "/api/me/ways");
+  channelChoices(): Promise<WayChoiceList> {
+    return this.hub.request("GET", "/api/me/ways");
   }
 
   rules(): Promise<RuleList> {
-    return this.hub.ask("GET", "/api/me/rules");
+    return this.hub.request("GET", "/api/me/rules");
   }
 
   /** @param id of the rule that is changed; empty for a new one */
-  async putRule(id: string, rule: RuleAsk): Promise<void> {
-    if (id === "") await this.hub.ask("POST", "/api/me/rules", rule);
-    else await this.hub.ask("PUT", `/api/me/rules/${encodeURIComponent(id)}`, rule);
+  async saveRule(id: string, rule: RuleAsk): Promise<void> {
+    if (id === "") await this.hub.request("POST", "/api/me/rules", rule);
+    else await this.hub.request("PUT", `/api/me/rules/${encodeURIComponent(id)}`, rule);
   }
 
   async removeRule(id: string): Promise<void> {
-    await this.hub.ask("DELETE", `/api/me/rules/${encodeURIComponent(id)}`);
+    await this.hub.request("DELETE", `/api/me/rules/${encodeURIComponent(id)}`);
   }
 
   testRule(id: string): Promise<WentShape> {
-    return this.hub.ask("POST", `/api/me/rules/${encodeURIComponent(id)}/test`, {});
+    return this.hub.request("POST", `/api/me/rules/${encodeURIComponent(id)}/test`, {});
   }
 
-  push(): Promise<PushList> {
-    return this.hub.ask("GET", "/api/me/push");
+  pushSubscriptions(): Promise<PushList> {
+    return this.hub.request("GET", "/api/me/push");
   }
 
   async addBrowser(asked: PushAsk): Promise<void> {
-    await this.hub.ask("POST", "/api/me/push", asked);
+    await this.hub.request("POST", "/api/me/push", asked);
   }
 
   async removeBrowser(id: string): Promise<void> {
-    await this.hub.ask("DELETE", `/api/me/push/${encodeURIComponent(id)}`);
+    await this.hub.request("DELETE", `/api/me/push/${encodeURIComponent(id)}`);
   }
 }
 

@@ -12,20 +12,20 @@ const at = (site: string, more: string): string => `/api/sites/${encodeURICompon
 
 export class ArchiveApi {
   constructor(
-    private readonly hub: Pick<HubApi, "ask">,
+    private readonly hub: Pick<HubApi, "request">,
     private readonly site: string,
   ) {}
 
   nights(): Promise<NightList> {
-    return this.hub.ask("GET", at(this.site, "nights"));
+    return this.hub.request("GET", at(this.site, "nights"));
   }
 
-  find(query: string): Promise<FrameList> {
-    return this.hub.ask("GET", at(this.site, `frames?${query}`));
+  findFrames(query: string): Promise<FrameList> {
+    return this.hub.request("GET", at(this.site, `frames?${query}`));
   }
 
-  frame(id: string): Promise<FrameDetail> {
-    return this.hub.ask("GET", at(this.site, `frames/${encodeURIComponent(id)}`));
+  frameDetail(id: string): Promise<FrameDetail> {
+    return this.hub.request("GET", at(this.site, `frames/${encodeURIComponent(id)}`));
   }
 }
 

@@ -82,7 +82,7 @@ export class Connection {
   }
 
   /** Age (ms) of a moment on the hub's monotonic clock; NaN while unknown. */
-  ageOf(hubUs: number): number {
+  ageMsOf(hubUs: number): number {
     return this.clock.ageMs(hubUs, this.now());
   }
 
@@ -90,25 +90,25 @@ export class Connection {
     if (this.current !== "idle" && this.current !== "ended") return;
     this.attempt = 0;
     this.reason = "";
-    this.become("connecting");
-    this.open();
+    this.setState("connecting");
+    this.connect();
   }
 
   stop(): void {
     clearTimeout(this.retryTimer);
-    this.drop();
-    this.become("idle");
+    this.closeSocket();
+    this.setState("idle");
   }
 
   /** Tries at once instead of waiting out the delay: the page was shown, the network came back. */
   retryNow(): void {
     if (this.current !== "lost" || this.socket !== null) return;
     clearTimeout(this.retryTimer);
-    this.open();
+    this.connect();
   }
 
   /** Calls `listener` with each message of a kind. Returns the way to end it. */
-  on<T extends Tag>(tag: T, listener: Listener<T>): () => void {
+  onMessage<T extends Tag>(tag: T, listener: Listener<T>): () => void {
     const set = this.listeners.get(tag) ?? new Set();
     this.listeners.set(tag, set);
     set.add(listener);
@@ -140,7 +140,7 @@ export class Connection {
    */
   subscribe(site: string, channels: readonly string[], everyMs: number, listener: BatchListener): () => void {
     const sub = this.subscriptions.add(site, channels, everyMs, listener);
-    const message = this.subscriptions.message(sub);
+    const message = this.subscriptions.messageFor(sub);
     if (message !== null) this.send(message);
     return () => {
       const bye = this.subscriptions.remove(sub);
@@ -148,19 +148,19 @@ export class Connection {
     };
   }
 
-  private open(): void {
+  private connect(): void {
     const socket = this.openSocket(this.url);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     socket.onmessage = (event: MessageEvent<unknown>) => {
-      if (event.data instanceof ArrayBuffer) this.receive(event.data);
+      if (event.data instanceof ArrayBuffer) this.receiveMessage(event.data);
     };
     socket.onclose = () => {
-      if (this.socket === socket) this.lose();
+      if (this.socket === socket) this.onLinkLost();
     };
   }
 
-  private receive(bytes: ArrayBuffer): void {
+  private receiveMessage(bytes: ArrayBuffer): void {
     let message: ToBrowser | null;
     try {
       message = decode(bytes);
@@ -168,32 +168,32 @@ export class Connection {
     } catch (error) {
       if (!(error instanceof FrameError)) throw error;
       // A hub that speaks nonsense will do so again; a fresh connection is the best that is left.
-      this.lose();
+      this.onLinkLost();
       return;
     }
     if (message === null) return;
-    if (message.t === "greeting") this.greeted();
-    if (message.t === "subscribed") this.subscriptions.took(message.sub);
-    if (message.t === "problem" && message.about === "subscribe" && message.code === "store") this.askLater();
+    if (message.t === "greeting") this.onWelcome();
+    if (message.t === "subscribed") this.subscriptions.markAccepted(message.sub);
+    if (message.t === "problem" && message.about === "subscribe" && message.code === "store") this.retrySubscriptionsLater();
     if (message.t === "pong") {
       this.unanswered = 0;
-      this.clock.observe(message.at_ms, this.now(), message.hub_us);
+      this.clock.recordExchange(message.at_ms, this.now(), message.hub_us);
     }
     const listeners = this.listeners.get(message.t) ?? [];
     for (const listener of [...listeners]) listener(message as never);
     if (message.t === "ended") {
       this.reason = message.reason;
-      this.drop();
-      this.become("ended");
+      this.closeSocket();
+      this.setState("ended");
     }
   }
 
-  private greeted(): void {
+  private onWelcome(): void {
     this.attempt = 0;
     this.unanswered = 0;
     this.clock.reset();
-    this.become("open");
-    for (const message of this.subscriptions.restart()) this.send(message);
+    this.setState("open");
+    for (const message of this.subscriptions.restartMessages()) this.send(message);
     clearInterval(this.pingTimer);
     this.pingTimer = setInterval(() => {
       this.ping();
@@ -202,16 +202,16 @@ export class Connection {
   }
 
   /** While the hub's database is away, nothing new can be subscribed to: it is asked for again. */
-  private askLater(): void {
+  private retrySubscriptionsLater(): void {
     clearTimeout(this.askTimer);
     this.askTimer = setTimeout(() => {
-      for (const message of this.subscriptions.open()) this.send(message);
+      for (const message of this.subscriptions.pendingMessages()) this.send(message);
     }, ASK_AGAIN_MS);
   }
 
   private ping(): void {
     if (this.unanswered >= UNANSWERED) {
-      this.lose();
+      this.onLinkLost();
       return;
     }
     this.unanswered += 1;
@@ -219,18 +219,18 @@ export class Connection {
     this.send({ t: "ping", n: this.pings, at_ms: this.now(), active: this.touched() });
   }
 
-  private lose(): void {
-    this.drop();
+  private onLinkLost(): void {
+    this.closeSocket();
     const delay = backoffMs(this.attempt, this.random());
     this.attempt += 1;
     clearTimeout(this.retryTimer);
     this.retryTimer = setTimeout(() => {
-      this.open();
+      this.connect();
     }, delay);
-    this.become("lost");
+    this.setState("lost");
   }
 
-  private drop(): void {
+  private closeSocket(): void {
     clearInterval(this.pingTimer);
     clearTimeout(this.askTimer);
     const socket = this.socket;
@@ -241,7 +241,7 @@ export class Connection {
     socket.close();
   }
 
-  private become(state: LinkState): void {
+  private setState(state: LinkState): void {
     if (state === "lost" || state !== this.current) {
       this.current = state;
       for (const listener of [...this.stateListeners]) listener(state);

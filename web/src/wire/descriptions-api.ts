@@ -26,41 +26,41 @@ export type {
 export type Schema = Readonly<Record<string, unknown>>;
 
 export class DescriptionsApi {
-  constructor(private readonly hub: Pick<HubApi, "ask">) {}
+  constructor(private readonly hub: Pick<HubApi, "request">) {}
 
   /** @param below only versions below this number; 0 for the newest */
-  list(site: string, below = 0): Promise<DescriptionList> {
-    return this.hub.ask("GET", `${at(site)}${below > 0 ? `?below=${String(below)}` : ""}`);
+  listVersions(site: string, below = 0): Promise<DescriptionList> {
+    return this.hub.request("GET", `${at(site)}${below > 0 ? `?below=${String(below)}` : ""}`);
   }
 
-  text(site: string, number: number): Promise<DescriptionText> {
-    return this.hub.ask("GET", `${at(site)}/${String(number)}`);
+  versionText(site: string, number: number): Promise<DescriptionText> {
+    return this.hub.request("GET", `${at(site)}/${String(number)}`);
   }
 
   difference(site: string, before: number, after: number): Promise<DifferenceAnswer> {
-    return this.hub.ask("GET", `${at(site)}/${String(before)}/difference?to=${String(after)}`);
+    return this.hub.request("GET", `${at(site)}/${String(before)}/difference?to=${String(after)}`);
   }
 
   /** @param against the version that it is held against; 0 for none */
-  check(site: string, text: string, against: number, signal?: AbortSignal): Promise<CheckAnswer> {
-    return this.hub.ask("POST", `${at(site)}/check`, { text, against }, { signal });
+  checkText(site: string, text: string, against: number, signal?: AbortSignal): Promise<CheckAnswer> {
+    return this.hub.request("POST", `${at(site)}/check`, { text, against }, { signal });
   }
 
   /** The text that says `wanted` instead of what it says: comments and order stay. */
-  edit(site: string, text: string, wanted: object): Promise<EditAnswer> {
-    return this.hub.ask("POST", `${at(site)}/edit`, { text, site: wanted });
+  editText(site: string, text: string, wanted: object): Promise<EditAnswer> {
+    return this.hub.request("POST", `${at(site)}/edit`, { text, site: wanted });
   }
 
-  send(site: string, text: string, base: string): Promise<ChangeAnswer> {
-    return this.hub.ask("POST", at(site), { text, base });
+  sendDescription(site: string, text: string, base: string): Promise<ChangeAnswer> {
+    return this.hub.request("POST", at(site), { text, base });
   }
 
-  restore(site: string, number: number, base: string): Promise<ChangeAnswer> {
-    return this.hub.ask("POST", `${at(site)}/${String(number)}/restore`, { base });
+  restoreVersion(site: string, number: number, base: string): Promise<ChangeAnswer> {
+    return this.hub.request("POST", `${at(site)}/${String(number)}/restore`, { base });
   }
 
   schema(): Promise<Schema> {
-    return this.hub.ask("GET", "/api/description-schema");
+    return this.hub.request("GET", "/api/description-schema");
   }
 }
 

@@ -9,22 +9,22 @@ export type { FilmListShape as FilmList, FilmShape as FilmRow, UnfilmedShape as 
 const NEVER_US = 2 ** 53;
 
 export class FilmsApi {
-  constructor(private readonly hub: Pick<HubApi, "ask">) {}
+  constructor(private readonly hub: Pick<HubApi, "request">) {}
 
   /** Films that have something of a stretch of time (µs). */
   list(site: string, fromUs: number, toUs: number, signal?: AbortSignal): Promise<FilmListShape> {
     const query = `from_us=${String(Math.max(0, Math.floor(fromUs)))}&to_us=${String(Math.ceil(toUs))}`;
-    return this.hub.ask("GET", `/api/sites/${encodeURIComponent(site)}/films?${query}`, undefined, { signal });
+    return this.hub.request("GET", `/api/sites/${encodeURIComponent(site)}/films?${query}`, undefined, { signal });
   }
 
   /** Which cameras are being filmed, and whether one may be. */
-  now(site: string): Promise<FilmListShape> {
+  recordingStatus(site: string): Promise<FilmListShape> {
     return this.list(site, NEVER_US, NEVER_US);
   }
 
   /** The gateway does it; whether it did is seen in `now`. */
-  async film(site: string, stream: string, on: boolean): Promise<void> {
-    await this.hub.ask("POST", `/api/sites/${encodeURIComponent(site)}/recordings`, { on, stream });
+  async setRecording(site: string, stream: string, on: boolean): Promise<void> {
+    await this.hub.request("POST", `/api/sites/${encodeURIComponent(site)}/recordings`, { on, stream });
   }
 }
 

@@ -53,9 +53,9 @@ export class HubApi {
    *
    * @param background false: the person asks, and the session lives longer for it
    */
-  async me(background = true): Promise<Person | null> {
+  async currentPerson(background = true): Promise<Person | null> {
     try {
-      return await this.ask<Person>("GET", "/api/me", undefined, { background });
+      return await this.request<Person>("GET", "/api/me", undefined, { background });
     } catch (error) {
       if (error instanceof Refused && error.status === 401) return null;
       throw error;
@@ -64,78 +64,78 @@ export class HubApi {
 
   /** @param code the second factor's six digits, or a recovery code; empty when none was asked for */
   login(name: string, password: string, code = ""): Promise<Person> {
-    return this.ask("POST", "/api/login", code === "" ? { name, password } : { name, password, code });
+    return this.request("POST", "/api/login", code === "" ? { name, password } : { name, password, code });
   }
 
   async logout(): Promise<void> {
-    await this.ask("POST", "/api/logout", {});
+    await this.request("POST", "/api/logout", {});
   }
 
   async setup(token: string, name: string, password: string): Promise<void> {
-    await this.ask("POST", "/api/setup", { token, name, password });
+    await this.request("POST", "/api/setup", { token, name, password });
   }
 
   sites(): Promise<readonly SiteRow[]> {
-    return this.ask("GET", "/api/sites");
+    return this.request("GET", "/api/sites");
   }
 
   site(site: string): Promise<SiteDetail> {
-    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}`);
+    return this.request("GET", `/api/sites/${encodeURIComponent(site)}`);
   }
 
   /** Every device that is open to the person, of every site. */
   async devices(): Promise<readonly DeviceRow[]> {
-    return (await this.ask<{ devices: readonly DeviceRow[] }>("GET", "/api/devices")).devices;
+    return (await this.request<{ devices: readonly DeviceRow[] }>("GET", "/api/devices")).devices;
   }
 
   history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History> {
     const search = windowQuery(query, query.channels);
     search.set("width", String(Math.round(query.width)));
     const path = `/api/sites/${encodeURIComponent(site)}/history?${search.toString()}`;
-    return this.ask("GET", path, undefined, { signal });
+    return this.request("GET", path, undefined, { signal });
   }
 
   /** What a window (µs) amounts to, of every sample in it. */
   statistics(site: string, channels: readonly string[], span: Window, signal?: AbortSignal): Promise<StatisticsList> {
     const search = windowQuery(span, channels);
-    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/statistics?${search.toString()}`, undefined, { signal });
+    return this.request("GET", `/api/sites/${encodeURIComponent(site)}/statistics?${search.toString()}`, undefined, { signal });
   }
 
   /** The quartiles of a window (µs), of every sample in it, and how many lie `k` times their distance beyond them. */
   outliers(site: string, channels: readonly string[], span: Window, k: number, signal?: AbortSignal): Promise<OutlierList> {
     const search = windowQuery(span, channels);
     search.set("k", String(k));
-    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/outliers?${search.toString()}`, undefined, { signal });
+    return this.request("GET", `/api/sites/${encodeURIComponent(site)}/outliers?${search.toString()}`, undefined, { signal });
   }
 
   /** What goes by a name in the hub's catalogue of the sky. */
-  sky(site: string, name: string): Promise<SkyList> {
+  searchSky(site: string, name: string): Promise<SkyList> {
     const query = new URLSearchParams({ name }).toString();
-    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/sky?${query}`);
+    return this.request("GET", `/api/sites/${encodeURIComponent(site)}/sky?${query}`);
   }
 
   /** Channels that have history and that the site's description no longer has. */
-  async former(site: string): Promise<readonly StoredInfo[]> {
+  async formerChannels(site: string): Promise<readonly StoredInfo[]> {
     const path = `/api/sites/${encodeURIComponent(site)}/stored?former=true`;
-    return (await this.ask<{ channels: readonly StoredInfo[] }>("GET", path)).channels;
+    return (await this.request<{ channels: readonly StoredInfo[] }>("GET", path)).channels;
   }
 
   /** The anomaly detectors of a site, and what each says now. */
   anomalies(site: string): Promise<AnomalyList> {
-    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/anomalies`);
+    return this.request("GET", `/api/sites/${encodeURIComponent(site)}/anomalies`);
   }
 
   /** Says that a detector's latest peak was no anomaly; gives whether it learned. */
-  async forgive(site: string, address: string, detector: string): Promise<boolean> {
+  async dismissAnomaly(site: string, address: string, detector: string): Promise<boolean> {
     const path = `/api/sites/${encodeURIComponent(site)}/anomalies/forgiven`;
-    return (await this.ask<{ learned: boolean }>("POST", path, { address, detector })).learned;
+    return (await this.request<{ learned: boolean }>("POST", path, { address, detector })).learned;
   }
 
   /** What happened in a window (µs), newest first. */
   events(site: string, span: Window, limit: number, signal?: AbortSignal): Promise<EventList> {
     const search = windowQuery(span);
     search.set("limit", String(limit));
-    return this.ask("GET", `/api/sites/${encodeURIComponent(site)}/events?${search.toString()}`, undefined, { signal });
+    return this.request("GET", `/api/sites/${encodeURIComponent(site)}/events?${search.toString()}`, undefined, { signal });
   }
 
   /**
@@ -144,7 +144,7 @@ export class HubApi {
    * @throws Refused when the hub says no
    * @throws Unreachable when there is no hub, or something else answers in its place
    */
-  async ask<T>(method: Method, path: string, body?: object, options: AskOptions = {}): Promise<T> {
+  async request<T>(method: Method, path: string, body?: object, options: AskOptions = {}): Promise<T> {
     // A touch of the page keeps the session (state/touched.ts); what pages ask for again and again does not.
     const { signal, background = method === "GET" } = options;
     const headers = new Headers({ accept: "application/json", ...(background ? BACKGROUND : {}) });

@@ -20,7 +20,7 @@ export class HubClock {
    * @param nowMs the same clock when the answer came
    * @param hubUs the hub's monotonic clock in between
    */
-  observe(sentMs: number, nowMs: number, hubUs: number): void {
+  recordExchange(sentMs: number, nowMs: number, hubUs: number): void {
     const roundTripMs = nowMs - sentMs;
     if (!(roundTripMs >= 0)) return;
     const offsetMs = hubUs / 1000 - (sentMs + roundTripMs / 2);

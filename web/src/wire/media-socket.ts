@@ -35,34 +35,34 @@ export class MediaSocket {
     private readonly options: MediaOptions,
     private readonly listener: MediaListener,
   ) {
-    this.open();
+    this.openSocket();
   }
 
   close(): void {
     clearTimeout(this.timer);
-    this.drop();
+    this.closeSocket();
   }
 
   /** Tells the hub whether a picture a second will do, since nobody looks closely. */
-  glance(still: boolean): void {
+  setLowRate(still: boolean): void {
     if (this.still === still) return;
     this.still = still;
     if (this.socket?.readyState === 1) this.socket.send(encode({ t: "glance", still }));
   }
 
   /** Tells the hub whether to say what is seen on the pictures. */
-  boxes(on: boolean): void {
+  requestBoxes(on: boolean): void {
     if (this.boxed === on) return;
     this.boxed = on;
     if (this.socket?.readyState === 1) this.socket.send(encode({ t: "boxes_ask", on }));
   }
 
   /** Begins anew, as after a loss: what came cannot be gone on with. */
-  again(): void {
-    this.retry("");
+  restart(): void {
+    this.scheduleRetry("");
   }
 
-  private open(): void {
+  private openSocket(): void {
     this.listener.onState("connecting", "");
     const socket = (this.options.openSocket ?? ((url) => new WebSocket(url)))(this.options.url);
     socket.binaryType = "arraybuffer";
@@ -74,20 +74,20 @@ export class MediaSocket {
       this.listener.onState("open", "");
     };
     socket.onmessage = (event: MessageEvent<unknown>) => {
-      if (event.data instanceof ArrayBuffer) this.receive(event.data, socket);
+      if (event.data instanceof ArrayBuffer) this.receiveMessage(event.data, socket);
     };
     socket.onclose = () => {
-      if (this.socket === socket) this.retry("");
+      if (this.socket === socket) this.scheduleRetry("");
     };
   }
 
-  private receive(bytes: ArrayBuffer, socket: WebSocket): void {
+  private receiveMessage(bytes: ArrayBuffer, socket: WebSocket): void {
     let message: MediaToBrowser | null;
     try {
       message = decodeMedia(bytes);
     } catch (error) {
       if (!(error instanceof FrameError)) throw error;
-      this.retry("");
+      this.scheduleRetry("");
       return;
     }
     if (message === null) return;
@@ -105,31 +105,31 @@ export class MediaSocket {
       case "problem":
         // A camera that is away may come back; one that is not ours, or not there, will not.
         if (message.code === "picture") this.listener.onTrouble(message.message);
-        else if (message.code === "offline" || message.code === "busy") this.retry(message.message);
-        else this.refuse(message.message);
+        else if (message.code === "offline" || message.code === "busy") this.scheduleRetry(message.message);
+        else this.stopRefused(message.message);
         return;
       case "ended":
-        this.refuse(message.reason);
+        this.stopRefused(message.reason);
         return;
     }
   }
 
-  private refuse(why: string): void {
+  private stopRefused(why: string): void {
     this.close();
     this.listener.onState("refused", why);
   }
 
-  private retry(why: string): void {
-    this.drop();
+  private scheduleRetry(why: string): void {
+    this.closeSocket();
     this.listener.onState("lost", why);
     const delay = backoffMs(this.attempt, (this.options.random ?? Math.random)());
     this.attempt += 1;
     this.timer = setTimeout(() => {
-      this.open();
+      this.openSocket();
     }, delay);
   }
 
-  private drop(): void {
+  private closeSocket(): void {
     const socket = this.socket;
     this.socket = null;
     if (socket === null) return;

@@ -10,19 +10,19 @@ export type {
 } from "../generated/api.js";
 
 export class RecordingsApi {
-  constructor(private readonly hub: Pick<HubApi, "ask">) {}
+  constructor(private readonly hub: Pick<HubApi, "request">) {}
 
   list(site: string): Promise<RecordingListShape> {
-    return this.hub.ask("GET", `/api/sites/${encodeURIComponent(site)}/recordings`);
+    return this.hub.request("GET", `/api/sites/${encodeURIComponent(site)}/recordings`);
   }
 
   /** The gateway does it; whether it did is seen in the list. */
   async record(site: string, on: boolean, why: string): Promise<void> {
-    await this.hub.ask("POST", `/api/sites/${encodeURIComponent(site)}/recordings`, { on, why });
+    await this.hub.request("POST", `/api/sites/${encodeURIComponent(site)}/recordings`, { on, why });
   }
 
   async remove(site: string, recording: string): Promise<void> {
-    await this.hub.ask("DELETE", `/api/sites/${encodeURIComponent(site)}/recordings/${encodeURIComponent(recording)}`);
+    await this.hub.request("DELETE", `/api/sites/${encodeURIComponent(site)}/recordings/${encodeURIComponent(recording)}`);
   }
 }
 

@@ -9,17 +9,17 @@ const at = (site: string, more = ""): string => `/api/sites/${encodeURIComponent
 
 export class SightingsApi {
   constructor(
-    private readonly hub: Pick<HubApi, "ask">,
+    private readonly hub: Pick<HubApi, "request">,
     private readonly site: string,
   ) {}
 
   /** @param query what is asked for, as the hub reads it */
-  find(query: string): Promise<SightingList> {
-    return this.hub.ask("GET", at(this.site, `?${query}`));
+  findSightings(query: string): Promise<SightingList> {
+    return this.hub.request("GET", at(this.site, `?${query}`));
   }
 
   async labels(): Promise<SightingLabels["labels"]> {
-    return (await this.hub.ask<SightingLabels>("GET", at(this.site, "/labels"))).labels;
+    return (await this.hub.request<SightingLabels>("GET", at(this.site, "/labels"))).labels;
   }
 }
 

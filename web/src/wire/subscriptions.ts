@@ -47,33 +47,33 @@ export class Subscriptions {
   }
 
   /** What to send for one subscription; null when it is gone. */
-  message(sub: number): Sendable<Subscribe> | null {
+  messageFor(sub: number): Sendable<Subscribe> | null {
     const entry = this.entries.get(sub);
     if (entry === undefined) return null;
     return { t: "subscribe", sub, site: entry.site, channels: entry.channels, every_ms: entry.everyMs };
   }
 
   /** Everything to send on a fresh connection. */
-  restart(): Sendable<Subscribe>[] {
+  restartMessages(): Sendable<Subscribe>[] {
     const messages: Sendable<Subscribe>[] = [];
     for (const [sub, entry] of this.entries) {
       entry.first = true;
       entry.taken = false;
-      const message = this.message(sub);
+      const message = this.messageFor(sub);
       if (message !== null) messages.push(message);
     }
     return messages;
   }
 
   /** The hub has answered. */
-  took(sub: number): void {
+  markAccepted(sub: number): void {
     const entry = this.entries.get(sub);
     if (entry !== undefined) entry.taken = true;
   }
 
   /** What the hub has not taken yet. */
-  open(): Sendable<Subscribe>[] {
-    return [...this.entries].flatMap(([sub, { taken }]) => (taken ? [] : (this.message(sub) ?? [])));
+  pendingMessages(): Sendable<Subscribe>[] {
+    return [...this.entries].flatMap(([sub, { taken }]) => (taken ? [] : (this.messageFor(sub) ?? [])));
   }
 
   /**

@@ -67,42 +67,42 @@ afterEach(() => {
 });
 
 test("a question gives the newest, and the next page goes on from the last row", async () => {
-  expect([list.asked, list.loading]).toEqual([false, false]);
-  list.ask("all");
-  expect([list.asked, list.loading, list.more]).toEqual([true, true, true]);
+  expect([list.hasStarted, list.loading]).toEqual([false, false]);
+  list.load("all");
+  expect([list.hasStarted, list.loading, list.hasMore]).toEqual([true, true, true]);
   await hub.answer();
-  expect([ids(list.rows), list.loading, list.more]).toEqual(["5 4 3", false, true]);
-  void list.older();
-  void list.older();
+  expect([ids(list.rows), list.loading, list.hasMore]).toEqual(["5 4 3", false, true]);
+  void list.loadOlder();
+  void list.loadOlder();
   await hub.answer();
-  expect([ids(list.rows), list.more]).toEqual(["5 4 3 2 1", false]);
-  void list.older();
+  expect([ids(list.rows), list.hasMore]).toEqual(["5 4 3 2 1", false]);
+  void list.loadOlder();
   expect(hub.asked).toEqual(["", "3"]);
   expect(drawn).toBeGreaterThan(3);
 });
 
 test("the same question is asked once, and another begins anew", async () => {
-  list.ask("all");
-  list.ask("all");
+  list.load("all");
+  list.load("all");
   await hub.answer();
-  list.ask("some");
+  list.load("some");
   expect([ids(list.rows), list.loading]).toEqual(["", true]);
   expect(hub.asked).toEqual(["", ""]);
 });
 
 test("a run that is overtaken is dropped, whatever became of it", async () => {
-  list.ask("all");
+  list.load("all");
   hub.newest = 2;
-  list.ask("some");
+  list.load("some");
   await hub.answer(1);
   hub.failNext();
   await hub.answer();
-  expect([ids(list.rows), list.failure, list.loading]).toEqual(["2 1", null, false]);
-  list.ask("all");
+  expect([ids(list.rows), list.renderFailure, list.loading]).toEqual(["2 1", null, false]);
+  list.load("all");
   await hub.answer();
-  void list.newer();
+  void list.loadNewer();
   hub.newest = 1;
-  list.ask("few");
+  list.load("few");
   await hub.answer(1);
   await hub.answer();
   expect(ids(list.rows)).toBe("1");
@@ -110,23 +110,23 @@ test("a run that is overtaken is dropped, whatever became of it", async () => {
 
 test("a failure stops the list until somebody tries again", async () => {
   hub.failNext();
-  list.ask("all");
+  list.load("all");
   await hub.answer();
-  expect(list.failure).toBeInstanceOf(Error);
-  await list.older();
+  expect(list.renderFailure).toBeInstanceOf(Error);
+  await list.loadOlder();
   expect(hub.asked.length).toBe(1);
-  list.again();
-  expect([list.failure, list.loading]).toEqual([null, true]);
+  list.retry();
+  expect([list.renderFailure, list.loading]).toEqual([null, true]);
   await hub.answer();
   expect(ids(list.rows)).toBe("5 4 3");
 });
 
 test("what is new stands above the rest, and is looked for once for all that is told meanwhile", async () => {
-  list.ask("all");
+  list.load("all");
   await hub.answer();
   hub.newest = 6;
-  list.soon();
-  list.soon();
+  list.scheduleRefresh();
+  list.scheduleRefresh();
   await vi.advanceTimersByTimeAsync(600);
   expect(hub.asked).toEqual(["", ""]);
   hub.newest = 7;
@@ -143,11 +143,11 @@ test("what is new stands above the rest, and is looked for once for all that is 
 });
 
 test("news that never rest are looked for all the same", async () => {
-  list.ask("all");
+  list.load("all");
   await hub.answer();
   hub.newest = 6;
   for (let turn = 0; turn < 30; turn += 1) {
-    list.soon();
+    list.scheduleRefresh();
     await vi.advanceTimersByTimeAsync(100);
   }
   await hub.answer();
@@ -155,51 +155,51 @@ test("news that never rest are looked for all the same", async () => {
 });
 
 test("nothing is looked for before something was asked, nor after the list was left", async () => {
-  await list.newer();
-  list.ask("all");
+  await list.loadNewer();
+  list.load("all");
   await hub.answer();
-  list.soon();
-  list.stop();
+  list.scheduleRefresh();
+  list.stopPolling();
   await vi.advanceTimersByTimeAsync(5000);
   expect(hub.asked).toEqual([""]);
 });
 
 test("newer ones that do not come are tried for at the next news", async () => {
-  list.ask("all");
+  list.load("all");
   await hub.answer();
   hub.failNext();
-  void list.newer();
+  void list.loadNewer();
   await hub.answer();
-  expect([ids(list.rows), list.failure]).toEqual(["5 4 3", null]);
+  expect([ids(list.rows), list.renderFailure]).toEqual(["5 4 3", null]);
   hub.newest = 6;
-  void list.newer();
+  void list.loadNewer();
   await hub.answer();
   expect(ids(list.rows)).toBe("6 5 4 3");
 });
 
 test("where more than a page is new, the list begins anew, and an older page on its way is dropped", async () => {
-  list.ask("all");
+  list.load("all");
   await hub.answer();
-  void list.older();
+  void list.loadOlder();
   hub.newest = 20;
-  void list.newer();
+  void list.loadNewer();
   await hub.answer(1);
-  expect([ids(list.rows), list.more, list.loading]).toEqual(["20 19 18", true, false]);
+  expect([ids(list.rows), list.hasMore, list.loading]).toEqual(["20 19 18", true, false]);
   await hub.answer();
   expect(ids(list.rows)).toBe("20 19 18");
-  void list.older();
+  void list.loadOlder();
   await hub.answer();
   expect(ids(list.rows)).toBe("20 19 18 17 16 15");
 });
 
 test("rows change where they stand, and go with the next news when they do not fit any more", async () => {
   list = new EndlessRows(hub.find, () => undefined, ({ over }) => !over);
-  list.ask("all");
+  list.load("all");
   await hub.answer();
-  list.change((rows) => rows.map((row) => (row.id === "3" ? { ...row, over: true } : row)));
+  list.updateRows((rows) => rows.map((row) => (row.id === "3" ? { ...row, over: true } : row)));
   expect(ids(list.rows)).toBe("5 4 3");
   hub.newest = 6;
-  void list.newer();
+  void list.loadNewer();
   await hub.answer();
   // The hub's answer does not know of it: row 3 is not on the newest page.
   expect(ids(list.rows)).toBe("6 5 4");

@@ -49,10 +49,10 @@ describe("a value axis", () => {
 
   it("stays still while the data fit, grows at once, and shrinks when it is mostly empty", () => {
     const steady = new SteadyRange();
-    const first = steady.next(0, 10);
-    expect(steady.next(1, 9)).toBe(first);
-    expect(steady.next(0, 50).high).toBeGreaterThanOrEqual(50);
-    expect(steady.next(0, 5).high).toBeLessThan(10);
+    const first = steady.nextRange(0, 10);
+    expect(steady.nextRange(1, 9)).toBe(first);
+    expect(steady.nextRange(0, 50).high).toBeGreaterThanOrEqual(50);
+    expect(steady.nextRange(0, 5).high).toBeLessThan(10);
   });
 
   it("writes as many digits as its step needs", () => {

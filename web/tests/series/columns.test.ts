@@ -32,9 +32,9 @@ describe("columns", () => {
       const { times, values } = series(roll);
       const columns = thin(times, values, 300_000, 30_000);
       for (let i = 0; i < columns.length; i += 1) {
-        expect(columns.min(i)).toBeLessThanOrEqual(columns.mean(i) + 1e-9);
-        expect(columns.mean(i)).toBeLessThanOrEqual(columns.max(i) + 1e-9);
-        if (i > 0) expect(columns.time(i)).toBeGreaterThan(columns.time(i - 1));
+        expect(columns.minAt(i)).toBeLessThanOrEqual(columns.meanAt(i) + 1e-9);
+        expect(columns.meanAt(i)).toBeLessThanOrEqual(columns.maxAt(i) + 1e-9);
+        if (i > 0) expect(columns.timeAt(i)).toBeGreaterThan(columns.timeAt(i - 1));
       }
     });
   });
@@ -50,7 +50,7 @@ describe("columns", () => {
       });
       for (let back = 1; back <= moved.length; back += 1) {
         const [a, b] = [moved.length - back, all.length - back];
-        expect([moved.time(a), moved.min(a), moved.max(a)]).toEqual([all.time(b), all.min(b), all.max(b)]);
+        expect([moved.timeAt(a), moved.minAt(a), moved.maxAt(a)]).toEqual([all.timeAt(b), all.minAt(b), all.maxAt(b)]);
       }
     });
   });
@@ -58,7 +58,7 @@ describe("columns", () => {
   it("break the line after a longer pause than allowed, and across what is no number", () => {
     const broken = (times: number[], values: number[]): boolean[] => {
       const columns = thin(times, values, 10, 100);
-      return Array.from({ length: columns.length }, (_, i) => columns.broken(i));
+      return Array.from({ length: columns.length }, (_, i) => columns.isBroken(i));
     };
     expect(broken([0, 100, 201, 250], [1, 1, 1, 1])).toEqual([false, false, true, false]);
     expect(broken([0, 50, 100], [1, NaN, 1])).toEqual([false, true]);
@@ -66,7 +66,7 @@ describe("columns", () => {
   });
 
   it("put a lone sample where it was taken", () => {
-    expect(thin([1_234_567], [1], 1_000_000, 1).time(0)).toBe(1_234_567);
+    expect(thin([1_234_567], [1], 1_000_000, 1).timeAt(0)).toBe(1_234_567);
   });
 
   it("sum up only what is in the window", () => {

@@ -18,7 +18,7 @@ describe("gaps", () => {
       expect(typicalInterval(times)).toBeLessThan(11_000);
       const watch = new IntervalWatch();
       times.forEach((time) => {
-        watch.see(time);
+        watch.addTime(time);
       });
       expect(watch.typicalUs).toBeGreaterThan(9000);
       expect(watch.typicalUs).toBeLessThan(11_000);

@@ -26,30 +26,30 @@ describe("search", () => {
 describe("the live edge", () => {
   it("follows the samples that are least late, and goes on when they stop", () => {
     const edge = new LiveEdge();
-    expect(edge.known).toBe(false);
+    expect(edge.isKnown).toBe(false);
     for (const [taken, now] of [[0, 1040], [100, 1110], [200, 1260]] as const) edge.observe(taken * 1000, now);
-    expect(edge.at(1260)).toBe(250_000);
-    expect(edge.at(9000)).toBe(7_990_000);
+    expect(edge.nowUs(1260)).toBe(250_000);
+    expect(edge.nowUs(9000)).toBe(7_990_000);
   });
 
   it("follows a clock that is set back within ten seconds", () => {
     const edge = new LiveEdge();
     edge.observe(100e6, 0);
     for (let now = 100; now <= 10_200; now += 100) edge.observe(now * 1000, now);
-    expect(edge.at(10_200)).toBe(10_200_000);
+    expect(edge.nowUs(10_200)).toBe(10_200_000);
   });
 
   it("does not jump when a new stretch of five seconds begins with a late sample", () => {
     const edge = new LiveEdge();
     edge.observe(0, 1000);
     edge.observe(5_000_000, 6300);
-    expect(edge.at(6300)).toBe(5_300_000);
+    expect(edge.nowUs(6300)).toBe(5_300_000);
   });
 
   it("counts the age of an old sample in", () => {
     const edge = new LiveEdge();
     edge.observe(1e6, 50, 3000);
-    expect(edge.at(50)).toBe(4e6);
+    expect(edge.nowUs(50)).toBe(4e6);
   });
 });
 
@@ -105,19 +105,19 @@ describe("a window", () => {
 describe("the pace of drawing", () => {
   it("is 30 a second while drawing is cheap, and slower when it is dear", () => {
     const pace = new Pace();
-    for (let i = 0; i < 200; i += 1) pace.drew(i * 33, 2);
+    for (let i = 0; i < 200; i += 1) pace.recordRound(i * 33, 2);
     expect(pace.intervalMs).toBe(33);
-    for (let i = 0; i < 200; i += 1) pace.drew(i * 33, 30);
+    for (let i = 0; i < 200; i += 1) pace.recordRound(i * 33, 30);
     expect(pace.intervalMs).toBeCloseTo(100, 0);
-    for (let i = 0; i < 200; i += 1) pace.drew(i * 33, 900);
+    for (let i = 0; i < 200; i += 1) pace.recordRound(i * 33, 900);
     expect(pace.intervalMs).toBe(250);
   });
 
   it("starts at once, and then waits its interval", () => {
     const pace = new Pace();
-    expect(pace.due(0)).toBe(true);
-    pace.drew(1000, 1);
-    expect([pace.due(1016), pace.due(1033)]).toEqual([false, true]);
+    expect(pace.isDue(0)).toBe(true);
+    pace.recordRound(1000, 1);
+    expect([pace.isDue(1016), pace.isDue(1033)]).toEqual([false, true]);
   });
 });
 
@@ -128,36 +128,36 @@ describe("a trace", () => {
       const again = new Trace(1e12, 5e6);
       trace.columnsAt(200_000);
       for (const time of timesOf(roll, 1000)) {
-        trace.take(time, roll());
+        trace.addSample(time, roll());
       }
       again.backfill(trace.times, trace.values);
       const [a, b] = [trace.columnsAt(200_000), again.columnsAt(200_000)];
       expect(a.length).toBe(b.length);
-      for (let i = 0; i < a.length; i += 1) expect([a.time(i), a.max(i)]).toEqual([b.time(i), b.max(i)]);
+      for (let i = 0; i < a.length; i += 1) expect([a.timeAt(i), a.maxAt(i)]).toEqual([b.timeAt(i), b.maxAt(i)]);
     });
   });
 
   it("shows a sample that came late in its place", () => {
     const trace = new Trace(1e9, 5e6);
-    trace.take(1e6, 1);
-    trace.take(3e6, 3);
+    trace.addSample(1e6, 1);
+    trace.addSample(3e6, 3);
     trace.columnsAt(1e5);
-    trace.take(2e6, 9);
-    expect([0, 1, 2].map((i) => trace.columnsAt(1e5).max(i))).toEqual([1, 9, 3]);
+    trace.addSample(2e6, 9);
+    expect([0, 1, 2].map((i) => trace.columnsAt(1e5).maxAt(i))).toEqual([1, 9, 3]);
   });
 
   it("counts a change only when something changed", () => {
     const trace = new Trace(1e9, 5e6);
-    trace.take(1e6, 1);
-    trace.take(1e6, 2);
+    trace.addSample(1e6, 1);
+    trace.addSample(1e6, 2);
     expect(trace.version).toBe(1);
   });
 
   it("stands still as a copy", () => {
     const trace = new Trace(1e9, 5e6);
-    trace.take(1e6, 1);
+    trace.addSample(1e6, 1);
     const copy = trace.copy();
-    trace.take(2e6, 2);
+    trace.addSample(2e6, 2);
     expect([copy.length, copy.newest, copy.columnsAt(10).length]).toEqual([1, 1, 1]);
   });
 });

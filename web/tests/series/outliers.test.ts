@@ -41,9 +41,9 @@ describe("outliers", () => {
   it("are the same answer for the same question", () => {
     const memo = new OutlierMemo();
     const samples = { times, values: level({ 10: 99 }), version: 1 };
-    const first = memo.of(samples, SPAN, 1.5);
-    expect(memo.of(samples, { ...SPAN }, 1.5)).toBe(first);
-    expect(memo.of({ ...samples, version: 2 }, SPAN, 1.5)).not.toBe(first);
+    const first = memo.outliersOf(samples, SPAN, 1.5);
+    expect(memo.outliersOf(samples, { ...SPAN }, 1.5)).toBe(first);
+    expect(memo.outliersOf({ ...samples, version: 2 }, SPAN, 1.5)).not.toBe(first);
   });
 
   it("of fences that the hub has found are the points beyond them, and counted are all samples", () => {

@@ -63,30 +63,30 @@ test("only what is raised while the page looks on makes a sound, once, and only 
   const kept = new Map<string, string>();
   const storage = { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value) };
   const sound = new AlarmSound(storage, { beep: () => (beeps += 1) });
-  alarms.watch(() => {
-    sound.hear(alarms.raised);
+  alarms.subscribe(() => {
+    sound.soundIfMore(alarms.raised);
   });
   // It was so before the page came.
   line.say(news("old", { phase: "active", raised_us: 1 }));
   line.say(news("low"));
   line.say(news("low", { phase: "active", raised_us: 2 }));
   expect(beeps).toBe(0);
-  sound.choose(true);
+  sound.setOn(true);
   expect(beeps).toBe(1);
   line.say(news("low", { phase: "active", raised_us: 2, assigned: "ada" }));
   expect(beeps).toBe(1);
   line.say(news("low", { phase: "active", raised_us: 3 }));
   expect(beeps).toBe(2);
-  sound.choose(false);
+  sound.setOn(false);
   line.say(news("low", { phase: "active", raised_us: 4 }));
   expect(beeps).toBe(2);
   // Another page of this browser is silent until somebody has touched it.
   kept.set("talaia-alarm-sound", "on");
   const next = new AlarmSound(storage, { beep: () => (beeps += 1) });
-  next.hear(1);
+  next.soundIfMore(1);
   expect(beeps).toBe(2);
-  next.touch();
-  next.hear(2);
+  next.unlockAudio();
+  next.soundIfMore(2);
   expect(beeps).toBe(3);
 });
 

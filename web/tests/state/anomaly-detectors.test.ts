@@ -20,25 +20,25 @@ function news(change: Partial<AnomalyNews> = {}): AnomalyNews {
 
 function book(...detectors: readonly AnomalyInfo[]): DetectorBook {
   const made = new DetectorBook();
-  made.answered({ detectors, may_forgive: true, skipped: 0 });
+  made.setList({ detectors, may_forgive: true, skipped: 0 });
   return made;
 }
 
 test("an anomaly that is told of is on until it is told to be over", () => {
   const held = book(info());
-  expect(held.of("power/voltage")[0]).toMatchObject({ on: false, anomaly: null });
-  expect(held.hear(news({ on: true, from_us: 5, why: "far off", score: 0.9 }))).toBe(true);
-  expect(held.of("power/voltage")[0]).toMatchObject({ on: true, score: 0.9, anomaly: { fromUs: 5, toUs: Infinity, why: "far off" } });
-  held.hear(news({ from_us: 5, to_us: 9, why: "far off" }));
-  expect(held.of("power/voltage")[0]).toMatchObject({ on: false, anomaly: { fromUs: 5, toUs: 9, forgiven: false } });
+  expect(held.detectorsOf("power/voltage")[0]).toMatchObject({ on: false, anomaly: null });
+  expect(held.applyUpdate(news({ on: true, from_us: 5, why: "far off", score: 0.9 }))).toBe(true);
+  expect(held.detectorsOf("power/voltage")[0]).toMatchObject({ on: true, score: 0.9, anomaly: { fromUs: 5, toUs: Infinity, why: "far off" } });
+  held.applyUpdate(news({ from_us: 5, to_us: 9, why: "far off" }));
+  expect(held.detectorsOf("power/voltage")[0]).toMatchObject({ on: false, anomaly: { fromUs: 5, toUs: 9, forgiven: false } });
 });
 
 test("each anomaly is remembered once, in order of time, of all detectors of a signal", () => {
   const held = book(info(), info({ detector: "limits", scores: "power/voltage~limits", from_us: 6, to_us: 7, why: "low" }));
-  held.hear(news({ on: true, from_us: 5 }));
-  held.hear(news({ from_us: 5, to_us: 9 }));
-  held.hear(news({ on: true, from_us: 20 }));
-  held.hear(news({ from_us: 20, to_us: 22, forgiven: true }));
+  held.applyUpdate(news({ on: true, from_us: 5 }));
+  held.applyUpdate(news({ from_us: 5, to_us: 9 }));
+  held.applyUpdate(news({ on: true, from_us: 20 }));
+  held.applyUpdate(news({ from_us: 20, to_us: 22, forgiven: true }));
   expect(held.anomalies("power/voltage").map(({ fromUs, toUs, forgiven }) => [fromUs, toUs, forgiven])).toEqual([
     [5, 9, false],
     [6, 7, false],
@@ -49,35 +49,35 @@ test("each anomaly is remembered once, in order of time, of all detectors of a s
 
 test("what is told while the list is on its way is newer than the list", () => {
   const held = book(info());
-  held.asking();
-  held.hear(news({ on: true, from_us: 5 }));
-  held.answered({ detectors: [info()], may_forgive: false, skipped: 0 });
-  expect(held.of("power/voltage")[0]?.on).toBe(true);
+  held.beginLoad();
+  held.applyUpdate(news({ on: true, from_us: 5 }));
+  held.setList({ detectors: [info()], may_forgive: false, skipped: 0 });
+  expect(held.detectorsOf("power/voltage")[0]?.on).toBe(true);
   expect(held.mayForgive).toBe(false);
 });
 
 test("what was told before the list was asked for is not newer than it", () => {
   const held = book(info());
-  held.hear(news({ on: true, from_us: 5 }));
-  held.asking();
-  held.answered({ detectors: [info({ from_us: 5, to_us: 8 })], may_forgive: true, skipped: 0 });
-  expect(held.of("power/voltage")[0]).toMatchObject({ on: false, anomaly: { toUs: 8 } });
+  held.applyUpdate(news({ on: true, from_us: 5 }));
+  held.beginLoad();
+  held.setList({ detectors: [info({ from_us: 5, to_us: 8 })], may_forgive: true, skipped: 0 });
+  expect(held.detectorsOf("power/voltage")[0]).toMatchObject({ on: false, anomaly: { toUs: 8 } });
 });
 
 test("news of a detector that is not in the list changes nothing", () => {
   const held = book(info());
   const before = held.list;
-  expect(held.hear(news({ detector: "still", on: true, from_us: 3 }))).toBe(false);
+  expect(held.applyUpdate(news({ detector: "still", on: true, from_us: 3 }))).toBe(false);
   expect(held.list).toBe(before);
 });
 
 test("the list is another whenever a detector stands otherwise, and no longer than needed", () => {
   const held = book(info(), info({ address: "base/speed", scores: "base/speed~together" }));
   const before = held.list;
-  held.hear(news({ learning: 7 }));
+  held.applyUpdate(news({ learning: 7 }));
   expect(held.list).not.toBe(before);
   expect(held.list).toHaveLength(2);
-  for (let at = 1; at <= 80; at += 1) held.hear(news({ on: true, from_us: at }));
+  for (let at = 1; at <= 80; at += 1) held.applyUpdate(news({ on: true, from_us: at }));
   expect(held.anomalies("power/voltage")).toHaveLength(50);
 });
 

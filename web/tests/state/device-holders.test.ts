@@ -19,14 +19,14 @@ function news(id: string, acting: string, more: Partial<CommandNews> = {}): Comm
     ...more,
   };
 }
-const words = (): string[] => holders.of("obs", "dome").map((one) => one.words);
+const words = (): string[] => holders.holdersOf("obs", "dome").map((one) => one.words);
 
 test("who acts on a device stands from the first word of it to its end, the newest first", () => {
   line.say(news("1", "Ada is acting on Dome: Close"));
-  expect(holders.of("obs", "dome")[0]?.since).toBe(6000);
+  expect(holders.holdersOf("obs", "dome")[0]?.since).toBe(6000);
   now = 12_000;
   line.say(news("1", "Ada is acting on Dome: Close", { acting_s: 6.3, progress: 0.5 }));
-  expect(holders.of("obs", "dome")[0]?.since).toBe(6000);
+  expect(holders.holdersOf("obs", "dome")[0]?.since).toBe(6000);
   line.say(news("2", "Bob is acting on Dome: Open", { acting_s: 0 }));
   line.say(news("3", "Eve is acting on Roof: Open", { device: "roof" }));
   expect(words()).toEqual(["Bob is acting on Dome: Open", "Ada is acting on Dome: Close"]);

@@ -16,23 +16,23 @@ function lost(device: string, more: Partial<DeviceNews> = {}): DeviceNews {
 
 test("a device that is not reached has its reason until it is back", () => {
   let told = 0;
-  reach.watch(() => told++);
+  reach.subscribe(() => told++);
   line.say(lost("dome"));
-  expect(reach.of("obs", "dome")?.why).toBe("nobody answers");
-  expect(reach.of("obs", "mount")).toBeUndefined();
-  expect(reach.of("agv", "dome")).toBeUndefined();
+  expect(reach.unreachableSince("obs", "dome")?.why).toBe("nobody answers");
+  expect(reach.unreachableSince("obs", "mount")).toBeUndefined();
+  expect(reach.unreachableSince("agv", "dome")).toBeUndefined();
   line.say(lost("dome", { reached: true, why: "" }));
-  expect(reach.of("obs", "dome")).toBeUndefined();
+  expect(reach.unreachableSince("obs", "dome")).toBeUndefined();
   expect(told).toBe(2);
 });
 
 test("without the gateway or the hub nothing is held against a device", () => {
   line.say(lost("dome"));
   line.say({ t: "site", site: "agv", online: false, since_us: 1, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
-  expect(reach.of("obs", "dome")).toBeDefined();
+  expect(reach.unreachableSince("obs", "dome")).toBeDefined();
   line.say({ t: "site", site: "obs", online: false, since_us: 1, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
-  expect(reach.of("obs", "dome")).toBeUndefined();
+  expect(reach.unreachableSince("obs", "dome")).toBeUndefined();
   line.say(lost("dome"));
   line.become("lost");
-  expect(reach.of("obs", "dome")).toBeUndefined();
+  expect(reach.unreachableSince("obs", "dome")).toBeUndefined();
 });

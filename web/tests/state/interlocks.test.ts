@@ -42,9 +42,9 @@ test("times that are left are counted down from when they were told", () => {
   line.say(news("a", { unsafe: false, clears_ms: 5000 }));
   now = 2000;
   const [one] = interlocks.list;
-  expect(one && interlocks.left(one, one.news.clears_ms)).toBe(3000);
+  expect(one && interlocks.remainingMs(one, one.news.clears_ms)).toBe(3000);
   now = 9000;
-  expect(one && interlocks.left(one, one.news.clears_ms)).toBe(0);
+  expect(one && interlocks.remainingMs(one, one.news.clears_ms)).toBe(0);
 });
 
 test("nothing is claimed of a site that went offline, or over a lost connection", () => {

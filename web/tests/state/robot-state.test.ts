@@ -15,22 +15,22 @@ function told(): { line: FakeLine; news: RobotNews } {
 
 test("a page that is opened later learns what was said before", () => {
   const { news } = told();
-  expect(news.stop("agv", "base")?.latched).toBe(true);
-  expect(news.lease("agv", "base")?.holder).toBe("Ada");
-  expect(news.stop("agv", "arm")).toBeUndefined();
+  expect(news.stopOf("agv", "base")?.latched).toBe(true);
+  expect(news.leaseOf("agv", "base")?.holder).toBe("Ada");
+  expect(news.stopOf("agv", "arm")).toBeUndefined();
 });
 
 test("nothing is remembered over a lost connection", () => {
   const { line, news } = told();
   line.become("lost");
-  expect(news.stop("agv", "base")).toBeUndefined();
-  expect(news.lease("agv", "base")).toBeUndefined();
+  expect(news.stopOf("agv", "base")).toBeUndefined();
+  expect(news.leaseOf("agv", "base")).toBeUndefined();
 });
 
 test("nothing is remembered of a site that went offline", () => {
   const { line, news } = told();
   line.say({ t: "site", site: "agv", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
-  expect(news.stop("agv", "base")).toBeUndefined();
+  expect(news.stopOf("agv", "base")).toBeUndefined();
 });
 
 test("a device is held when one of the leases is ours", () => {

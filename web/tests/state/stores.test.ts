@@ -30,7 +30,7 @@ describe("the session", () => {
   test("is unknown, then somebody's, then nobody's", async () => {
     const session = new Session(hub((path) => (path === "/api/logout" ? json(null) : json({ name: "ana", role: "admin" }))).api);
     const states: string[] = [session.state];
-    session.watch(() => states.push(session.leaving ? "leaving" : session.state));
+    session.subscribe(() => states.push(session.isSigningOut ? "leaving" : session.state));
     await session.refresh();
     await session.refresh();
     await session.logout();
@@ -77,15 +77,15 @@ describe("sites", () => {
   test("follow the hub's news", async () => {
     const sites = new Sites(hub(() => json([row])).api);
     await sites.load();
-    sites.apply({ ...news, online: false, since_us: 50 });
-    expect(sites.row("agv")).toMatchObject({ online: false, since_us: 50, last_seen_us: 50 });
+    sites.applyUpdate({ ...news, online: false, since_us: 50 });
+    expect(sites.siteRow("agv")).toMatchObject({ online: false, since_us: 50, last_seen_us: 50 });
   });
 
   test("are asked for anew when one appears that was not there", async () => {
     const { api, asked } = hub(() => json([row]));
     const sites = new Sites(api);
     await sites.load();
-    sites.apply({ ...news, site: "dome" });
+    sites.applyUpdate({ ...news, site: "dome" });
     expect(asked).toEqual(["/api/sites", "/api/sites"]);
   });
 
@@ -102,19 +102,19 @@ describe("sites", () => {
     const { api, asked } = hub((path) => json(path === "/api/sites" ? [row] : detail));
     const sites = new Sites(api);
     await sites.load();
-    await sites.detail("agv");
-    await sites.detail("agv");
-    sites.apply({ ...news, catalogue: "2" });
-    await sites.detail("agv");
+    await sites.loadDetail("agv");
+    await sites.loadDetail("agv");
+    sites.applyUpdate({ ...news, catalogue: "2" });
+    await sites.loadDetail("agv");
     expect(asked.filter((path) => path === "/api/sites/agv")).toHaveLength(2);
   });
 
   test("do not remember a description that failed to load", async () => {
     let well = false;
     const sites = new Sites(hub(() => (well ? json(detail) : json({}, 500))).api);
-    await expect(sites.detail("agv")).rejects.toThrow();
+    await expect(sites.loadDetail("agv")).rejects.toThrow();
     well = true;
-    await expect(sites.detail("agv")).resolves.toEqual(detail);
+    await expect(sites.loadDetail("agv")).resolves.toEqual(detail);
   });
 });
 
@@ -169,7 +169,7 @@ describe("live values", () => {
     feed.say(0, 5, 1.5, [7000]);
     now += 500;
     const reading = live.latest("agv", "a/y");
-    expect(reading && live.ageOf(reading)).toBeCloseTo(7.5);
+    expect(reading && live.ageS(reading)).toBeCloseTo(7.5);
   });
 
   test("never go back in time", async () => {
@@ -231,11 +231,11 @@ describe("the theme", () => {
   test("is kept, and given up for the machine's own", () => {
     const kept = new Map<string, string>();
     const storage = { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value) };
-    new ThemeChoice(root(), storage).choose("night");
+    new ThemeChoice(root(), storage).setTheme("night");
     const again = root();
     const theme = new ThemeChoice(again, storage);
     expect([theme.theme, again.attributes.get("data-theme")]).toEqual(["night", "night"]);
-    theme.choose("auto");
+    theme.setTheme("auto");
     expect(again.attributes.size).toBe(0);
   });
 
@@ -253,8 +253,8 @@ test("what a page asks for by itself does not keep the session; staying does", a
   const session = new Session(api);
   await session.refresh();
   await api.devices();
-  await session.stay();
-  await api.ask("POST", "/api/logout", {});
+  await session.extend();
+  await api.request("POST", "/api/logout", {});
   expect(said).toEqual(["GET 1", "GET 1", "GET -", "POST -"]);
 });
 
@@ -262,14 +262,14 @@ test("a page is told when what the person may do has changed, and not when only 
   let person: object = { name: "ana", role: "crew", admin: false, permissions: [{ right: "use", site: "agv", device: "*" }] };
   const session = new Session(hub(() => json(person)).api);
   await session.refresh();
-  const rights = session.rights;
+  const rights = session.rightsKey;
   let told = 0;
-  session.watch(() => (told += 1));
+  session.subscribe(() => (told += 1));
   person = { ...person, idle_ends_us: 7 };
   await session.refresh();
-  expect([told, session.rights]).toEqual([0, rights]);
+  expect([told, session.rightsKey]).toEqual([0, rights]);
   person = { ...person, permissions: [] };
   await session.refresh();
   expect(told).toBe(1);
-  expect(session.rights).not.toBe(rights);
+  expect(session.rightsKey).not.toBe(rights);
 });

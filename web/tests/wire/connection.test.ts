@@ -141,7 +141,7 @@ describe("a connection", () => {
     }
     expect(connection.state).toBe("open");
     expect(connection.roundTripMs).toBe(0);
-    expect(connection.ageOf(69_000_000)).toBeCloseTo(1000);
+    expect(connection.ageMsOf(69_000_000)).toBeCloseTo(1000);
   });
 
   test("ends for good when the hub ends the session, and says why", () => {
@@ -187,7 +187,7 @@ describe("a connection", () => {
   test("hands each kind of message to those who asked for it, until they stop", () => {
     const { connection } = connect();
     const seen: number[] = [];
-    const stop = connection.on("tick", (news) => seen.push(news.tick));
+    const stop = connection.onMessage("tick", (news) => seen.push(news.tick));
     newest().say({ t: "tick", site: "agv", tick: 1 });
     stop();
     newest().say({ t: "tick", site: "agv", tick: 2 });

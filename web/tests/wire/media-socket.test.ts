@@ -92,22 +92,22 @@ test("a camera whose pictures cannot be shown says why and is not closed", () =>
 test("a hidden page says so once, and again to a fresh socket", () => {
   const media = open();
   sockets[0]?.onopen?.();
-  media.glance(true);
-  media.glance(true);
+  media.setLowRate(true);
+  media.setLowRate(true);
   expect(sockets[0]?.sent).toEqual([{ t: "glance", still: true }]);
   sockets[0]?.die();
   vi.advanceTimersByTime(125);
   sockets[1]?.onopen?.();
   expect(sockets[1]?.sent).toEqual([{ t: "glance", still: true }]);
-  media.glance(false);
+  media.setLowRate(false);
   expect(sockets[1]?.sent.at(-1)).toEqual({ t: "glance", still: false });
 });
 
 test("boxes are asked for once, of a fresh socket again, and cost no receipt", () => {
   const media = open();
   sockets[0]?.onopen?.();
-  media.boxes(true);
-  media.boxes(true);
+  media.requestBoxes(true);
+  media.requestBoxes(true);
   const boxes = { t: "shot_boxes", seq: 7, time_us: 1, things: [{ t: "thing", label: "dog", score: 0.5, left: 0, top: 0, right: 1, bottom: 1 }] };
   sockets[0]?.say(boxes);
   expect(seen).toEqual([boxes]);
@@ -116,7 +116,7 @@ test("boxes are asked for once, of a fresh socket again, and cost no receipt", (
   vi.advanceTimersByTime(125);
   sockets[1]?.onopen?.();
   expect(sockets[1]?.sent).toEqual([{ t: "boxes_ask", on: true }]);
-  media.boxes(false);
+  media.requestBoxes(false);
   expect(sockets[1]?.sent.at(-1)).toEqual({ t: "boxes_ask", on: false });
 });
 

@@ -18,7 +18,7 @@ export class CommandLine extends Store {
   private timer: ReturnType<typeof setInterval> | undefined;
 
   constructor(
-    private readonly line: Pick<Line, "state" | "send" | "on" | "onState">,
+    private readonly line: Pick<Line, "state" | "send" | "onMessage" | "onState">,
     private readonly site: string,
     private readonly now: () => number = () => performance.now(),
   ) {
@@ -27,26 +27,26 @@ export class CommandLine extends Store {
 
   open(): void {
     this.stops = [
-      this.line.on("command_news", (news) => {
+      this.line.onMessage("command_news", (news) => {
         if (news.site !== this.site) return;
-        this.desk.news(news);
-        this.changed();
+        this.desk.applyUpdate(news);
+        this.notifyWatchers();
       }),
-      this.line.on("problem", (news) => {
-        const asked = news.about === "command" ? this.desk.unanswered() : null;
+      this.line.onMessage("problem", (news) => {
+        const asked = news.about === "command" ? this.desk.newestUnanswered() : null;
         if (!asked) return;
-        this.desk.refused(asked.id, news.message, news.code === "offline");
-        this.changed();
+        this.desk.markRefused(asked.id, news.message, news.code === "offline");
+        this.notifyWatchers();
       }),
-      this.line.on("site", (news) => {
-        if (news.site === this.site && !news.online) this.lose();
+      this.line.onMessage("site", (news) => {
+        if (news.site === this.site && !news.online) this.onLinkLost();
       }),
       this.line.onState((state) => {
-        if (state !== "open") this.lose();
+        if (state !== "open") this.onLinkLost();
       }),
     ];
     this.timer = setInterval(() => {
-      if (this.desk.beat(this.now())) this.changed();
+      if (this.desk.advance(this.now())) this.notifyWatchers();
     }, BEAT_MS);
   }
 
@@ -62,7 +62,7 @@ export class CommandLine extends Store {
    * @param units - those that were shown beside the arguments; in others it is refused
    * @param over - the id of somebody else's command that it may interrupt
    */
-  ask(
+  sendCommand(
     device: string,
     command: string,
     args: Arguments,
@@ -71,32 +71,32 @@ export class CommandLine extends Store {
   ): void {
     const id = freshId();
     this.given.set(`${device}/${command}`, { args, units });
-    this.desk.ask(id, device, command, TTL_MS, this.now());
+    this.desk.addRequest(id, device, command, TTL_MS, this.now());
     const sent = this.line.send({ t: "command", site: this.site, device, command, id, args, units, over });
-    if (!sent) this.desk.unsent(id);
-    this.changed();
+    if (!sent) this.desk.markUnsent(id);
+    this.notifyWatchers();
   }
 
   /** What was asked for last was refused because somebody else acts: ask for it all the same. */
-  interrupt(asked: Asked): void {
+  interruptOther(asked: Asked): void {
     const given = this.given.get(`${asked.device}/${asked.command}`);
-    if (given !== undefined) this.ask(asked.device, asked.command, given.args, given.units, asked.blockedBy);
+    if (given !== undefined) this.sendCommand(asked.device, asked.command, given.args, given.units, asked.blockedBy);
   }
 
   /** Leave the other one to it. */
-  leave(asked: Asked): void {
-    this.desk.answered(asked.id);
-    this.changed();
+  dismissBlocked(asked: Asked): void {
+    this.desk.markAnswered(asked.id);
+    this.notifyWatchers();
   }
 
   /** Ends what is under way, if the robot can; what came of it is told as news. */
-  cancel(device: string, command: string): void {
+  cancelCommand(device: string, command: string): void {
     const asked = this.desk.latest(device, command);
     if (asked) this.line.send({ t: "cancel", site: this.site, device, id: asked.id });
   }
 
-  private lose(): void {
-    this.desk.lose();
-    this.changed();
+  private onLinkLost(): void {
+    this.desk.onLinkLost();
+    this.notifyWatchers();
   }
 }

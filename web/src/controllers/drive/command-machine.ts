@@ -67,7 +67,7 @@ export class CommandDesk {
   }
 
   /** @param ttlMs - not accepted within this time, it is refused */
-  ask(id: string, device: string, command: string, ttlMs: number, now: number): void {
+  addRequest(id: string, device: string, command: string, ttlMs: number, now: number): void {
     const asked: Asked = {
       id, device, command, phase: "sent", message: "", progress: 0, since: now, blockedBy: "",
     };
@@ -76,16 +76,16 @@ export class CommandDesk {
   }
 
   /** The ask did not leave this page. */
-  unsent(id: string): void {
-    this.change(id, { phase: "offline", message: "Not connected. Nothing was sent." });
+  markUnsent(id: string): void {
+    this.updateRequest(id, { phase: "offline", message: "Not connected. Nothing was sent." });
   }
 
-  refused(id: string, message: string, offline: boolean): void {
-    this.change(id, { phase: offline ? "offline" : "refused", message });
+  markRefused(id: string, message: string, offline: boolean): void {
+    this.updateRequest(id, { phase: offline ? "offline" : "refused", message });
   }
 
   /** A problem about commands that names no id belongs to the newest one still unanswered. */
-  unanswered(): Asked | null {
+  newestUnanswered(): Asked | null {
     let found: Asked | null = null;
     for (const asked of this.newest.values()) {
       if (asked.phase === "sent" && (!found || asked.since >= found.since)) found = asked;
@@ -94,40 +94,40 @@ export class CommandDesk {
   }
 
   /** It was seen that somebody else acts; the question is answered. */
-  answered(id: string): void {
+  markAnswered(id: string): void {
     for (const [key, asked] of this.newest) {
       if (asked.id === id) this.newest.set(key, { ...asked, blockedBy: "" });
     }
   }
 
-  news(word: CommandWord): void {
+  applyUpdate(word: CommandWord): void {
     const { phase, message, progress, blocked_by: blockedBy = "" } = word;
-    this.change(word.id, { phase, message, progress, blockedBy });
+    this.updateRequest(word.id, { phase, message, progress, blockedBy });
   }
 
   /** The link is away: of what was under way, nobody knows the end. */
-  lose(): void {
+  onLinkLost(): void {
     for (const asked of this.newest.values()) {
       if (!isFinal(asked.phase)) {
-        this.change(asked.id, { phase: "unknown", message: MESSAGE_UNHEARD });
+        this.updateRequest(asked.id, { phase: "unknown", message: MESSAGE_UNHEARD });
       }
     }
   }
 
   /** Time has passed. True when something changed. */
-  beat(now: number): boolean {
+  advance(now: number): boolean {
     let changed = false;
     for (const asked of this.newest.values()) {
       const limit = (this.limits.get(asked.id) ?? 0) + GRACE_MS;
       if (asked.phase === "sent" && now - asked.since >= limit) {
-        this.change(asked.id, { phase: "unknown", message: MESSAGE_UNHEARD });
+        this.updateRequest(asked.id, { phase: "unknown", message: MESSAGE_UNHEARD });
         changed = true;
       }
     }
     return changed;
   }
 
-  private change(id: string, change: Partial<Asked>): void {
+  private updateRequest(id: string, change: Partial<Asked>): void {
     for (const [key, asked] of this.newest) {
       if (asked.id !== id) continue;
       // News of an end is the last word, but "unknown" may still be cleared up by a late one.

@@ -28,19 +28,19 @@ export class Cockpit {
     this.hands = new Hands(this.seat, this.stop);
   }
 
-  open(known: Known): void {
+  openAll(known: Known): void {
     // STOP bars the seat in the same turn as it is pressed: zeros follow it down the line.
-    this.unwatch = this.stop.watch(() => {
+    this.unwatch = this.stop.subscribe(() => {
       if (!this.seat) return;
-      if (this.stop.desk.bars) this.seat.bar("stop");
-      else if (this.seat.machine.barred("stop")) this.seat.lift("stop");
+      if (this.stop.desk.blocksDriving) this.seat.block("stop");
+      else if (this.seat.machine.isBlocked("stop")) this.seat.unblock("stop");
     });
     this.stop.open(known.stop);
     this.seat?.open(known.lease);
     this.hands.open();
   }
 
-  close(): void {
+  closeAll(): void {
     this.hands.close();
     this.seat?.close();
     this.stop.close();

@@ -26,16 +26,16 @@ export class Hands {
   open(): void {
     this.leaving = new AbortController();
     const { signal } = this.leaving;
-    window.addEventListener("keydown", this.keyDown, { signal });
-    window.addEventListener("keyup", this.keyUp, { signal });
-    window.addEventListener("blur", this.blur, { signal });
-    window.addEventListener("focus", this.focus, { signal });
-    window.addEventListener("focusin", this.focusIn, { signal });
-    window.addEventListener("pagehide", this.sight, { signal });
-    document.addEventListener("visibilitychange", this.sight, { signal });
-    window.addEventListener("gamepadconnected", this.watchPads, { signal });
-    window.addEventListener("gamepaddisconnected", this.padGone, { signal });
-    this.watchPads();
+    window.addEventListener("keydown", this.onKeyDown, { signal });
+    window.addEventListener("keyup", this.onKeyUp, { signal });
+    window.addEventListener("blur", this.onBlur, { signal });
+    window.addEventListener("focus", this.onFocus, { signal });
+    window.addEventListener("focusin", this.onFocusIn, { signal });
+    window.addEventListener("pagehide", this.onVisibilityChange, { signal });
+    document.addEventListener("visibilitychange", this.onVisibilityChange, { signal });
+    window.addEventListener("gamepadconnected", this.startReadingGamepads, { signal });
+    window.addEventListener("gamepaddisconnected", this.onGamepadDisconnected, { signal });
+    this.startReadingGamepads();
   }
 
   close(): void {
@@ -46,105 +46,105 @@ export class Hands {
     this.grips.clear();
   }
 
-  private readonly keyDown = (event: KeyboardEvent): void => {
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
     if (event.key === "Meta") {
       // macOS tells nothing of keys let go while Command is down.
-      this.seat?.halt("cancelled");
+      this.seat?.haltMotion("cancelled");
       return;
     }
     const meaning = meaningOf(event);
     if (meaning?.kind === "STOP") {
-      this.stop.press();
+      this.stop.pressStop();
       return;
     }
     const { seat } = this;
     if (!meaning || !seat || usesKeys(event.composedPath() as KeyTaker[], event.code)) return;
-    this.seeDialog();
+    this.checkDialog();
     if (!seat.machine.mayDrive) return;
     event.preventDefault();
     switch (meaning.kind) {
       case "push":
-        seat.press(sourceOf(event), PUSH[meaning.direction]);
+        seat.pressHold(sourceOf(event), PUSH[meaning.direction]);
         return;
       case "halt":
-        seat.halt("stop key");
+        seat.haltMotion("stop key");
         return;
       case "faster":
-        seat.setLevel(seat.machine.level + STEP);
+        seat.setLevel(seat.machine.speedLevel + STEP);
         return;
       case "slower":
-        seat.setLevel(seat.machine.level - STEP);
+        seat.setLevel(seat.machine.speedLevel - STEP);
         return;
     }
   };
 
-  private readonly keyUp = (event: KeyboardEvent): void => {
-    this.seat?.release(sourceOf(event));
+  private readonly onKeyUp = (event: KeyboardEvent): void => {
+    this.seat?.releaseHold(sourceOf(event));
   };
 
-  private readonly blur = (): void => {
-    this.seat?.halt("blur");
+  private readonly onBlur = (): void => {
+    this.seat?.haltMotion("blur");
   };
 
-  private readonly focus = (): void => {
-    this.seat?.refocus();
+  private readonly onFocus = (): void => {
+    this.seat?.onFocus();
   };
 
-  private readonly sight = (event: Event): void => {
-    if (event.type === "pagehide" || document.visibilityState === "hidden") this.seat?.hide();
-    else this.seat?.lift("hidden");
+  private readonly onVisibilityChange = (event: Event): void => {
+    if (event.type === "pagehide" || document.visibilityState === "hidden") this.seat?.onHidden();
+    else this.seat?.unblock("hidden");
   };
 
   /** A modal dialog takes the focus: that is how one in any shadow tree is noticed. */
-  private readonly focusIn = (event: FocusEvent): void => {
+  private readonly onFocusIn = (event: FocusEvent): void => {
     const dialog = event.composedPath().find((target) => target instanceof HTMLDialogElement);
     if (dialog?.open === true) {
       this.dialog = dialog;
-      this.seat?.bar("dialog");
-    } else this.seeDialog();
+      this.seat?.block("dialog");
+    } else this.checkDialog();
   };
 
-  private seeDialog(): void {
+  private checkDialog(): void {
     if (!this.dialog || (this.dialog.open && this.dialog.isConnected)) return;
     this.dialog = null;
-    this.seat?.lift("dialog");
+    this.seat?.unblock("dialog");
   }
 
-  private readonly padGone = (event: GamepadEvent): void => {
+  private readonly onGamepadDisconnected = (event: GamepadEvent): void => {
     const source = `gamepad:${String(event.gamepad.index)}`;
     this.grips.delete(event.gamepad.index);
-    if (this.seat?.machine.holds(source)) this.seat.halt("gamepad lost");
+    if (this.seat?.machine.isHeld(source)) this.seat.haltMotion("gamepad lost");
   };
 
-  private readonly watchPads = (): void => {
+  private readonly startReadingGamepads = (): void => {
     if (this.poll !== 0 || !this.seat || !navigator.getGamepads().some(Boolean)) return;
-    this.poll = requestAnimationFrame(this.readPads);
+    this.poll = requestAnimationFrame(this.readGamepads);
   };
 
-  private readonly readPads = (): void => {
+  private readonly readGamepads = (): void => {
     this.poll = 0;
-    this.seeDialog();
+    this.checkDialog();
     for (const pad of navigator.getGamepads()) {
-      if (pad?.mapping === "standard") this.readPad(pad);
+      if (pad?.mapping === "standard") this.readGamepad(pad);
     }
-    this.watchPads();
+    this.startReadingGamepads();
   };
 
-  private readPad(pad: Gamepad): void {
+  private readGamepad(pad: Gamepad): void {
     const { seat } = this;
     if (!seat) return;
     const grip = this.grips.get(pad.index) ?? new PadGrip();
     this.grips.set(pad.index, grip);
     const source = `gamepad:${String(pad.index)}`;
-    switch (grip.read(pad)) {
+    switch (grip.readChange(pad)) {
       case "press":
-        seat.press(source, pushOf(pad), "analog");
+        seat.pressHold(source, pushOf(pad), "analog");
         return;
       case "move":
-        seat.move(source, pushOf(pad));
+        seat.moveHold(source, pushOf(pad));
         return;
       case "release":
-        seat.release(source);
+        seat.releaseHold(source);
         return;
       case "none":
         return;

@@ -99,22 +99,22 @@ export class DriveMachine {
   }
 
   /** Share of the limit that a full push asks for: 0.1 to 1. */
-  get level(): number {
+  get speedLevel(): number {
     return this.steps / 10;
   }
 
   /** What is asked of the robot now: m/s and rad/s. */
-  get asked(): { readonly linear: number; readonly angular: number } {
-    const push = this.push();
+  get requestedVelocity(): { readonly linear: number; readonly angular: number } {
+    const push = this.combinedPush();
     const scale = push.forward < 0 ? this.limits.maxReverse : this.limits.maxSpeed;
     return {
-      linear: push.forward * scale * this.level + 0,
-      angular: push.turn * this.limits.maxTurn * this.level + 0,
+      linear: push.forward * scale * this.speedLevel + 0,
+      angular: push.turn * this.limits.maxTurn * this.speedLevel + 0,
     };
   }
 
   /** Why the last hold ended, until the next begins. */
-  get why(): Halt | null {
+  get haltReason(): Halt | null {
     return this.stopped;
   }
 
@@ -122,18 +122,18 @@ export class DriveMachine {
     return this.epoch !== 0 && this.bars.size === 0;
   }
 
-  holds(source: string): boolean {
+  isHeld(source: string): boolean {
     return this.held.has(source);
   }
 
-  barred(bar: Bar): boolean {
+  isBlocked(bar: Bar): boolean {
     return this.bars.has(bar);
   }
 
   /** The lease is mine. Another epoch than before is another lease: nothing carries over. */
   grant(epoch: number, now: number): void {
     if (epoch === this.epoch) return;
-    this.drop();
+    this.dropHolds();
     this.epoch = epoch;
     this.heardAt = now;
     this.stopped = null;
@@ -147,20 +147,20 @@ export class DriveMachine {
     if (this.epoch === 0) return;
     this.stopped = why;
     this.epoch = 0;
-    this.drop();
+    this.dropHolds();
   }
 
   /** A time mark of the gateway came. */
-  tick(tick: number, now: number): Frame[] {
+  onGatewayTick(tick: number, now: number): Frame[] {
     if (tick < this.tickNumber) return [];
     this.tickNumber = tick;
     this.tickAt = now;
     this.heardAt = now;
-    return this.beat(now);
+    return this.advance(now);
   }
 
   /** When the picture the driver looks at was taken, on the clock of `now`; null: none. */
-  picture(takenAt: number | null): void {
+  setPictureTime(takenAt: number | null): void {
     this.pictureAt = takenAt;
   }
 
@@ -169,29 +169,29 @@ export class DriveMachine {
    *
    * @param source - names what is held, so that the same can be released
    */
-  press(source: string, stick: Stick, now: number, kind: Kind = "digital"): Frame[] {
+  pressHold(source: string, stick: Stick, now: number, kind: Kind = "digital"): Frame[] {
     if (!this.mayDrive) return [];
     this.held.set(source, { kind, stick });
     this.zerosLeft = 0;
     this.stopped = null;
     this.nextAt = now;
-    return this.beat(now);
+    return this.advance(now);
   }
 
   /** Something that is held is held elsewhere now. Let go by a halt, it stays let go. */
-  move(source: string, stick: Stick, now: number): Frame[] {
+  moveHold(source: string, stick: Stick, now: number): Frame[] {
     const hold = this.held.get(source);
     if (!hold) return [];
     this.held.set(source, { kind: hold.kind, stick });
-    return this.beat(now);
+    return this.advance(now);
   }
 
   /** Something is let go. The last one brings the robot to rest. */
-  release(source: string, now: number): Frame[] {
+  releaseHold(source: string, now: number): Frame[] {
     if (!this.held.delete(source)) return [];
-    if (this.held.size === 0) return this.brake("released", now);
+    if (this.held.size === 0) return this.stopMotion("released", now);
     this.nextAt = now;
-    return this.beat(now);
+    return this.advance(now);
   }
 
   /**
@@ -199,32 +199,32 @@ export class DriveMachine {
    *
    * @param flush - all zero frames now: a hidden page may get no timer for a second
    */
-  halt(why: Halt, now: number, flush = false): Frame[] {
+  haltMotion(why: Halt, now: number, flush = false): Frame[] {
     const wasDriving = this.held.size > 0;
     this.held.clear();
-    const frames = wasDriving ? this.brake(why, now) : [];
-    while (flush && this.zerosLeft > 0) frames.push(this.zero(now));
+    const frames = wasDriving ? this.stopMotion(why, now) : [];
+    while (flush && this.zerosLeft > 0) frames.push(this.zeroFrame(now));
     return frames;
   }
 
   /** From now on no press counts; what is held ends. */
-  bar(bar: Bar, now: number): Frame[] {
+  block(bar: Bar, now: number): Frame[] {
     this.bars.add(bar);
-    if (bar !== "offline") return this.halt(bar, now, bar === "hidden");
+    if (bar !== "offline") return this.haltMotion(bar, now, bar === "hidden");
     if (this.held.size > 0) this.stopped = "offline";
-    this.drop();
+    this.dropHolds();
     return [];
   }
 
   /** The reason is gone. Nothing starts by itself: see `press`. */
-  lift(bar: Bar): void {
+  unblock(bar: Bar): void {
     this.bars.delete(bar);
     // A page that was hidden gave control back: that is to be read by whoever returns to it.
-    if (bar !== "hidden") this.forget(bar);
+    if (bar !== "hidden") this.clearHaltReason(bar);
   }
 
   /** This reason of the last halt is no longer so, and need not be told. */
-  forget(why: Halt): void {
+  clearHaltReason(why: Halt): void {
     if (this.stopped === why) this.stopped = null;
   }
 
@@ -234,11 +234,11 @@ export class DriveMachine {
   }
 
   faster(): void {
-    this.setLevel(this.level + LEVEL_STEP);
+    this.setLevel(this.speedLevel + LEVEL_STEP);
   }
 
   slower(): void {
-    this.setLevel(this.level - LEVEL_STEP);
+    this.setLevel(this.speedLevel - LEVEL_STEP);
   }
 
   /** When `beat` has something to do next; null while silent. */
@@ -247,19 +247,19 @@ export class DriveMachine {
   }
 
   /** Time has passed: the frames that are due. Early calls are harmless. */
-  beat(now: number): Frame[] {
-    if (this.phase === "braking") return now < this.nextAt ? [] : [this.zero(now)];
+  advance(now: number): Frame[] {
+    if (this.phase === "braking") return now < this.nextAt ? [] : [this.zeroFrame(now)];
     if (this.phase !== "driving" || now < this.nextAt) return [];
-    if (now - this.heardAt > SILENT_MS) return this.halt("silent", now);
+    if (now - this.heardAt > SILENT_MS) return this.haltMotion("silent", now);
     // Timers fire late, never early: count from when it was due, without running after lost time.
     this.nextAt = Math.max(this.nextAt + FRAME_MS, now + FRAME_MS / 2);
     // Without any time mark the gateway cannot tell the frame's age and would refuse it.
     if (this.tickAt === null) return [];
-    const { linear, angular } = this.asked;
-    return [this.frame(linear, angular, now)];
+    const { linear, angular } = this.requestedVelocity;
+    return [this.velocityFrame(linear, angular, now)];
   }
 
-  private push(): Stick {
+  private combinedPush(): Stick {
     if (this.epoch === 0 || this.held.size === 0) return CENTRE;
     const digital: Stick[] = [];
     const analog: Stick[] = [];
@@ -269,25 +269,25 @@ export class DriveMachine {
     return joined([curved(joined(digital)), ...analog]);
   }
 
-  private drop(): void {
+  private dropHolds(): void {
     this.held.clear();
     this.zerosLeft = 0;
   }
 
-  private brake(why: Halt, now: number): Frame[] {
+  private stopMotion(why: Halt, now: number): Frame[] {
     this.stopped = why;
     if (this.epoch === 0) return [];
     this.zerosLeft = ZEROS;
-    return [this.zero(now)];
+    return [this.zeroFrame(now)];
   }
 
-  private zero(now: number): Frame {
+  private zeroFrame(now: number): Frame {
     this.zerosLeft -= 1;
     this.nextAt = now + FRAME_MS;
-    return this.frame(0, 0, now);
+    return this.velocityFrame(0, 0, now);
   }
 
-  private frame(linear: number, angular: number, now: number): Frame {
+  private velocityFrame(linear: number, angular: number, now: number): Frame {
     this.seq += 1;
     return {
       epoch: this.epoch,

@@ -14,7 +14,7 @@ import type { Stick } from "./stick.js";
 import { haltWords } from "./drive-messages.js";
 
 /** What a seat needs of the connection. */
-export type Line = Pick<Connection, "state" | "send" | "on" | "onState" | "bufferedBytes">;
+export type Line = Pick<Connection, "state" | "send" | "onMessage" | "onState" | "bufferedBytes">;
 
 export interface Seated {
   readonly site: string;
@@ -55,62 +55,62 @@ export class DriveSeat extends Store {
   }
 
   /** How long the lease still holds (ms); 0 when it is not mine. */
-  get remains(): number {
-    return this.lease.remains(this.now());
+  get remainingMs(): number {
+    return this.lease.remainingMs(this.now());
   }
 
   /** How long the one who is asked for control may answer (ms). */
-  get answerRemains(): number {
-    return this.lease.answerRemains(this.now());
+  get answerRemainingMs(): number {
+    return this.lease.answerRemainingMs(this.now());
   }
 
   /** What the driver should know: why a hold or the lease ended; empty when all is well. */
-  get trouble(): string {
-    return this.lease.trouble || haltWords(this.machine.why);
+  get problem(): string {
+    return this.lease.trouble || haltWords(this.machine.haltReason);
   }
 
   /** @param known - what was said of the lease before, if anything was */
   open(known?: LeaseNews): void {
     const { site, device } = this.seated;
     this.stops = [
-      this.line.on("lease_news", (news) => {
+      this.line.onMessage("lease_news", (news) => {
         if (news.site !== site || news.device !== device) return;
-        const ended = this.lease.news(news, this.now());
+        const ended = this.lease.applyUpdate(news, this.now());
         if (ended) this.machine.revoke(ended);
         else if (this.lease.epoch) this.machine.grant(this.lease.epoch, this.now());
-        this.settle();
+        this.updateAndSchedule();
       }),
-      this.line.on("tick", (news) => {
-        if (news.site === site) this.run(this.machine.tick(news.tick, this.now()), false);
+      this.line.onMessage("tick", (news) => {
+        if (news.site === site) this.sendFrames(this.machine.onGatewayTick(news.tick, this.now()), false);
       }),
-      this.line.on("drive_news", (news) => {
+      this.line.onMessage("drive_news", (news) => {
         if (news.site !== site || news.device !== device) return;
         this.told = news;
-        this.changed();
+        this.notifyWatchers();
       }),
-      this.line.on("site", (news) => {
+      this.line.onMessage("site", (news) => {
         if (news.site !== site) return;
         this.siteOnline = news.online;
-        this.follow();
+        this.followLink();
       }),
-      this.line.on("problem", (news) => {
+      this.line.onMessage("problem", (news) => {
         if (news.about !== "lease" && news.about !== "lease_force") return;
-        this.lease.lose(news.message);
+        this.lease.onLinkLost(news.message);
         this.machine.revoke("lease lost");
-        this.settle();
+        this.updateAndSchedule();
       }),
       this.line.onState(() => {
-        this.follow();
+        this.followLink();
       }),
     ];
-    if (known) this.lease.news(known, this.now());
-    this.follow();
+    if (known) this.lease.applyUpdate(known, this.now());
+    this.followLink();
   }
 
   /** Leaves the seat: to rest, and the lease is free for others. */
   close(): void {
-    this.run(this.machine.halt("cancelled", this.now(), true));
-    this.free();
+    this.sendFrames(this.machine.haltMotion("cancelled", this.now(), true));
+    this.releaseControl();
     for (const stop of this.stops) stop();
     this.stops = [];
     clearTimeout(this.frameTimer);
@@ -118,147 +118,147 @@ export class DriveSeat extends Store {
   }
 
   /** Answers who asks for control: hand it over, through rest, or keep it. */
-  answer(yes: boolean): void {
-    if (yes) this.run(this.machine.halt("freed", this.now(), true), false);
-    this.ask(this.lease.answer(yes));
-    this.settle();
+  answerRequest(yes: boolean): void {
+    if (yes) this.sendFrames(this.machine.haltMotion("freed", this.now(), true), false);
+    this.sendLeaseRequest(this.lease.answerRequest(yes));
+    this.updateAndSchedule();
   }
 
   /** Takes control from a holder who was asked in vain; the hub sees to the right. */
-  force(): void {
+  forceTakeover(): void {
     if (!this.online) return;
-    this.ask(this.lease.force(this.now()));
-    this.settle();
+    this.sendLeaseRequest(this.lease.forceTakeover(this.now()));
+    this.updateAndSchedule();
   }
 
-  take(): void {
+  takeControl(): void {
     if (!this.online) return;
     // Why the last lease ended is answered by asking for the next.
-    this.machine.forget("lease lost");
-    this.machine.forget("hidden");
-    this.ask(this.lease.take(this.now()));
-    this.settle();
+    this.machine.clearHaltReason("lease lost");
+    this.machine.clearHaltReason("hidden");
+    this.sendLeaseRequest(this.lease.requestLease(this.now()));
+    this.updateAndSchedule();
   }
 
   /** Gives control back, through rest. */
-  free(why: Halt = "freed"): void {
-    this.run(this.machine.halt(why, this.now(), true), false);
+  releaseControl(why: Halt = "freed"): void {
+    this.sendFrames(this.machine.haltMotion(why, this.now(), true), false);
     this.machine.revoke(why);
-    this.ask(this.lease.free());
-    this.settle();
+    this.sendLeaseRequest(this.lease.releaseLease());
+    this.updateAndSchedule();
   }
 
-  press(source: string, stick: Stick, kind: "digital" | "analog" = "digital"): void {
-    this.run(this.machine.press(source, stick, this.now(), kind));
+  pressHold(source: string, stick: Stick, kind: "digital" | "analog" = "digital"): void {
+    this.sendFrames(this.machine.pressHold(source, stick, this.now(), kind));
   }
 
-  move(source: string, stick: Stick): void {
-    this.run(this.machine.move(source, stick, this.now()), false);
+  moveHold(source: string, stick: Stick): void {
+    this.sendFrames(this.machine.moveHold(source, stick, this.now()), false);
   }
 
-  release(source: string): void {
-    this.run(this.machine.release(source, this.now()));
+  releaseHold(source: string): void {
+    this.sendFrames(this.machine.releaseHold(source, this.now()));
   }
 
   /** The press was taken away, by the browser or the system: everything ends, not only it. */
-  cancel(source: string): void {
-    if (this.machine.holds(source)) this.halt("cancelled");
+  cancelHold(source: string): void {
+    if (this.machine.isHeld(source)) this.haltMotion("cancelled");
   }
 
-  halt(why: Halt): void {
-    this.run(this.machine.halt(why, this.now()));
+  haltMotion(why: Halt): void {
+    this.sendFrames(this.machine.haltMotion(why, this.now()));
   }
 
-  bar(bar: Bar): void {
-    this.run(this.machine.bar(bar, this.now()));
+  block(bar: Bar): void {
+    this.sendFrames(this.machine.block(bar, this.now()));
   }
 
-  lift(bar: Bar): void {
-    this.machine.lift(bar);
-    this.changed();
+  unblock(bar: Bar): void {
+    this.machine.unblock(bar);
+    this.notifyWatchers();
   }
 
   /** The window has the focus again. */
-  refocus(): void {
-    this.machine.forget("blur");
-    this.changed();
+  onFocus(): void {
+    this.machine.clearHaltReason("blur");
+    this.notifyWatchers();
   }
 
   /** The page is out of sight: nobody watches the robot. */
-  hide(): void {
-    this.run(this.machine.bar("hidden", this.now()));
-    if (this.lease.wanted) this.free("hidden");
+  onHidden(): void {
+    this.sendFrames(this.machine.block("hidden", this.now()));
+    if (this.lease.isWanted) this.releaseControl("hidden");
   }
 
   setLevel(level: number): void {
     this.machine.setLevel(level);
-    this.changed();
+    this.notifyWatchers();
   }
 
   /** @param takenAt - when the picture on screen was taken, on this page's clock; null: none */
-  picture(takenAt: number | null): void {
-    this.machine.picture(takenAt);
+  setPictureTime(takenAt: number | null): void {
+    this.machine.setPictureTime(takenAt);
   }
 
-  private follow(): void {
+  private followLink(): void {
     if (this.online) {
-      this.machine.lift("offline");
+      this.machine.unblock("offline");
     } else {
-      this.machine.bar("offline", this.now());
-      this.lease.lose(this.line.state === "open" ? SITE_GONE : LINK_GONE);
+      this.machine.block("offline", this.now());
+      this.lease.onLinkLost(this.line.state === "open" ? SITE_GONE : LINK_GONE);
       this.machine.revoke("offline");
       this.told = null;
     }
-    this.settle();
+    this.updateAndSchedule();
   }
 
-  private ask(op: LeaseAsk | null): void {
+  private sendLeaseRequest(op: LeaseAsk | null): void {
     const { site, device } = this.seated;
     if (op === "force") this.line.send({ t: "lease_force", site, device });
     else if (op !== null) this.line.send({ t: "lease", site, device, op });
   }
 
-  private run(frames: readonly Frame[], tell = true): void {
+  private sendFrames(frames: readonly Frame[], tell = true): void {
     const { site, device } = this.seated;
     for (const frame of frames) {
       const moving = frame.linear !== 0 || frame.angular !== 0;
       if (moving && this.line.bufferedBytes > BACKLOG_BYTES) continue;
       this.line.send({ t: "drive", site, device, ...frame });
     }
-    this.plan();
-    if (tell) this.changed();
+    this.scheduleTimer();
+    if (tell) this.notifyWatchers();
   }
 
   /** The next frame at the moment it is due. */
-  private plan(): void {
+  private scheduleTimer(): void {
     clearTimeout(this.frameTimer);
     const due = this.machine.dueAt;
     if (due === null) return;
     this.frameTimer = setTimeout(() => {
       const phase = this.machine.phase;
-      this.run(this.machine.beat(this.now()), false);
-      if (this.machine.phase !== phase) this.changed();
+      this.sendFrames(this.machine.advance(this.now()), false);
+      if (this.machine.phase !== phase) this.notifyWatchers();
     }, Math.max(0, due - this.now()));
   }
 
-  private settle(): void {
-    if (this.lease.wanted) this.leaseTimer ??= setInterval(this.beat, LEASE_BEAT_MS);
+  private updateAndSchedule(): void {
+    if (this.lease.isWanted) this.leaseTimer ??= setInterval(this.onTimer, LEASE_BEAT_MS);
     else {
       clearInterval(this.leaseTimer);
       this.leaseTimer = undefined;
     }
-    this.plan();
-    this.changed();
+    this.scheduleTimer();
+    this.notifyWatchers();
   }
 
-  private readonly beat = (): void => {
-    const { ask, ended } = this.lease.beat(this.now());
-    this.ask(ask);
+  private readonly onTimer = (): void => {
+    const { ask, ended } = this.lease.advance(this.now());
+    this.sendLeaseRequest(ask);
     if (ended) {
       this.machine.revoke(ended);
       // The gateway has been silent for seconds: what it said last is not what the robot is told now.
       this.told = null;
     }
-    if (ended || this.lease.state.kind !== "mine") this.settle();
+    if (ended || this.lease.state.kind !== "mine") this.updateAndSchedule();
   };
 }

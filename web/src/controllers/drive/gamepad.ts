@@ -44,7 +44,7 @@ export type PadChange = "none" | "press" | "move" | "release";
 export class PadGrip {
   private was: boolean | null = null;
 
-  read(pad: PadReading): PadChange {
+  readChange(pad: PadReading): PadChange {
     const is = gripped(pad);
     const before = this.was;
     this.was = is;

@@ -60,24 +60,24 @@ export class LeaseDesk {
     return this.now_.kind === "mine" ? this.now_.epoch : 0;
   }
 
-  remains(now: number): number {
+  remainingMs(now: number): number {
     return this.now_.kind === "mine" ? Math.max(0, this.now_.until - now) : 0;
   }
 
   /** I hold it, or something of mine is under way to get it. */
-  get wanted(): boolean {
+  get isWanted(): boolean {
     return this.now_.kind === "mine" || this.now_.kind === "asking" || this.now_.kind === "waiting";
   }
 
   /** How long the one who is asked may answer yet (ms): I, or the holder whom I ask. */
-  answerRemains(now: number): number {
+  answerRemainingMs(now: number): number {
     if (this.now_.kind === "waiting") return Math.max(0, this.now_.until - now);
     return this.now_.kind === "mine" && this.now_.rival ? Math.max(0, this.now_.rival.until - now) : 0;
   }
 
   /** I want it: from whoever has it, or from nobody. */
-  take(now: number): LeaseAsk | null {
-    if (this.wanted) return null;
+  requestLease(now: number): LeaseAsk | null {
+    if (this.isWanted) return null;
     const op = this.now_.kind === "other" ? "ask" : "take";
     this.now_ = { kind: "asking", since: now };
     this.trouble = "";
@@ -85,7 +85,7 @@ export class LeaseDesk {
   }
 
   /** I answer who asks me. Nothing of mine changes before the gateway says so. */
-  answer(yes: boolean): LeaseAsk | null {
+  answerRequest(yes: boolean): LeaseAsk | null {
     if (this.now_.kind !== "mine" || this.now_.rival === null) return null;
     this.handedOver = yes;
     this.now_ = { ...this.now_, rival: null };
@@ -93,7 +93,7 @@ export class LeaseDesk {
   }
 
   /** I take it from a holder who said no, or nothing. */
-  force(now: number): LeaseAsk | null {
+  forceTakeover(now: number): LeaseAsk | null {
     if (this.now_.kind !== "other" || !this.now_.forceable) return null;
     this.now_ = { kind: "asking", since: now };
     this.trouble = "";
@@ -101,8 +101,8 @@ export class LeaseDesk {
   }
 
   /** I let it go, or no longer ask for it. */
-  free(): LeaseAsk | null {
-    if (!this.wanted) return null;
+  releaseLease(): LeaseAsk | null {
+    if (!this.isWanted) return null;
     const { now_ } = this;
     this.now_ = now_.kind === "waiting" ? { kind: "other", holder: now_.holder, forceable: false } : { kind: "free" };
     this.trouble = "";
@@ -110,16 +110,16 @@ export class LeaseDesk {
   }
 
   /** The link is away. Whatever we held is over; nobody can be asked. */
-  lose(trouble: string): void {
-    const held = this.wanted;
+  onLinkLost(trouble: string): void {
+    const held = this.isWanted;
     this.now_ = { kind: "unknown" };
     this.trouble = held ? trouble : "";
   }
 
   /** What the gateway says. Gives why the lease ended, when this ended it. */
-  news(word: LeaseWord, now: number): Halt | null {
+  applyUpdate(word: LeaseWord, now: number): Halt | null {
     const mine = this.now_.kind === "mine";
-    if (word.yours && word.epoch > 0 && this.wanted) {
+    if (word.yours && word.epoch > 0 && this.isWanted) {
       if (!mine) {
         this.renewAt = now + RENEW_MS;
         this.handedOver = false;
@@ -129,7 +129,7 @@ export class LeaseDesk {
       this.trouble = "";
       return null;
     }
-    if (word.asking && this.wanted && !mine) {
+    if (word.asking && this.isWanted && !mine) {
       this.now_ = { kind: "waiting", holder: word.holder, until: now + word.answer_ms };
       return null;
     }
@@ -145,16 +145,16 @@ export class LeaseDesk {
     this.trouble = word.refused;
     this.now_ = other ? { kind: "other", holder: word.holder, forceable: word.forceable } : { kind: "free" };
     if (!mine) return null;
-    if (this.trouble === "") this.trouble = other ? this.lostTo(word.holder) : ENDED;
+    if (this.trouble === "") this.trouble = other ? this.lostToText(word.holder) : ENDED;
     return "lease lost";
   }
 
-  private lostTo(holder: string): string {
+  private lostToText(holder: string): string {
     return this.handedOver ? `You handed control to ${holder}.` : `${holder} has control now.`;
   }
 
   /** Time has passed: what to ask, and whether the lease just ran out. */
-  beat(now: number): { readonly ask: LeaseAsk | null; readonly ended: Halt | null } {
+  advance(now: number): { readonly ask: LeaseAsk | null; readonly ended: Halt | null } {
     const state = this.now_;
     if (state.kind === "asking" && now - state.since >= ANSWER_MS) {
       this.now_ = { kind: "unknown" };

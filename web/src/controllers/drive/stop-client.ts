@@ -15,7 +15,7 @@ export class StopLine extends Store {
   private siteOnline: boolean;
 
   constructor(
-    private readonly line: Pick<Line, "state" | "send" | "on" | "onState">,
+    private readonly line: Pick<Line, "state" | "send" | "onMessage" | "onState">,
     private readonly site: string,
     private readonly device: string,
     online: boolean,
@@ -30,12 +30,12 @@ export class StopLine extends Store {
     return this.siteOnline && this.line.state === "open";
   }
 
-  get waiting(): number {
-    return this.desk.waiting(this.now());
+  get waitingMs(): number {
+    return this.desk.waitingMs(this.now());
   }
 
   /** How long the second step of a reset stays open (ms). */
-  get armedFor(): number {
+  get armedForMs(): number {
     const reset = this.desk.reset;
     return reset.kind === "armed" ? Math.max(0, reset.until - this.now()) : 0;
   }
@@ -45,38 +45,38 @@ export class StopLine extends Store {
     const ours = (news: { readonly site: string; readonly device: string }): boolean =>
       news.site === this.site && news.device === this.device;
     this.stops = [
-      this.line.on("stop_news", (news) => {
+      this.line.onMessage("stop_news", (news) => {
         if (!ours(news)) return;
-        this.desk.news(news, this.now());
-        this.settle();
+        this.desk.applyUpdate(news, this.now());
+        this.updateAndSchedule();
       }),
-      this.line.on("reset_key", (news) => {
+      this.line.onMessage("reset_key", (news) => {
         if (!ours(news)) return;
-        this.desk.key(news.token, news.refused, this.now());
-        this.settle();
+        this.desk.receiveResetKey(news.token, news.refused, this.now());
+        this.updateAndSchedule();
       }),
-      this.line.on("problem", (news) => {
+      this.line.onMessage("problem", (news) => {
         if (news.about === "stop") {
-          if (news.code === "offline") this.desk.delayed(news.message);
-          else this.desk.refused(news.message);
-        } else if (news.about === "reset") this.desk.key("", news.message, this.now());
+          if (news.code === "offline") this.desk.markDelayed(news.message);
+          else this.desk.markRefused(news.message);
+        } else if (news.about === "reset") this.desk.receiveResetKey("", news.message, this.now());
         else return;
-        this.settle();
+        this.updateAndSchedule();
       }),
-      this.line.on("site", (news) => {
+      this.line.onMessage("site", (news) => {
         if (news.site !== this.site) return;
         this.siteOnline = news.online;
-        if (!news.online) this.desk.lose();
-        this.settle();
+        if (!news.online) this.desk.onLinkLost();
+        this.updateAndSchedule();
       }),
       this.line.onState((state) => {
-        if (state !== "open") this.desk.lose();
-        this.settle();
+        if (state !== "open") this.desk.onLinkLost();
+        this.updateAndSchedule();
       }),
     ];
     if (known) {
-      this.desk.news(known, this.now());
-      this.settle();
+      this.desk.applyUpdate(known, this.now());
+      this.updateAndSchedule();
     }
   }
 
@@ -88,52 +88,52 @@ export class StopLine extends Store {
   }
 
   /** STOP. It leaves before this returns, and again until the gateway names it. */
-  press(): void {
-    this.send(this.desk.press(freshId(), this.now()));
-    this.settle();
+  pressStop(): void {
+    this.sendStop(this.desk.pressStop(freshId(), this.now()));
+    this.updateAndSchedule();
   }
 
   /** First step of a reset. */
   askReset(epoch: number): void {
     if (!this.desk.askReset(this.now())) return;
-    this.reset(epoch, "");
+    this.sendReset(epoch, "");
   }
 
   /** Second step. */
-  release(epoch: number): void {
-    const token = this.desk.release(this.now());
-    if (token !== null) this.reset(epoch, token);
-    this.settle();
+  releaseStop(epoch: number): void {
+    const token = this.desk.releaseStop(this.now());
+    if (token !== null) this.sendReset(epoch, token);
+    this.updateAndSchedule();
   }
 
   keepStopped(): void {
     this.desk.keepStopped();
-    this.settle();
+    this.updateAndSchedule();
   }
 
-  private reset(epoch: number, token: string): void {
+  private sendReset(epoch: number, token: string): void {
     const sent = this.line.send({ t: "reset", site: this.site, device: this.device, epoch, token });
-    if (!sent) this.desk.key("", "Not connected. Nothing was released.", this.now());
-    this.settle();
+    if (!sent) this.desk.receiveResetKey("", "Not connected. Nothing was released.", this.now());
+    this.updateAndSchedule();
   }
 
-  private send(id: string): void {
+  private sendStop(id: string): void {
     this.line.send({ t: "stop", site: this.site, device: this.device, id });
   }
 
-  private settle(): void {
+  private updateAndSchedule(): void {
     const busy = this.desk.phase === "sent" || this.desk.reset.kind !== "none";
-    if (busy) this.timer ??= setInterval(this.beat, BEAT_MS);
+    if (busy) this.timer ??= setInterval(this.onTimer, BEAT_MS);
     else {
       clearInterval(this.timer);
       this.timer = undefined;
     }
-    this.changed();
+    this.notifyWatchers();
   }
 
-  private readonly beat = (): void => {
-    const again = this.desk.beat(this.now());
-    if (again !== null) this.send(again);
-    this.settle();
+  private readonly onTimer = (): void => {
+    const again = this.desk.advance(this.now());
+    if (again !== null) this.sendStop(again);
+    this.updateAndSchedule();
   };
 }

@@ -46,7 +46,7 @@ export class StopDesk {
   }
 
   /** Driving must not begin: STOP is latched, or asked for and not answered. */
-  get bars(): boolean {
+  get blocksDriving(): boolean {
     return this.pending !== null || this.word?.latched === true;
   }
 
@@ -60,16 +60,16 @@ export class StopDesk {
   }
 
   /** From the press to the gateway's answer (ms); null before. */
-  get answeredIn(): number | null {
+  get answerMs(): number | null {
     return this.answeredIn_;
   }
 
-  waiting(now: number): number {
+  waitingMs(now: number): number {
     return this.pending ? now - this.pending.since : 0;
   }
 
   /** STOP. Gives the id to send at once; a press while one is under way sends that again. */
-  press(id: string, now: number): string {
+  pressStop(id: string, now: number): string {
     this.pending ??= { id, since: now };
     this.repeatAt = now + REPEAT_MS;
     this.reset_ = { kind: "none" };
@@ -79,18 +79,18 @@ export class StopDesk {
   }
 
   /** It was sent and could not be passed on now; it goes on being repeated. */
-  delayed(why: string): void {
+  markDelayed(why: string): void {
     if (this.pending) this.trouble = why;
   }
 
   /** The hub will not pass it on; repeating it would change nothing. */
-  refused(why: string): void {
+  markRefused(why: string): void {
     if (!this.pending) return;
     this.pending = null;
     this.trouble = why;
   }
 
-  news(word: StopWord, now: number): void {
+  applyUpdate(word: StopWord, now: number): void {
     if (this.pending?.id === word.id) {
       this.answeredIn_ = now - this.pending.since;
       this.pending = null;
@@ -102,7 +102,7 @@ export class StopDesk {
   }
 
   /** The link is away: what we knew of the robot is no longer known. A press stays wanted. */
-  lose(): void {
+  onLinkLost(): void {
     this.word = null;
     this.reset_ = { kind: "none" };
   }
@@ -116,7 +116,7 @@ export class StopDesk {
   }
 
   /** The key to the second step, or why there is none. */
-  key(token: string, refused: string, now: number): void {
+  receiveResetKey(token: string, refused: string, now: number): void {
     if (this.reset_.kind !== "asking" && this.reset_.kind !== "releasing") return;
     const armed = token !== "" && this.reset_.kind === "asking";
     this.reset_ = armed ? { kind: "armed", token, until: now + ARMED_MS } : { kind: "none" };
@@ -124,7 +124,7 @@ export class StopDesk {
   }
 
   /** Second step. Gives the token to send. */
-  release(now: number): string | null {
+  releaseStop(now: number): string | null {
     if (this.reset_.kind !== "armed" || now >= this.reset_.until) return null;
     const { token } = this.reset_;
     this.reset_ = { kind: "releasing", since: now };
@@ -136,7 +136,7 @@ export class StopDesk {
   }
 
   /** Time has passed. Gives the id of a STOP that is to be sent again. */
-  beat(now: number): string | null {
+  advance(now: number): string | null {
     const reset = this.reset_;
     if (reset.kind === "armed" && now >= reset.until) this.reset_ = { kind: "none" };
     if (

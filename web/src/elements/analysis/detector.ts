@@ -91,13 +91,13 @@ export class DetectorElement extends LitElement {
     this.toggleAttribute("on", detector.on);
     return html`<div class="head">
         <span class="name">${this.named ? `${detector.address}, ${detector.name}` : `Anomaly score, ${detector.name}`}</span>
-        ${statusOf(detector)}
+        ${renderStatusOf(detector)}
         <span class="score">${Number.isNaN(this.score) ? nothing : `${formatNumber(this.score, 2)}, `}told from ${formatNumber(detector.bar, 2)}</span>
       </div>
-      ${series === null ? nothing : this.chart(detector, series)} ${this.words(detector)}`;
+      ${series === null ? nothing : this.renderChart(detector, series)} ${this.renderWords(detector)}`;
   }
 
-  private chart(detector: Detector, series: ChartSeries): TemplateResult {
+  private renderChart(detector: Detector, series: ChartSeries): TemplateResult {
     if (this.list[0] !== series) this.list = [series];
     return html`<t-chart
       .series=${this.list}
@@ -115,7 +115,7 @@ export class DetectorElement extends LitElement {
     ></t-chart>`;
   }
 
-  private words(detector: Detector): unknown {
+  private renderWords(detector: Detector): unknown {
     const { anomaly, on, learns, learning } = detector;
     if (anomaly === null) {
       if (learning === 0) return nothing;
@@ -137,7 +137,7 @@ export class DetectorElement extends LitElement {
   };
 }
 
-function statusOf({ on, anomaly, learning }: Detector): TemplateResult {
+function renderStatusOf({ on, anomaly, learning }: Detector): TemplateResult {
   if (on) return html`<t-status kind="warn" word="anomaly"></t-status>`;
   if (learning > 0) return html`<t-status kind="busy" word="learning"></t-status>`;
   return html`<t-status kind="ok" word=${anomaly?.forgiven === true ? "as usual, marked" : "as usual"}></t-status>`;

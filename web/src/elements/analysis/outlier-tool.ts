@@ -45,25 +45,25 @@ export class OutlierTool extends LitElement {
       ${
         on
           ? html`<label title="A sample so many times the distance of the quartiles beyond them is an outlier"
-              >beyond <input type="number" aria-label="Times the interquartile range" min=${LEAST_K} max=${MOST_K} step="0.5" .value=${String(this.k)} @change=${this.typed} /> × IQR</label
+              >beyond <input type="number" aria-label="Times the interquartile range" min=${LEAST_K} max=${MOST_K} step="0.5" .value=${String(this.k)} @change=${this.onInput} /> × IQR</label
             >`
           : nothing
       }`;
   }
 
   private readonly toggle = (): void => {
-    this.tell(this.k > 0 ? 0 : USUAL_K);
+    this.fireChange(this.k > 0 ? 0 : USUAL_K);
   };
 
-  private readonly typed = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     const k = event.target.valueAsNumber;
     const kept = Number.isFinite(k) ? Math.min(MOST_K, Math.max(LEAST_K, k)) : this.k;
     event.target.value = String(kept);
-    this.tell(kept);
+    this.fireChange(kept);
   };
 
-  private tell(detail: number): void {
+  private fireChange(detail: number): void {
     this.dispatchEvent(new CustomEvent("t-outliers", { detail }));
   }
 }

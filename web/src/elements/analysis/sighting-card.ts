@@ -124,7 +124,7 @@ export class SightingCard extends LitElement {
     const there = this.picture !== "" && !this.lost;
     return html`<div class="picture ${there ? "there" : ""}">
         ${there
-          ? html`<img src=${this.picture} alt=${`${countWords(many, label)} on the picture of ${this.camera}`} loading="lazy" decoding="async" @error=${this.broke} />
+          ? html`<img src=${this.picture} alt=${`${countWords(many, label)} on the picture of ${this.camera}`} loading="lazy" decoding="async" @error=${this.onPictureError} />
               <div class="tint"></div>`
           : html`<t-icon name="camera"></t-icon><span>${this.lost ? "picture not kept" : "no picture"}</span>`}
       </div>
@@ -148,7 +148,7 @@ export class SightingCard extends LitElement {
       </div>`;
   }
 
-  private readonly broke = (): void => {
+  private readonly onPictureError = (): void => {
     this.lost = true;
   };
 }

@@ -1,6 +1,6 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { iconPath, type IconName } from "./icons.js";
+import { renderIconPath, type IconName } from "./icons.js";
 
 /** One of our icons, as large as the text around it asks. Hidden from screen readers. */
 @customElement("t-icon")
@@ -21,7 +21,7 @@ export class Icon extends LitElement {
   @property() name: IconName = "info";
 
   override render(): TemplateResult {
-    return html`<svg viewBox="0 0 24 24" aria-hidden="true">${iconPath(this.name)}</svg>`;
+    return html`<svg viewBox="0 0 24 24" aria-hidden="true">${renderIconPath(this.name)}</svg>`;
   }
 }
 

@@ -27,7 +27,7 @@ const PATHS = {
 export type IconName = keyof typeof PATHS;
 
 /** The inside of an `<svg viewBox="0 0 24 24">`. */
-export function iconPath(name: IconName): SVGTemplateResult {
+export function renderIconPath(name: IconName): SVGTemplateResult {
   return svg`<path d=${PATHS[name]} fill="none" stroke="currentColor" stroke-width="1.75"
     stroke-linecap="round" stroke-linejoin="round"></path>`;
 }

@@ -192,7 +192,7 @@ export class CameraView extends LitElement {
   private readonly held = new Map<number, { x: number; y: number }>();
 
   /** Shows a picture and takes it over: it is gone afterwards. */
-  draw(picture: ImageBitmap | VideoFrame): void {
+  drawPicture(picture: ImageBitmap | VideoFrame): void {
     const { canvas } = this;
     const film = "displayWidth" in picture;
     const width = film ? picture.displayWidth : picture.width;
@@ -207,17 +207,17 @@ export class CameraView extends LitElement {
   override render(): TemplateResult {
     const live = this.drawn && this.link === "open" && this.age <= LIVE_MS;
     return html`<div class=${this.drawn && !live ? "aged" : ""}>
-      ${this.lens(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing}
+      ${this.renderZoomed(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing}
       ${this.drawn && this.things.length > 0
         ? html`<t-boxes .things=${this.things} ?earlier=${this.earlier} .picture=${this.picture} .zoom=${this.zoom}></t-boxes>`
         : nothing}
-      ${live ? nothing : this.veil()}
+      ${live ? nothing : this.renderPlaceholder()}
       <div class="head"><slot name="top"></slot></div>
-      <div class="foot">${this.drawn ? this.badge(live) : html`<span></span>`} ${this.tools()}</div>
+      <div class="foot">${this.drawn ? this.renderBadge(live) : html`<span></span>`} ${this.renderTools()}</div>
     </div>`;
   }
 
-  private lens(live: boolean): TemplateResult {
+  private renderZoomed(live: boolean): TemplateResult {
     const { scale, x, y } = this.zoom;
     const near = scale > 1;
     const style = near ? { transform: `translate(${String(x * 100)}%, ${String(y * 100)}%) scale(${String(scale)})` } : {};
@@ -227,50 +227,50 @@ export class CameraView extends LitElement {
       tabindex="0"
       role="group"
       aria-label="Picture; plus and minus zoom, zero shows all of it"
-      @wheel=${this.wheeled}
-      @pointerdown=${this.pressed}
-      @pointermove=${this.dragged}
-      @pointerup=${this.lifted}
-      @pointercancel=${this.lifted}
-      @dblclick=${this.whole}
-      @keydown=${this.keyed}
+      @wheel=${this.onWheel}
+      @pointerdown=${this.onPointerDown}
+      @pointermove=${this.onPointerMove}
+      @pointerup=${this.onPointerUp}
+      @pointercancel=${this.onPointerUp}
+      @dblclick=${this.resetZoom}
+      @keydown=${this.onKeyDown}
     >
-      <canvas role="img" aria-label=${this.spoken(live)} ${styled(style)}></canvas>
+      <canvas role="img" aria-label=${this.spokenState(live)} ${styled(style)}></canvas>
     </div>`;
   }
 
   // ── looking closer ──
 
-  private closer(factor: number, x = 0.5, y = 0.5): void {
+  private zoomBy(factor: number, x = 0.5, y = 0.5): void {
     this.zoom = zoomed(this.zoom, factor, x, y);
   }
 
-  private readonly whole = (): void => {
+  private readonly resetZoom = (): void => {
     this.zoom = WHOLE;
   };
 
-  private at(event: MouseEvent): { x: number; y: number; width: number; height: number } {
+  private pointerPosition(event: MouseEvent): { x: number; y: number; width: number; height: number } {
     const box = this.getBoundingClientRect();
     return { x: (event.clientX - box.x) / box.width, y: (event.clientY - box.y) / box.height, width: box.width, height: box.height };
   }
 
-  private readonly wheeled = (event: WheelEvent): void => {
+  private readonly onWheel = (event: WheelEvent): void => {
     // Otherwise the wheel is the page's: it scrolls past the picture.
     if (!event.ctrlKey && !event.metaKey && !this.full && this.zoom.scale === 1) return;
     event.preventDefault();
-    const { x, y } = this.at(event);
-    this.closer(wheelFactor(event.deltaY * (event.deltaMode === 1 ? 33 : 1)), x, y);
+    const { x, y } = this.pointerPosition(event);
+    this.zoomBy(wheelFactor(event.deltaY * (event.deltaMode === 1 ? 33 : 1)), x, y);
   };
 
-  private readonly pressed = (event: PointerEvent): void => {
-    this.held.set(event.pointerId, this.at(event));
+  private readonly onPointerDown = (event: PointerEvent): void => {
+    this.held.set(event.pointerId, this.pointerPosition(event));
     if (this.zoom.scale > 1 || this.held.size > 1) (event.currentTarget as Element).setPointerCapture(event.pointerId);
   };
 
-  private readonly dragged = (event: PointerEvent): void => {
+  private readonly onPointerMove = (event: PointerEvent): void => {
     const before = this.held.get(event.pointerId);
     if (before === undefined) return;
-    const now = this.at(event);
+    const now = this.pointerPosition(event);
     this.held.set(event.pointerId, now);
     const other = [...this.held].find(([id]) => id !== event.pointerId)?.[1];
     if (other === undefined) {
@@ -279,26 +279,26 @@ export class CameraView extends LitElement {
     }
     const apart = (one: { x: number; y: number }): number =>
       Math.hypot((one.x - other.x) * now.width, (one.y - other.y) * now.height);
-    this.closer(apart(now) / Math.max(1, apart(before)), (now.x + other.x) / 2, (now.y + other.y) / 2);
+    this.zoomBy(apart(now) / Math.max(1, apart(before)), (now.x + other.x) / 2, (now.y + other.y) / 2);
     this.zoom = moved(this.zoom, (now.x - before.x) / 2, (now.y - before.y) / 2);
   };
 
-  private readonly lifted = (event: PointerEvent): void => {
+  private readonly onPointerUp = (event: PointerEvent): void => {
     this.held.delete(event.pointerId);
   };
 
-  private readonly keyed = (event: KeyboardEvent): void => {
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.key === "+" || event.key === "=") this.closer(1.5);
-    else if (event.key === "-") this.closer(1 / 1.5);
-    else if (event.key === "0") this.whole();
+    if (event.key === "+" || event.key === "=") this.zoomBy(1.5);
+    else if (event.key === "-") this.zoomBy(1 / 1.5);
+    else if (event.key === "0") this.resetZoom();
     else return;
     event.preventDefault();
   };
 
   // ── keeping one ──
 
-  private readonly snap = (): void => {
+  private readonly saveSnapshot = (): void => {
     this.canvas.toBlob((blob) => {
       if (blob === null) return;
       const link = document.createElement("a");
@@ -311,13 +311,13 @@ export class CameraView extends LitElement {
     }, "image/png");
   };
 
-  private spoken(live: boolean): string {
+  private spokenState(live: boolean): string {
     const name = this.name || "Camera";
     return live ? `${name}, live picture` : `${name}, old picture, not live`;
   }
 
-  private veil(): TemplateResult {
-    if (this.drawn) return this.frozen();
+  private renderPlaceholder(): TemplateResult {
+    if (this.drawn) return this.renderFrozen();
     if (this.link === "connecting") {
       return html`<div class="veil"><t-loading what="Connecting to the camera"></t-loading></div>`;
     }
@@ -329,7 +329,7 @@ export class CameraView extends LitElement {
     </div>`;
   }
 
-  private frozen(): TemplateResult {
+  private renderFrozen(): TemplateResult {
     const known = Number.isFinite(this.age);
     const cause = this.link === "open" ? "Nothing newer has come." : this.why || `${WORDS[this.link].heading}.`;
     return html`<div class="veil">
@@ -344,7 +344,7 @@ export class CameraView extends LitElement {
     </div>`;
   }
 
-  private badge(live: boolean): TemplateResult {
+  private renderBadge(live: boolean): TemplateResult {
     const age = Number.isFinite(this.age) ? ageWords(this.age) : "age unknown";
     return html`<span class="badge">
       <svg viewBox="0 0 12 12" aria-hidden="true"><path d=${live ? DOT : BLOCK} fill="currentColor"></path></svg>
@@ -354,25 +354,25 @@ export class CameraView extends LitElement {
     </span>`;
   }
 
-  private tools(): TemplateResult {
+  private renderTools(): TemplateResult {
     const { scale } = this.zoom;
     return html`<div class="tools">
       ${this.drawn
-        ? html`${this.tool("Zoom out", "M5 12h14", () => {
-            this.closer(1 / 1.5);
+        ? html`${this.renderTool("Zoom out", "M5 12h14", () => {
+            this.zoomBy(1 / 1.5);
           }, "wide", scale <= 1)}
-          ${this.tool("Zoom in", "M5 12h14M12 5v14", () => {
-            this.closer(1.5);
+          ${this.renderTool("Zoom in", "M5 12h14M12 5v14", () => {
+            this.zoomBy(1.5);
           }, "wide", scale >= MOST_ZOOM)}
-          ${scale > 1 ? this.tool("Show all of the picture", "M4 4h16v16H4zM9 12h6", this.whole) : nothing}
-          ${this.tool("Save this picture", "M12 4v11M7 10l5 5 5-5M5 20h14", this.snap)}`
+          ${scale > 1 ? this.renderTool("Show all of the picture", "M4 4h16v16H4zM9 12h6", this.resetZoom) : nothing}
+          ${this.renderTool("Save this picture", "M12 4v11M7 10l5 5 5-5M5 20h14", this.saveSnapshot)}`
         : nothing}
       <slot name="tool"></slot>
-      ${this.fullButton()}
+      ${this.renderFullButton()}
     </div>`;
   }
 
-  private tool(label: string, path: string, act: () => void, kind = "", off = false): TemplateResult {
+  private renderTool(label: string, path: string, act: () => void, kind = "", off = false): TemplateResult {
     return html`<button type="button" class="key ${kind}" aria-label=${label} title=${label} ?disabled=${off} @click=${act}>
       <svg viewBox="0 0 24 24" aria-hidden="true">
         <path d=${path} fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"></path>
@@ -380,17 +380,17 @@ export class CameraView extends LitElement {
     </button>`;
   }
 
-  private fullButton(): TemplateResult {
+  private renderFullButton(): TemplateResult {
     const label = this.full ? "Leave full screen" : "Full screen";
     const path = this.full ? "M9 4v5H4M15 4v5h5M9 20v-5H4M15 20v-5h5" : "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5";
-    return html`<button type="button" class="key" aria-label=${label} title=${label} @click=${this.askFull}>
+    return html`<button type="button" class="key" aria-label=${label} title=${label} @click=${this.requestFullScreen}>
       <svg viewBox="0 0 24 24" aria-hidden="true">
         <path d=${path} fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round"></path>
       </svg>
     </button>`;
   }
 
-  private readonly askFull = (): void => {
+  private readonly requestFullScreen = (): void => {
     this.dispatchEvent(new CustomEvent("t-fullscreen", { bubbles: true, composed: true }));
   };
 }

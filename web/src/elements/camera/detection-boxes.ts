@@ -100,10 +100,10 @@ export class Boxes extends LitElement {
 
   override render(): TemplateResult {
     // The surest last: it lies on top.
-    return html`<div aria-hidden="true">${map([...this.things].reverse(), (thing) => this.box(thing))}</div>`;
+    return html`<div aria-hidden="true">${map([...this.things].reverse(), (thing) => this.renderBox(thing))}</div>`;
   }
 
-  private box(thing: Boxed): unknown {
+  private renderBox(thing: Boxed): unknown {
     const place = placeOf(thing, this.view, this.picture, this.zoom);
     if (!isInView(place, this.view)) return null;
     const where = {

@@ -123,8 +123,8 @@ export class ObjectsChoice extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<div class="panel" role="group" aria-label="Objects on the picture" @keydown=${this.keyed}>
-      <fieldset @change=${this.ticked}>
+    return html`<div class="panel" role="group" aria-label="Objects on the picture" @keydown=${this.onKeyDown}>
+      <fieldset @change=${this.onTick}>
         <legend>Framed</legend>
         ${repeat(
           this.classes,
@@ -146,24 +146,24 @@ export class ObjectsChoice extends LitElement {
           max=${MOST * 100}
           step=${STEP * 100}
           .value=${String(Math.round(this.confidence * 100))}
-          @input=${this.slid}
+          @input=${this.onSlide}
       /></label>
       <div class="foot">
-        <t-button ?disabled=${this.plain} @click=${this.described}>As described</t-button>
-        <t-button @click=${this.shut}>Close</t-button>
+        <t-button ?disabled=${this.plain} @click=${this.useDescribedObjects}>As described</t-button>
+        <t-button @click=${this.closePanel}>Close</t-button>
       </div>
     </div>`;
   }
 
-  private readonly shut = (): void => {
+  private readonly closePanel = (): void => {
     this.dispatchEvent(new CustomEvent("t-close"));
   };
 
-  private readonly keyed = (event: KeyboardEvent): void => {
-    if (event.key === "Escape") this.shut();
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
+    if (event.key === "Escape") this.closePanel();
   };
 
-  private readonly ticked = (event: Event): void => {
+  private readonly onTick = (event: Event): void => {
     const { target } = event;
     if (!(target instanceof HTMLInputElement)) return;
     const { value, checked } = target;
@@ -173,12 +173,12 @@ export class ObjectsChoice extends LitElement {
     });
   };
 
-  private readonly slid = (event: Event): void => {
+  private readonly onSlide = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     this.want({ classes: this.classes.filter(({ wanted }) => wanted).map(({ label }) => label), confidence: event.target.valueAsNumber / 100 });
   };
 
-  private readonly described = (): void => {
+  private readonly useDescribedObjects = (): void => {
     this.want({ classes: null, confidence: null });
   };
 

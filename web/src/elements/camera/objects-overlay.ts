@@ -83,10 +83,10 @@ export class Objects extends LitElement {
 
   override render(): TemplateResult {
     return html`<div class="strip">
-        <button type="button" class="key worded" aria-pressed=${this.on ? "true" : "false"} title="Frame what is seen on the picture" @click=${this.switched}>
-          ${icon("M4 8V4h4M16 4h4v4M20 16v4h-4M8 20H4v-4M9 9h6v6H9z")} Objects
+        <button type="button" class="key worded" aria-pressed=${this.on ? "true" : "false"} title="Frame what is seen on the picture" @click=${this.onSwitch}>
+          ${renderIcon("M4 8V4h4M16 4h4v4M20 16v4h-4M8 20H4v-4M9 9h6v6H9z")} Objects
         </button>
-        ${this.on ? this.told() : nothing}
+        ${this.on ? this.renderDetails() : nothing}
         ${this.on && !this.busy
           ? html`<button
               type="button"
@@ -94,39 +94,39 @@ export class Objects extends LitElement {
               aria-label="Choose which objects are framed"
               title="Choose which objects are framed"
               aria-expanded=${this.open ? "true" : "false"}
-              @click=${this.toggled}
+              @click=${this.onToggle}
             >
-              ${icon("M4 7h9M17 7h3M15 5v4M4 17h3M11 17h9M9 15v4")}
+              ${renderIcon("M4 7h9M17 7h3M15 5v4M4 17h3M11 17h9M9 15v4")}
             </button>`
           : nothing}
       </div>`;
   }
 
   /** Nobody who drives is led away. */
-  private whither(): TemplateResult | typeof nothing {
+  private renderLogbookLink(): TemplateResult | typeof nothing {
     return this.why === "" || this.busy ? nothing : html`<a href=${this.why}>why?</a>`;
   }
 
-  private told(): TemplateResult {
-    if (this.detector === "waiting") return html`<span class="counts quiet">waiting for the detector${this.whither()}</span>`;
-    if (this.detector === "silent") return html`<span class="counts silent">the detector is silent${this.whither()}</span>`;
+  private renderDetails(): TemplateResult {
+    if (this.detector === "waiting") return html`<span class="counts quiet">waiting for the detector${this.renderLogbookLink()}</span>`;
+    if (this.detector === "silent") return html`<span class="counts silent">the detector is silent${this.renderLogbookLink()}</span>`;
     if (this.counts.length === 0) return html`<span class="counts quiet">nothing seen</span>`;
     return html`<span class="counts" role="group" aria-label="Seen now"
       >${map(this.counts, ({ label, many }) => html`<span>${countWords(many, label)}</span>`)}</span
     >`;
   }
 
-  private readonly switched = (): void => {
+  private readonly onSwitch = (): void => {
     this.dispatchEvent(new CustomEvent("t-objects-switch", { detail: !this.on }));
   };
 
-  private readonly toggled = (): void => {
+  private readonly onToggle = (): void => {
     this.dispatchEvent(new CustomEvent("t-objects-open", { detail: !this.open }));
   };
 
 }
 
-function icon(path: string): TemplateResult {
+function renderIcon(path: string): TemplateResult {
   return html`<svg viewBox="0 0 24 24" aria-hidden="true">
     <path d=${path} fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"></path>
   </svg>`;

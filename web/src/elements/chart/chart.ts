@@ -113,7 +113,7 @@ export class Chart extends LitElement implements Paintable {
 
   override connectedCallback(): void {
     super.connectedCallback();
-    if (this.hasUpdated) this.start();
+    if (this.hasUpdated) this.startPainting();
   }
 
   override disconnectedCallback(): void {
@@ -132,8 +132,8 @@ export class Chart extends LitElement implements Paintable {
         tabindex="0"
         aria-roledescription="chart"
         aria-label=${this.label}
-        @keydown=${this.key}
-        @blur=${this.blurred}
+        @keydown=${this.onKeyDown}
+        @blur=${this.onBlur}
       ></div>
       <div class="cursor" hidden></div>
       <div class="chosen" hidden></div>
@@ -156,14 +156,14 @@ export class Chart extends LitElement implements Paintable {
         this.overlay?.notChoosing();
       },
       change: (span, settled) => {
-        this.tellSpan({ span, settled });
+        this.fireSpanChange({ span, settled });
       },
       reset: () => {
-        this.tell("t-reset", null);
+        this.fireEvent("t-reset", null);
       },
       zoomable: this.zoomable,
     });
-    this.start();
+    this.startPainting();
   }
 
   protected override willUpdate(changed: PropertyValues<this>): void {
@@ -172,12 +172,12 @@ export class Chart extends LitElement implements Paintable {
     // Axes that are the same keep what they cover, so that they do not jump with every answer.
     if (axes.key !== before.key || changed.has("axis")) this.axes = axes;
     const other = axes.key !== before.key || changed.has("zone") || changed.has("axisWidth") || changed.has("indent");
-    if (other && this.view !== null) this.remake();
+    if (other && this.view !== null) this.recreateView();
   }
 
   protected override updated(changed: PropertyValues<this>): void {
     // The cursor lies over the picture: what is below it need not be drawn again.
-    if (DRAWN.some((name) => changed.has(name))) this.touch();
+    if (DRAWN.some((name) => changed.has(name))) this.markDirty();
     else if (changed.has("cursorUs")) this.placeCursor();
   }
 
@@ -188,31 +188,31 @@ export class Chart extends LitElement implements Paintable {
 
   // ── painting ────────────────────────────────────────────────────────────────────────────
 
-  get moving(): boolean {
+  get isMoving(): boolean {
     return this.follow !== null && this.onScreen;
   }
 
-  wants(nowMs: number): boolean {
+  needsPaint(nowMs: number): boolean {
     if (!this.onScreen || this.view === null) return false;
     if (this.dirty) return true;
     const { follow, shown } = this;
     if (follow === null || shown === null) return false;
     const moved = (follow(nowMs).toUs - shown.toUs) / this.widthUs(shown);
     // Half a pixel is seen as movement; less is not worth a picture, unless something new came.
-    return moved >= 0.5 || (this.version() !== this.drawnVersion && nowMs - this.drawnAt >= 50);
+    return moved >= 0.5 || (this.dataVersion() !== this.drawnVersion && nowMs - this.drawnAt >= 50);
   }
 
-  paint(nowMs: number): void {
+  paintFrame(nowMs: number): void {
     const span = this.follow?.(nowMs) ?? this.span;
     const { view, palette } = this;
     if (span === null || view === null || palette === null) return;
     this.shown = span;
     this.dirty = false;
     this.drawnAt = nowMs;
-    this.drawnVersion = this.version();
+    this.drawnVersion = this.dataVersion();
     const columnUs = this.widthUs(span);
-    const ranges = this.axes.ranges(this.series, span, columnUs);
-    const rangeOf = (one: ChartSeries): Range => ranges[this.axes.indexOf(one)] ?? NO_RANGE;
+    const ranges = this.axes.axisRanges(this.series, span, columnUs);
+    const rangeOf = (one: ChartSeries): Range => ranges[this.axes.axisIndex(one)] ?? NO_RANGE;
     view.paint(span, ranges, (plot) => {
       drawSeries(plot, this.series, { palette, columnUs, moving: this.follow !== null, rangeOf });
       drawMarks(plot, this.marks, palette);
@@ -232,7 +232,7 @@ export class Chart extends LitElement implements Paintable {
     return Math.max(1, Math.round(lengthOf(span) / Math.max(1, Math.round(this.view?.box.width ?? 1))));
   }
 
-  private version(): number {
+  private dataVersion(): number {
     let sum = 0;
     for (const { samples } of this.series) sum += samples.version;
     return sum;
@@ -240,30 +240,30 @@ export class Chart extends LitElement implements Paintable {
 
   // ── coming and going ────────────────────────────────────────────────────────────────────
 
-  private start(): void {
+  private startPainting(): void {
     this.painter ??= new Painter();
     const painter = this.painter;
     const inView = new IntersectionObserver((entries) => {
       this.onScreen = entries.at(-1)?.isIntersecting ?? false;
       if (!this.onScreen) return;
-      void this.make();
-      this.touch();
+      void this.createView();
+      this.markDirty();
     }, { rootMargin: "80px" });
     inView.observe(this);
     const sized = new ResizeObserver(([entry]) => {
       if (entry === undefined) return;
       this.size = { width: Math.floor(entry.contentRect.width), height: Math.floor(entry.contentRect.height) };
-      if (this.view === null) void this.make();
+      if (this.view === null) void this.createView();
       else this.view.resize(this.size);
-      this.touch();
+      this.markDirty();
     });
     sized.observe(this.place);
     this.stops = [
-      painter.add(this),
+      painter.addChart(this),
       watchTheme(() => {
         this.palette = readPalette(this);
         this.view?.recolour(this.palette);
-        this.touch();
+        this.markDirty();
       }),
       () => {
         inView.disconnect();
@@ -272,7 +272,7 @@ export class Chart extends LitElement implements Paintable {
     ];
   }
 
-  private async make(): Promise<void> {
+  private async createView(): Promise<void> {
     if (!this.lacksView()) return;
     const { UPlot, sheet } = await import("./uplot-loader.js");
     if (!this.lacksView()) return;
@@ -285,22 +285,22 @@ export class Chart extends LitElement implements Paintable {
       axes: this.axes.looks,
       indent: this.indent,
     });
-    this.touch();
+    this.markDirty();
   }
 
   private lacksView(): boolean {
     return this.view === null && this.onScreen && this.isConnected && this.size.width >= 10 && this.size.height >= 10;
   }
 
-  private remake(): void {
+  private recreateView(): void {
     this.view?.destroy();
     this.view = null;
-    void this.make();
+    void this.createView();
   }
 
-  private touch(): void {
+  private markDirty(): void {
     this.dirty = true;
-    this.painter?.wake();
+    this.painter?.wakeUp();
   }
 
   // ── pointer and keys ────────────────────────────────────────────────────────────────────
@@ -316,7 +316,7 @@ export class Chart extends LitElement implements Paintable {
     this.cursorPart = part;
     const us = this.cursorMoment();
     this.placeCursor();
-    this.tell("t-cursor", us);
+    this.fireEvent("t-cursor", us);
   }
 
   /** On a moving chart the cursor keeps its place, on one that stands still its moment. */
@@ -355,28 +355,28 @@ export class Chart extends LitElement implements Paintable {
     return [moment, ...values, ...(gap === undefined ? [] : [gap.reason || "no samples"])].join("\n");
   }
 
-  private tellSpan(detail: SpanChange): void {
-    this.tell("t-span", detail);
+  private fireSpanChange(detail: SpanChange): void {
+    this.fireEvent("t-span", detail);
   }
 
   // Out of the chart's own frame, so that what stands around several charts hears all of them.
-  private tell(kind: string, detail: unknown): void {
+  private fireEvent(kind: string, detail: unknown): void {
     this.dispatchEvent(new CustomEvent(kind, { detail, bubbles: true, composed: true }));
   }
 
-  private readonly blurred = (): void => {
+  private readonly onBlur = (): void => {
     this.moveCursor(null);
   };
 
-  private readonly key = (event: KeyboardEvent): void => {
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
     const { shown } = this;
     if (shown === null || event.ctrlKey || event.metaKey || event.altKey) return;
     const wish = keyWish(event.key, event.shiftKey, this.cursorPart, shown, this.zoomable);
     if (wish === null) return;
     event.preventDefault();
     event.stopPropagation();
-    if (wish.wish === "reset") this.tell("t-reset", null);
-    else if (wish.wish === "span") this.tellSpan({ span: wish.span, settled: false });
+    if (wish.wish === "reset") this.fireEvent("t-reset", null);
+    else if (wish.wish === "span") this.fireSpanChange({ span: wish.span, settled: false });
     else this.moveCursor(wish.part);
     this.speakSoon();
   };

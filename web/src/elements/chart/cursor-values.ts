@@ -42,14 +42,14 @@ function readNumber(series: ChartSeries, us: number, widthUs: number, withinUs: 
   const columns = series.samples.columnsAt(widthUs);
   const times = Array.from({ length: 3 }, (_, i) => {
     const at = columns.firstFrom(us) - 1 + i;
-    return { at, time: at >= 0 && at < columns.length ? columns.time(at) : NaN };
+    return { at, time: at >= 0 && at < columns.length ? columns.timeAt(at) : NaN };
   }).filter(({ time }) => Math.abs(time - us) <= withinUs);
   const found = times[nearest(times.map(({ time }) => time), us)];
   if (found === undefined) return { series, timeUs: NaN, text: NOTHING };
   const { unit } = series;
   const decimals = decimalsFor(unit, series.decimals);
-  const [min, max] = [columns.min(found.at), columns.max(found.at)].map((value) => formatNumber(value, decimals));
-  const mean = formatWithUnit(columns.mean(found.at), unit, decimals);
+  const [min, max] = [columns.minAt(found.at), columns.maxAt(found.at)].map((value) => formatNumber(value, decimals));
+  const mean = formatWithUnit(columns.meanAt(found.at), unit, decimals);
   const text = min === max || min === undefined || max === undefined ? mean : `${mean} (${min} … ${max})`;
   return { series, timeUs: found.time, text };
 }

@@ -82,7 +82,7 @@ export function drawTrace(plot: Plot, columns: Columns, colour: string, options:
         fillDense(plot, columns, i, last);
       } else traceBand(plot, columns, i, last, band);
     }
-    if (last < columns.length && columns.time(last) > plot.span.toUs) break;
+    if (last < columns.length && columns.timeAt(last) > plot.span.toUs) break;
   }
   if (thick) {
     ctx.fill(band);
@@ -106,65 +106,65 @@ export function drawTrace(plot: Plot, columns: Columns, colour: string, options:
 /** Index after the last column of the unbroken stretch that begins at `from`; one beyond the window counts. */
 function runEnd(columns: Columns, from: number, toUs: number): number {
   let end = from + 1;
-  while (end < columns.length && !columns.broken(end) && columns.time(end - 1) <= toUs) end += 1;
+  while (end < columns.length && !columns.isBroken(end) && columns.timeAt(end - 1) <= toUs) end += 1;
   return end;
 }
 
 function traceLine(plot: Plot, columns: Columns, from: number, to: number, path: Path2D): void {
-  const x = xOf(plot, columns.time(from));
-  const y = yOf(plot, columns.mean(from));
+  const x = xOf(plot, columns.timeAt(from));
+  const y = yOf(plot, columns.meanAt(from));
   path.moveTo(x, y);
   // A sample that stands alone is a dot: the round cap of a line without length.
   if (to === from + 1) path.lineTo(x + 0.01, y);
-  for (let i = from + 1; i < to; i += 1) path.lineTo(xOf(plot, columns.time(i)), yOf(plot, columns.mean(i)));
+  for (let i = from + 1; i < to; i += 1) path.lineTo(xOf(plot, columns.timeAt(i)), yOf(plot, columns.meanAt(i)));
 }
 
 function isThick(columns: Columns, from: number, to: number): boolean {
-  for (let i = from; i < to; i += 1) if (columns.max(i) > columns.min(i)) return true;
+  for (let i = from; i < to; i += 1) if (columns.maxAt(i) > columns.minAt(i)) return true;
   return false;
 }
 
 /** Whether there is a column for about every pixel. */
 function isDense(plot: Plot, columns: Columns, from: number, to: number): boolean {
-  return to - from > DENSE && to - from > (xOf(plot, columns.time(to - 1)) - xOf(plot, columns.time(from))) / DENSE_APART;
+  return to - from > DENSE && to - from > (xOf(plot, columns.timeAt(to - 1)) - xOf(plot, columns.timeAt(from))) / DENSE_APART;
 }
 
 /** A band pixel by pixel: one shape with thousands of corners would take several times as long. */
 function fillDense(plot: Plot, columns: Columns, from: number, to: number): void {
   const { ctx } = plot;
-  let left = Math.floor(xOf(plot, columns.time(from)));
+  let left = Math.floor(xOf(plot, columns.timeAt(from)));
   let top = Infinity;
   let bottom = -Infinity;
   for (let i = from; i < to; i += 1) {
-    const x = Math.floor(xOf(plot, columns.time(i)));
+    const x = Math.floor(xOf(plot, columns.timeAt(i)));
     if (x > left) {
       ctx.fillRect(left, top, x - left, bottom - top);
       left = x;
       top = Infinity;
       bottom = -Infinity;
     }
-    top = Math.min(top, yOf(plot, columns.max(i)));
-    bottom = Math.max(bottom, yOf(plot, columns.min(i)));
+    top = Math.min(top, yOf(plot, columns.maxAt(i)));
+    bottom = Math.max(bottom, yOf(plot, columns.minAt(i)));
   }
   ctx.fillRect(left, top, 1, bottom - top);
 }
 
 function traceBand(plot: Plot, columns: Columns, from: number, to: number, path: Path2D): void {
   if (to === from + 1) {
-    const x = xOf(plot, columns.time(from));
-    path.rect(x - plot.ratio / 2, yOf(plot, columns.max(from)), plot.ratio, yOf(plot, columns.min(from)) - yOf(plot, columns.max(from)));
+    const x = xOf(plot, columns.timeAt(from));
+    path.rect(x - plot.ratio / 2, yOf(plot, columns.maxAt(from)), plot.ratio, yOf(plot, columns.minAt(from)) - yOf(plot, columns.maxAt(from)));
     return;
   }
-  path.moveTo(xOf(plot, columns.time(from)), yOf(plot, columns.max(from)));
-  for (let i = from + 1; i < to; i += 1) path.lineTo(xOf(plot, columns.time(i)), yOf(plot, columns.max(i)));
-  for (let i = to - 1; i >= from; i -= 1) path.lineTo(xOf(plot, columns.time(i)), yOf(plot, columns.min(i)));
+  path.moveTo(xOf(plot, columns.timeAt(from)), yOf(plot, columns.maxAt(from)));
+  for (let i = from + 1; i < to; i += 1) path.lineTo(xOf(plot, columns.timeAt(i)), yOf(plot, columns.maxAt(i)));
+  for (let i = to - 1; i >= from; i -= 1) path.lineTo(xOf(plot, columns.timeAt(i)), yOf(plot, columns.minAt(i)));
   path.closePath();
 }
 
 function drawDot(plot: Plot, columns: Columns, colour: string): void {
   const last = columns.length - 1;
   plot.ctx.beginPath();
-  plot.ctx.arc(xOf(plot, columns.time(last)), yOf(plot, columns.mean(last)), DOT * plot.ratio, 0, 2 * Math.PI);
+  plot.ctx.arc(xOf(plot, columns.timeAt(last)), yOf(plot, columns.meanAt(last)), DOT * plot.ratio, 0, 2 * Math.PI);
   plot.ctx.fillStyle = colour;
   plot.ctx.fill();
 }

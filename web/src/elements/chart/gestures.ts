@@ -38,13 +38,13 @@ export class Gestures {
     private readonly place: HTMLElement,
     private readonly asked: Asked,
   ) {
-    place.addEventListener("pointerdown", this.down);
-    place.addEventListener("pointermove", this.move);
-    place.addEventListener("pointerup", this.up);
-    place.addEventListener("pointercancel", this.cancel);
-    place.addEventListener("pointerleave", this.leave);
-    place.addEventListener("dblclick", this.twice);
-    place.addEventListener("wheel", this.wheel, { passive: false });
+    place.addEventListener("pointerdown", this.onPointerDown);
+    place.addEventListener("pointermove", this.onPointerMove);
+    place.addEventListener("pointerup", this.onPointerUp);
+    place.addEventListener("pointercancel", this.onPointerCancel);
+    place.addEventListener("pointerleave", this.onPointerLeave);
+    place.addEventListener("dblclick", this.onDoubleClick);
+    place.addEventListener("wheel", this.onWheel, { passive: false });
   }
 
   private timeAt(clientX: number): number {
@@ -52,23 +52,23 @@ export class Gestures {
     return span === null ? NaN : span.fromUs + this.asked.partAt(clientX) * (span.toUs - span.fromUs);
   }
 
-  private readonly down = (event: PointerEvent): void => {
+  private readonly onPointerDown = (event: PointerEvent): void => {
     if (!this.asked.zoomable || (event.pointerType === "mouse" && event.button !== 0)) return;
     this.place.setPointerCapture(event.pointerId);
     const mouse = event.pointerType === "mouse" && !event.shiftKey;
     this.fingers.set(event.pointerId, { x: event.clientX, startX: event.clientX, us: this.timeAt(event.clientX), mouse });
   };
 
-  private readonly move = (event: PointerEvent): void => {
+  private readonly onPointerMove = (event: PointerEvent): void => {
     this.asked.cursor(this.asked.partAt(event.clientX));
     const finger = this.fingers.get(event.pointerId);
     if (finger === undefined) return;
     finger.x = event.clientX;
     if (finger.mouse) this.asked.choosing(this.asked.partAt(finger.startX), this.asked.partAt(finger.x));
-    else this.drag(false);
+    else this.applyDrag(false);
   };
 
-  private readonly up = (event: PointerEvent): void => {
+  private readonly onPointerUp = (event: PointerEvent): void => {
     const finger = this.fingers.get(event.pointerId);
     if (finger === undefined) return;
     const moved = Math.abs(finger.x - finger.startX) >= LEAST_DRAG;
@@ -77,28 +77,28 @@ export class Gestures {
       const [a, b] = [finger.us, this.timeAt(finger.x)];
       if (moved) this.asked.change({ fromUs: Math.min(a, b), toUs: Math.max(a, b) }, true);
     } else if (moved) {
-      this.drag(true);
+      this.applyDrag(true);
     }
     this.fingers.delete(event.pointerId);
-    this.holdAgain();
+    this.regripRemaining();
   };
 
-  private readonly cancel = (event: PointerEvent): void => {
+  private readonly onPointerCancel = (event: PointerEvent): void => {
     this.fingers.delete(event.pointerId);
     this.asked.notChoosing();
-    this.holdAgain();
+    this.regripRemaining();
   };
 
-  private readonly leave = (event: PointerEvent): void => {
+  private readonly onPointerLeave = (event: PointerEvent): void => {
     if (event.pointerType === "mouse" && this.fingers.size === 0) this.asked.cursor(null);
   };
 
-  private readonly twice = (): void => {
+  private readonly onDoubleClick = (): void => {
     if (this.asked.zoomable) this.asked.reset();
   };
 
   // A wheel that passes over a chart scrolls the page; it zooms once the chart has been clicked.
-  private readonly wheel = (event: WheelEvent): void => {
+  private readonly onWheel = (event: WheelEvent): void => {
     const span = this.asked.span();
     const meant = event.ctrlKey || event.metaKey || this.place.matches(":focus, :focus-within");
     if (!this.asked.zoomable || span === null || !meant) return;
@@ -117,7 +117,7 @@ export class Gestures {
   };
 
   /** Puts the moments that the fingers hold under the fingers. */
-  private drag(settled: boolean): void {
+  private applyDrag(settled: boolean): void {
     const span = this.asked.span();
     const [one, two] = [...this.fingers.values()];
     if (span === null || one === undefined) return;
@@ -130,7 +130,7 @@ export class Gestures {
   }
 
   // When one of two fingers goes, the other holds on to where it is now.
-  private holdAgain(): void {
+  private regripRemaining(): void {
     for (const finger of this.fingers.values()) finger.us = this.timeAt(finger.x);
   }
 }

@@ -5,10 +5,10 @@ import { Pace } from "../../series/draw-rate.js";
 /** What is drawn in rounds. */
 export interface Paintable {
   /** Whether there is anything new to draw. */
-  wants(nowMs: number): boolean;
-  paint(nowMs: number): void;
+  needsPaint(nowMs: number): boolean;
+  paintFrame(nowMs: number): void;
   /** It moves by itself: look again at the next frame. */
-  readonly moving: boolean;
+  readonly isMoving: boolean;
 }
 
 /** A hidden tab gets no frames, so nothing is drawn there. */
@@ -19,36 +19,36 @@ export class Painter {
   constructor(private readonly pace = new Pace()) {}
 
   /** Returns the way to take the chart out again. */
-  add(chart: Paintable): () => void {
+  addChart(chart: Paintable): () => void {
     this.charts.add(chart);
-    this.wake();
+    this.wakeUp();
     return () => {
       this.charts.delete(chart);
     };
   }
 
   /** A chart has something new. */
-  wake(): void {
-    if (this.frame === 0) this.frame = requestAnimationFrame(this.round);
+  wakeUp(): void {
+    if (this.frame === 0) this.frame = requestAnimationFrame(this.paintRound);
   }
 
-  private readonly round = (): void => {
+  private readonly paintRound = (): void => {
     this.frame = 0;
     const started = performance.now();
     let again = false;
-    if (this.pace.due(started)) {
+    if (this.pace.isDue(started)) {
       let drawn = false;
       for (const chart of this.charts) {
-        if (chart.wants(started)) {
-          chart.paint(started);
+        if (chart.needsPaint(started)) {
+          chart.paintFrame(started);
           drawn = true;
         }
-        again ||= chart.moving;
+        again ||= chart.isMoving;
       }
-      if (drawn) this.pace.drew(started, performance.now() - started);
+      if (drawn) this.pace.recordRound(started, performance.now() - started);
     } else {
       again = true;
     }
-    if (again) this.wake();
+    if (again) this.wakeUp();
   };
 }

@@ -24,16 +24,16 @@ export class Axes {
   }
 
   /** What each axis covers; at least one. */
-  ranges(series: readonly ChartSeries[], span: Span, columnUs: number): Range[] {
+  axisRanges(series: readonly ChartSeries[], span: Span, columnUs: number): Range[] {
     return this.steady.map((steady, i) => {
       const own = this.units.length < 2 ? series : series.filter(({ unit }) => unit === this.units[i]);
       const { min, max } = extent(own, span, columnUs);
-      return steady.next(min, max);
+      return steady.nextRange(min, max);
     });
   }
 
   /** The place of a series' axis among all. */
-  indexOf({ unit }: ChartSeries): number {
+  axisIndex({ unit }: ChartSeries): number {
     return this.units.length < 2 ? 0 : Math.max(0, this.units.indexOf(unit));
   }
 }

@@ -137,29 +137,29 @@ export class CommandForm extends LitElement {
     if (!command) return nothing;
     const busy = this.asked !== null && ["sent", "accepted", "running"].includes(this.asked.phase);
     return html`
-      <form novalidate @submit=${this.submitted}>
+      <form novalidate @submit=${this.onSubmit}>
         <div>
           <h3>${command.name}</h3>
           ${command.description === "" ? nothing : html`<p class="muted">${command.description}</p>`}
         </div>
         <div class="fields">
-          ${repeat(command.arguments, (argument) => argument.id, (argument) => this.field(argument))}
+          ${repeat(command.arguments, (argument) => argument.id, (argument) => this.renderField(argument))}
         </div>
         <div class="do">
           <t-button type="submit" ?disabled=${!this.may} ?busy=${busy}>
             ${command.confirm ? "Send…" : "Send"}
           </t-button>
           ${command.cancellable && (this.asked?.phase === "accepted" || this.asked?.phase === "running")
-            ? html`<t-button ?disabled=${!this.online || !this.allowed} @click=${this.cancelled}>Cancel it</t-button>`
+            ? html`<t-button ?disabled=${!this.online || !this.allowed} @click=${this.onCancelCommand}>Cancel it</t-button>`
             : nothing}
-          <div class="state" role="status">${this.outcome()}</div>
+          <div class="state" role="status">${this.renderOutcome()}</div>
         </div>
       </form>
-      <t-dialog heading="${command.name}?" ?open=${this.confirming !== null} @t-close=${this.calledOff}>
+      <t-dialog heading="${command.name}?" ?open=${this.confirming !== null} @t-close=${this.onCancelQuestion}>
         <p>${command.description || "This is sent to the robot once."}</p>
-        ${this.summary()}
-        <t-button slot="actions" @click=${this.calledOff}>Do not send</t-button>
-        <t-button slot="actions" kind="primary" @click=${this.confirmed}>Send</t-button>
+        ${this.renderSummary()}
+        <t-button slot="actions" @click=${this.onCancelQuestion}>Do not send</t-button>
+        <t-button slot="actions" kind="primary" @click=${this.onConfirm}>Send</t-button>
       </t-dialog>
     `;
   }
@@ -168,7 +168,7 @@ export class CommandForm extends LitElement {
     return this.online && this.allowed && this.locked === "";
   }
 
-  private field(argument: ArgumentInfo): TemplateResult {
+  private renderField(argument: ArgumentInfo): TemplateResult {
     const value = this.typed[argument.id] ?? startOf(argument);
     if (argument.type === "boolean") {
       return html`<label
@@ -178,7 +178,7 @@ export class CommandForm extends LitElement {
           name=${argument.id}
           .checked=${value === "true"}
           ?disabled=${!this.allowed}
-          @change=${this.changed}
+          @change=${this.onInput}
         />${argument.name}: ${value === "true" ? "on" : "off"}</label
       >`;
     }
@@ -192,12 +192,12 @@ export class CommandForm extends LitElement {
         autocomplete="off"
         .value=${value}
         ?disabled=${!this.allowed}
-        @input=${this.changed}
+        @input=${this.onInput}
       />
     </t-field>`;
   }
 
-  private outcome(): unknown {
+  private renderOutcome(): unknown {
     if (!this.allowed) return html`<span class="muted">You may look, but not send this.</span>`;
     const lock = this.locked === "" || !this.online ? nothing : html`<span class="locked"><t-icon name="lock"></t-icon> ${this.locked}</span>`;
     if (!this.asked && lock !== nothing) return lock;
@@ -213,7 +213,7 @@ export class CommandForm extends LitElement {
     `;
   }
 
-  private summary(): unknown {
+  private renderSummary(): unknown {
     const given = this.confirming;
     if (!given || !this.command || this.command.arguments.length === 0) return nothing;
     return html`<dl>
@@ -226,14 +226,14 @@ export class CommandForm extends LitElement {
     </dl>`;
   }
 
-  private readonly changed = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     const input = event.target as HTMLInputElement;
     const text = input.type === "checkbox" ? String(input.checked) : input.value;
     this.typed = { ...this.typed, [input.name]: text };
-    if (this.errors[input.name] !== undefined) this.check();
+    if (this.errors[input.name] !== undefined) this.readArguments();
   };
 
-  private check(): Readonly<Record<string, ArgumentValue>> | null {
+  private readArguments(): Readonly<Record<string, ArgumentValue>> | null {
     const values: Record<string, ArgumentValue> = {};
     const errors: Record<string, string> = {};
     for (const argument of this.command?.arguments ?? []) {
@@ -245,31 +245,31 @@ export class CommandForm extends LitElement {
     return Object.keys(errors).length === 0 ? values : null;
   }
 
-  private readonly submitted = (event: Event): void => {
+  private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
     if (!this.may) return;
-    const values = this.check();
+    const values = this.readArguments();
     if (!values) return;
     if (this.command?.confirm === true) this.confirming = values;
-    else this.ask(values);
+    else this.sendCommand(values);
   };
 
-  private readonly confirmed = (): void => {
+  private readonly onConfirm = (): void => {
     const values = this.confirming;
     this.confirming = null;
     // What was asked for a moment ago may be locked by now.
-    if (values && this.may) this.ask(values);
+    if (values && this.may) this.sendCommand(values);
   };
 
-  private readonly calledOff = (): void => {
+  private readonly onCancelQuestion = (): void => {
     this.confirming = null;
   };
 
-  private readonly cancelled = (): void => {
+  private readonly onCancelCommand = (): void => {
     this.dispatchEvent(new CustomEvent("t-cancel", { bubbles: true, composed: true }));
   };
 
-  private ask(detail: Readonly<Record<string, ArgumentValue>>): void {
+  private sendCommand(detail: Readonly<Record<string, ArgumentValue>>): void {
     this.dispatchEvent(new CustomEvent("t-ask", { detail, bubbles: true, composed: true }));
   }
 }

@@ -74,16 +74,16 @@ export class InterlockLine extends LitElement {
     return html`<t-icon name=${over ? "warn" : "lock"}></t-icon>
       <span class="said">
         <strong>${this.site === "" ? "" : `${this.site}: `}${news.name}</strong>
-        ${over ? this.overridden(news) : this.locked(news)}
+        ${over ? this.renderOverridden(news) : this.renderLocked(news)}
       </span>
       ${news.longest_s <= 0
         ? nothing
-        : html`<t-button kind="quiet" @click=${over ? this.end : this.ask}
+        : html`<t-button kind="quiet" @click=${over ? this.fireEndOverride : this.fireOverride}
             >${over ? "End override" : "Override…"}</t-button
           >`}`;
   }
 
-  private locked(news: InterlockNews): TemplateResult {
+  private renderLocked(news: InterlockNews): TemplateResult {
     const refused = news.refuses.length === 0 ? "" : ` Refused: ${news.refuses.join(", ")}.`;
     const slowed = news.slows.length === 0 ? "" : ` Slowed down: ${news.slows.join(", ")}.`;
     // What only slows down locks nothing.
@@ -96,18 +96,18 @@ export class InterlockLine extends LitElement {
       <span class="more">${word} since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}${slowed}${never}</span>`;
   }
 
-  private overridden(news: InterlockNews): TemplateResult {
+  private renderOverridden(news: InterlockNews): TemplateResult {
     const left = formatDuration(Math.ceil(this.override_ / 1000));
     const unsafe = news.unsafe ? ` Unsafe now: ${news.why}.` : "";
     return html`– overridden by ${news.overridden_by} for ${left} more: “${news.reason}”.
       <span class="more">It refuses and slows nothing meanwhile.${unsafe}</span>`;
   }
 
-  private readonly ask = (): void => {
+  private readonly fireOverride = (): void => {
     this.dispatchEvent(new CustomEvent("t-override"));
   };
 
-  private readonly end = (): void => {
+  private readonly fireEndOverride = (): void => {
     this.dispatchEvent(new CustomEvent("t-end-override"));
   };
 }

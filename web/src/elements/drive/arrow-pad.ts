@@ -125,15 +125,15 @@ export class Arrows extends LitElement {
 
   override render(): TemplateResult {
     return html`<div class="cross" role="group" aria-label="Hold an arrow to drive">
-      ${repeat(ARROWS, (arrow) => arrow.id, (arrow) => this.button(arrow))}
-      <button type="button" class="halt" aria-label="Halt" title="Halt (S)" ?disabled=${this.disabled} @click=${this.halt}>
+      ${repeat(ARROWS, (arrow) => arrow.id, (arrow) => this.renderButton(arrow))}
+      <button type="button" class="halt" aria-label="Halt" title="Halt (S)" ?disabled=${this.disabled} @click=${this.requestHalt}>
         <svg viewBox="0 0 24 24" aria-hidden="true"><path d="M7 7h10v10H7z" fill="currentColor"></path></svg>
         <span class="key" aria-hidden="true">S</span>
       </button>
     </div>`;
   }
 
-  private button(arrow: Arrow): TemplateResult {
+  private renderButton(arrow: Arrow): TemplateResult {
     return html`<button
       type="button"
       class=${arrow.id}
@@ -141,14 +141,14 @@ export class Arrows extends LitElement {
       aria-label=${arrow.label}
       title="${arrow.label} (hold; ${arrow.key})"
       ?disabled=${this.disabled}
-      @pointerdown=${this.down}
-      @pointerup=${this.up}
-      @pointercancel=${this.taken}
-      @lostpointercapture=${this.taken}
-      @keydown=${this.key}
-      @keyup=${this.key}
-      @blur=${this.left}
-      @contextmenu=${this.noMenu}
+      @pointerdown=${this.onPointerDown}
+      @pointerup=${this.onRelease}
+      @pointercancel=${this.onPressLost}
+      @lostpointercapture=${this.onPressLost}
+      @keydown=${this.onKeyDown}
+      @keyup=${this.onKeyDown}
+      @blur=${this.onFocusOut}
+      @contextmenu=${this.onContextMenu}
     >
       <svg viewBox="0 0 24 24" aria-hidden="true">
         <path d=${arrow.path} fill="none" stroke="currentColor" stroke-width="2.5" stroke-linecap="round" stroke-linejoin="round"></path>
@@ -157,37 +157,37 @@ export class Arrows extends LitElement {
     </button>`;
   }
 
-  private readonly down = (event: PointerEvent): void => {
+  private readonly onPointerDown = (event: PointerEvent): void => {
     if (event.button !== 0) return;
     const button = event.currentTarget as HTMLButtonElement;
     this.press(button, false);
     button.setPointerCapture(event.pointerId);
   };
 
-  private readonly up = (event: Event): void => {
-    this.end("release", event);
+  private readonly onRelease = (event: Event): void => {
+    this.endPress("release", event);
   };
 
-  private readonly taken = (event: Event): void => {
-    this.end("cancel", event);
+  private readonly onPressLost = (event: Event): void => {
+    this.endPress("cancel", event);
   };
 
   // Space and Enter hold the focused button.
-  private readonly key = (event: KeyboardEvent): void => {
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
     if (event.key !== " " && event.key !== "Enter") return;
     event.preventDefault();
-    if (event.type === "keyup") this.end("release", event);
+    if (event.type === "keyup") this.endPress("release", event);
     else if (!event.repeat) this.press(event.currentTarget as HTMLButtonElement, true);
   };
 
   // A key held on a button that loses the focus is never seen let go; a finger is.
-  private readonly left = (event: Event): void => {
+  private readonly onFocusOut = (event: Event): void => {
     const { value } = event.currentTarget as HTMLButtonElement;
-    if (this.held.get(value)?.byKey === true) this.end("cancel", event);
+    if (this.held.get(value)?.byKey === true) this.endPress("cancel", event);
   };
 
   // A long press on a phone would open a menu and take the finger away.
-  private readonly noMenu = (event: Event): void => {
+  private readonly onContextMenu = (event: Event): void => {
     event.preventDefault();
   };
 
@@ -195,30 +195,30 @@ export class Arrows extends LitElement {
     const arrow = ARROWS.find((one) => one.id === button.value);
     if (this.disabled || !arrow || this.held.has(arrow.id)) return;
     this.held.set(arrow.id, { button, byKey });
-    this.say("press", arrow.id, arrow.stick);
+    this.fireHold("press", arrow.id, arrow.stick);
     button.classList.add("held");
   }
 
-  private end(act: "release" | "cancel", event: Event): void {
+  private endPress(act: "release" | "cancel", event: Event): void {
     const button = event.currentTarget as HTMLButtonElement;
     if (!this.held.delete(button.value)) return;
     button.classList.remove("held");
-    this.say(act, button.value, REST);
+    this.fireHold(act, button.value, REST);
   }
 
   private dropAll(): void {
     for (const [id, { button }] of [...this.held]) {
       this.held.delete(id);
       button.classList.remove("held");
-      this.say("cancel", id, REST);
+      this.fireHold("cancel", id, REST);
     }
   }
 
-  private readonly halt = (): void => {
+  private readonly requestHalt = (): void => {
     this.dispatchEvent(new CustomEvent("t-halt", { bubbles: true, composed: true }));
   };
 
-  private say(act: HoldAct, id: string, stick: HoldStick): void {
+  private fireHold(act: HoldAct, id: string, stick: HoldStick): void {
     this.dispatchEvent(holdEvent({ act, source: `arrow:${id}`, stick, kind: "digital" }));
   }
 }

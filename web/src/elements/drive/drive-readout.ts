@@ -81,8 +81,8 @@ export class DriveReadout extends LitElement {
           </tr>
         </thead>
         <tbody>
-          ${row("Speed, m/s", this.asked.linear, this.told.linear, this.measured.linear)}
-          ${row("Turn, rad/s", this.asked.angular, this.told.angular, this.measured.angular)}
+          ${renderRow("Speed, m/s", this.asked.linear, this.told.linear, this.measured.linear)}
+          ${renderRow("Turn, rad/s", this.asked.angular, this.told.angular, this.measured.angular)}
           ${this.sent === ""
             ? nothing
             : html`<tr>
@@ -101,7 +101,7 @@ export class DriveReadout extends LitElement {
   }
 }
 
-function row(name: string, asked: number, told: number, measured: number): TemplateResult {
+function renderRow(name: string, asked: number, told: number, measured: number): TemplateResult {
   return html`<tr>
     <th scope="row">${name}</th>
     <td>${formatNumber(asked, 2)}</td>

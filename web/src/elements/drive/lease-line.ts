@@ -93,9 +93,9 @@ export class LeaseLine extends LitElement {
     const { word, kind, press } = this.button();
     const asked = mine && this.rival !== "";
     return html`<div class="row">
-      ${asked ? this.asked() : mine ? this.mine() : this.standing()}
+      ${asked ? this.renderQuestion() : mine ? this.renderMyLease() : this.renderStatus()}
       <span class=${asked ? "answers" : ""}>
-        ${asked ? html`<t-button @click=${this.keep}>Keep</t-button>` : nothing}
+        ${asked ? html`<t-button @click=${this.fireKeep}>Keep</t-button>` : nothing}
         <t-button kind=${kind} ?disabled=${!mine && !this.online} ?busy=${this.kind === "asking"} @click=${press}
           >${word}</t-button
         >
@@ -107,22 +107,22 @@ export class LeaseLine extends LitElement {
     switch (this.kind) {
       case "mine":
         // Where "Release control" stood: whoever was about to press that means the same.
-        if (this.rival !== "") return { word: "Hand over", kind: "plain", press: this.handOver };
-        return { word: "Release control", kind: "plain", press: this.free };
+        if (this.rival !== "") return { word: "Hand over", kind: "plain", press: this.fireHandOver };
+        return { word: "Release control", kind: "plain", press: this.fireFree };
       case "waiting":
-        return { word: "Withdraw", kind: "plain", press: this.free };
+        return { word: "Withdraw", kind: "plain", press: this.fireFree };
       case "other":
-        if (this.forceable) return { word: "Take by force", kind: "danger", press: this.force };
-        return { word: "Ask for control", kind: "primary", press: this.take };
+        if (this.forceable) return { word: "Take by force", kind: "danger", press: this.fireForce };
+        return { word: "Ask for control", kind: "primary", press: this.fireTake };
       case "asking":
-        return { word: "Asking…", kind: "primary", press: this.take };
+        return { word: "Asking…", kind: "primary", press: this.fireTake };
       case "unknown":
       case "free":
-        return { word: "Take control", kind: "primary", press: this.take };
+        return { word: "Take control", kind: "primary", press: this.fireTake };
     }
   }
 
-  private asked(): TemplateResult {
+  private renderQuestion(): TemplateResult {
     return html`<span class="who">
       <span class="asked" role="alert">${this.rival} asks for control</span>
       <span class="remains">${this.seconds()} to answer</span>
@@ -133,7 +133,7 @@ export class LeaseLine extends LitElement {
     return `${Math.ceil(this.answer / 1000).toFixed(0)}\u202fs`;
   }
 
-  private mine(): TemplateResult {
+  private renderMyLease(): TemplateResult {
     const word = this.stopped ? "In control, but STOP is on" : "You have control";
     return html`<span class="who">
         <t-status kind=${this.stopped ? "warn" : "ok"} .word=${word}></t-status>
@@ -141,7 +141,7 @@ export class LeaseLine extends LitElement {
       </span>`;
   }
 
-  private standing(): TemplateResult {
+  private renderStatus(): TemplateResult {
     if (!this.online) return html`<t-status kind="offline" word="Not connected: no driving from here"></t-status>`;
     switch (this.kind) {
       case "other":
@@ -161,27 +161,27 @@ export class LeaseLine extends LitElement {
     }
   }
 
-  private readonly take = (): void => {
-    if (this.online) this.fire("t-take");
+  private readonly fireTake = (): void => {
+    if (this.online) this.fireEvent("t-take");
   };
 
-  private readonly force = (): void => {
-    if (this.online) this.fire("t-force");
+  private readonly fireForce = (): void => {
+    if (this.online) this.fireEvent("t-force");
   };
 
-  private readonly handOver = (): void => {
-    this.fire("t-answer", true);
+  private readonly fireHandOver = (): void => {
+    this.fireEvent("t-answer", true);
   };
 
-  private readonly keep = (): void => {
-    this.fire("t-answer", false);
+  private readonly fireKeep = (): void => {
+    this.fireEvent("t-answer", false);
   };
 
-  private readonly free = (): void => {
-    this.fire("t-free");
+  private readonly fireFree = (): void => {
+    this.fireEvent("t-free");
   };
 
-  private fire(name: string, detail?: boolean): void {
+  private fireEvent(name: string, detail?: boolean): void {
     this.dispatchEvent(new CustomEvent(name, { detail, bubbles: true, composed: true }));
   }
 }

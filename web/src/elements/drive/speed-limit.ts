@@ -139,7 +139,7 @@ export class SpeedLimit extends LitElement {
           aria-valuetext="${percent} per cent, ${speed}"
           .value=${String(percent)}
           ?disabled=${this.disabled}
-          @input=${this.slid}
+          @input=${this.onSlide}
         />
         <button
           type="button"
@@ -159,7 +159,7 @@ export class SpeedLimit extends LitElement {
     this.slider.style.setProperty("--filled", `${(((this.level - 0.1) / 0.9) * 100).toFixed(1)}%`);
   }
 
-  private readonly slid = (event: Event): void => {
+  private readonly onSlide = (event: Event): void => {
     this.choose(Number((event.target as HTMLInputElement).value));
   };
 

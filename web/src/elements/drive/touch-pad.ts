@@ -79,11 +79,11 @@ export class Pad extends LitElement {
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    this.end("cancel");
+    this.endPress("cancel");
   }
 
   override updated(): void {
-    if (this.disabled) this.end("cancel");
+    if (this.disabled) this.endPress("cancel");
   }
 
   override render(): TemplateResult {
@@ -94,12 +94,12 @@ export class Pad extends LitElement {
       aria-disabled=${this.disabled ? "true" : "false"}
       aria-roledescription="drive pad"
       aria-label="Hold and push to drive; let go to halt. With the keyboard hold the arrow keys or W, A, D, X."
-      @pointerdown=${this.down}
-      @pointermove=${this.moved}
-      @pointerup=${this.up}
-      @pointercancel=${this.taken}
-      @lostpointercapture=${this.taken}
-      @contextmenu=${this.noMenu}
+      @pointerdown=${this.onPointerDown}
+      @pointermove=${this.onPointerMove}
+      @pointerup=${this.onPointerUp}
+      @pointercancel=${this.onPointerCancel}
+      @lostpointercapture=${this.onPointerCancel}
+      @contextmenu=${this.onContextMenu}
     >
       <svg viewBox="0 0 100 100" aria-hidden="true">
         <g fill="none" stroke="currentColor" stroke-width="0.8" opacity="0.7">
@@ -114,42 +114,42 @@ export class Pad extends LitElement {
     </div>`;
   }
 
-  private readonly down = (event: PointerEvent): void => {
+  private readonly onPointerDown = (event: PointerEvent): void => {
     if (this.disabled || this.pointer !== null || event.button !== 0) return;
     this.pointer = event.pointerId;
     this.box = this.pad.getBoundingClientRect();
-    this.say("press", this.stick(event));
+    this.fireHold("press", this.readStick(event));
     this.pad.setPointerCapture(event.pointerId);
     this.pad.classList.add("held");
     this.pad.focus({ preventScroll: true });
   };
 
-  private readonly moved = (event: PointerEvent): void => {
-    if (event.pointerId === this.pointer) this.say("move", this.stick(event));
+  private readonly onPointerMove = (event: PointerEvent): void => {
+    if (event.pointerId === this.pointer) this.fireHold("move", this.readStick(event));
   };
 
-  private readonly up = (event: PointerEvent): void => {
-    if (event.pointerId === this.pointer) this.end("release");
+  private readonly onPointerUp = (event: PointerEvent): void => {
+    if (event.pointerId === this.pointer) this.endPress("release");
   };
 
-  private readonly taken = (event: PointerEvent): void => {
-    if (event.pointerId === this.pointer) this.end("cancel");
+  private readonly onPointerCancel = (event: PointerEvent): void => {
+    if (event.pointerId === this.pointer) this.endPress("cancel");
   };
 
   // A long press on a phone would open a menu and take the pointer away.
-  private readonly noMenu = (event: Event): void => {
+  private readonly onContextMenu = (event: Event): void => {
     event.preventDefault();
   };
 
-  private end(act: "release" | "cancel"): void {
+  private endPress(act: "release" | "cancel"): void {
     if (this.pointer === null) return;
     this.pointer = null;
-    this.say(act, REST);
+    this.fireHold(act, REST);
     this.pad.classList.remove("held");
     this.knob.style.transform = "";
   }
 
-  private stick(event: PointerEvent): HoldStick {
+  private readStick(event: PointerEvent): HoldStick {
     const { box } = this;
     const radius = box.width / 2;
     const right = event.clientX - box.left - radius;
@@ -159,7 +159,7 @@ export class Pad extends LitElement {
     return this.stickOf(right, down, radius * 0.9);
   }
 
-  private say(act: HoldAct, stick: HoldStick): void {
+  private fireHold(act: HoldAct, stick: HoldStick): void {
     this.dispatchEvent(holdEvent({ act, source: "pad", stick, kind: "analog" }));
   }
 }

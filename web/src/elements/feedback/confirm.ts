@@ -42,27 +42,27 @@ export class Confirm extends LitElement {
   @property({ attribute: false }) problem: Advice | null = null;
 
   override render(): TemplateResult {
-    return html`<t-dialog heading=${this.heading} ?open=${this.open} @t-close=${this.closed}>
+    return html`<t-dialog heading=${this.heading} ?open=${this.open} @t-close=${this.onClosed}>
       <div class="inside">
         <slot></slot>
         ${this.problem === null
           ? nothing
           : html`<t-problem what=${this.problem.what} how=${this.problem.how}></t-problem>`}
       </div>
-      <t-button slot="actions" @click=${this.leave}>${this.keep}</t-button>
-      <t-button slot="actions" kind=${this.kind} ?busy=${this.busy} @click=${this.confirm}>${this.action}</t-button>
+      <t-button slot="actions" @click=${this.onCancel}>${this.keep}</t-button>
+      <t-button slot="actions" kind=${this.kind} ?busy=${this.busy} @click=${this.onConfirm}>${this.action}</t-button>
     </t-dialog>`;
   }
 
-  private readonly leave = (): void => {
+  private readonly onCancel = (): void => {
     this.open = false;
   };
 
-  private readonly confirm = (): void => {
+  private readonly onConfirm = (): void => {
     this.dispatchEvent(new CustomEvent("t-confirm"));
   };
 
-  private readonly closed = (): void => {
+  private readonly onClosed = (): void => {
     this.open = false;
     this.dispatchEvent(new CustomEvent("t-close"));
   };

@@ -22,10 +22,10 @@ export class Went extends LitElement {
   @property({ attribute: false }) went: WentShape | null = null;
 
   override render(): TemplateResult {
-    return html`<div role="status">${this.went === null ? nothing : this.said(this.went)}</div>`;
+    return html`<div role="status">${this.went === null ? nothing : this.renderMessage(this.went)}</div>`;
   }
 
-  private said({ sent, problem }: WentShape): TemplateResult {
+  private renderMessage({ sent, problem }: WentShape): TemplateResult {
     return sent
       ? html`<t-status kind="ok" word="the test was taken"></t-status>`
       : html`<t-status kind="bad" word="not sent"></t-status> ${problem}`;

@@ -45,7 +45,7 @@ export class Dialog extends LitElement {
   @query("dialog") private readonly dialog!: HTMLDialogElement;
 
   override render(): TemplateResult {
-    return html`<dialog aria-labelledby="heading" @close=${this.closed}>
+    return html`<dialog aria-labelledby="heading" @close=${this.onClosed}>
       <div class="inside">
         <h2 id="heading">${this.heading}</h2>
         <div><slot></slot></div>
@@ -65,7 +65,7 @@ export class Dialog extends LitElement {
     this.open = false;
   }
 
-  private readonly closed = (): void => {
+  private readonly onClosed = (): void => {
     this.open = false;
     this.dispatchEvent(new CustomEvent("t-close"));
   };

@@ -58,12 +58,12 @@ export class ProblemPanel extends LitElement {
       <div>
         <p class="what">${this.what}</p>
         ${this.how === "" ? nothing : html`<p class="how">${this.how}</p>`}
-        ${this.retry === "" ? nothing : html`<t-button @click=${this.again}>${this.retry}</t-button>`}
+        ${this.retry === "" ? nothing : html`<t-button @click=${this.fireRetry}>${this.retry}</t-button>`}
       </div>
     `;
   }
 
-  private readonly again = (): void => {
+  private readonly fireRetry = (): void => {
     this.dispatchEvent(new CustomEvent("t-retry"));
   };
 }

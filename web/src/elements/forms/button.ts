@@ -103,13 +103,13 @@ export class Button extends LitElement {
       aria-busy=${this.busy ? "true" : "false"}
       aria-label=${this.label || nothing}
       aria-pressed=${this.pressed || nothing}
-      @click=${this.pressedOnce}
+      @click=${this.ignoreSecondPress}
     >
       <slot></slot>
     </button>`;
   }
 
-  private readonly pressedOnce = (event: Event): void => {
+  private readonly ignoreSecondPress = (event: Event): void => {
     // Not disabled while busy: that would take the focus away from whoever came by keyboard.
     if (this.busy) {
       event.stopImmediatePropagation();

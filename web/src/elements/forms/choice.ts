@@ -73,7 +73,7 @@ export class Choice extends LitElement {
   @property() chosen = "";
 
   override render(): TemplateResult {
-    return html`<fieldset aria-label=${this.label} @change=${this.choose}>
+    return html`<fieldset aria-label=${this.label} @change=${this.onChoose}>
       ${repeat(
         this.options,
         (option) => option.id,
@@ -84,7 +84,7 @@ export class Choice extends LitElement {
     </fieldset>`;
   }
 
-  private readonly choose = (event: Event): void => {
+  private readonly onChoose = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     this.chosen = event.target.value;
     this.dispatchEvent(new CustomEvent("t-choose", { detail: this.chosen }));

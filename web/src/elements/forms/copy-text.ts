@@ -73,13 +73,13 @@ export class CopyText extends LitElement {
   }
 
   private readonly copy = (): void => {
-    void this.write();
+    void this.writeClipboard();
   };
 
-  private async write(): Promise<void> {
+  private async writeClipboard(): Promise<void> {
     try {
       await navigator.clipboard.writeText(this.text);
-      this.say("Copied.");
+      this.announceCopy("Copied.");
     } catch {
       // A page over plain http may not write there; the person still can.
       const range = document.createRange();
@@ -87,11 +87,11 @@ export class CopyText extends LitElement {
       const selection = getSelection();
       selection?.removeAllRanges();
       selection?.addRange(range);
-      this.say("It is marked now: copy it by hand.");
+      this.announceCopy("It is marked now: copy it by hand.");
     }
   }
 
-  private say(words: string): void {
+  private announceCopy(words: string): void {
     this.said = words;
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {

@@ -69,18 +69,18 @@ export class Field extends LitElement {
   override render(): TemplateResult {
     return html`
       <span class="label" aria-hidden="true" @click=${this.focusControl}>${this.label}</span>
-      <slot @slotchange=${this.name} @keydown=${this.submitOnEnter}></slot>
+      <slot @slotchange=${this.labelControl} @keydown=${this.submitOnEnter}></slot>
       ${this.hint === "" ? nothing : html`<span class="hint" aria-hidden="true">${this.hint}</span>`}
       <span role="alert">${this.error === "" ? nothing : html`<span class="error">${this.error}</span>`}</span>
     `;
   }
 
   override updated(): void {
-    this.name();
+    this.labelControl();
   }
 
   // A label of ours can not point at a control outside our shadow root, so the control is told.
-  private readonly name = (): void => {
+  private readonly labelControl = (): void => {
     const control = this.control();
     if (control === null) return;
     control.ariaLabel = this.label;

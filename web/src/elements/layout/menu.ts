@@ -60,12 +60,12 @@ export class Menu extends LitElement {
 
   override connectedCallback(): void {
     super.connectedCallback();
-    document.addEventListener("pointerdown", this.outside);
+    document.addEventListener("pointerdown", this.onOutsidePress);
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    document.removeEventListener("pointerdown", this.outside);
+    document.removeEventListener("pointerdown", this.onOutsidePress);
   }
 
   override render(): TemplateResult {
@@ -79,7 +79,7 @@ export class Menu extends LitElement {
       >
         <slot name="label"></slot><t-icon name="down"></t-icon>
       </button>
-      <div id="panel" class="panel" ?hidden=${!this.open} @keydown=${this.escape} @focusout=${this.left}>
+      <div id="panel" class="panel" ?hidden=${!this.open} @keydown=${this.onEscapeKey} @focusout=${this.onFocusOut}>
         <slot></slot>
       </div>
     `;
@@ -90,7 +90,7 @@ export class Menu extends LitElement {
     this.open = false;
   }
 
-  private readonly outside = (event: Event): void => {
+  private readonly onOutsidePress = (event: Event): void => {
     if (!event.composedPath().includes(this)) this.close();
   };
 
@@ -98,13 +98,13 @@ export class Menu extends LitElement {
     this.open = !this.open;
   };
 
-  private readonly escape = (event: KeyboardEvent): void => {
+  private readonly onEscapeKey = (event: KeyboardEvent): void => {
     if (event.key !== "Escape") return;
     this.close();
     this.button.focus();
   };
 
-  private readonly left = (event: FocusEvent): void => {
+  private readonly onFocusOut = (event: FocusEvent): void => {
     const to = event.relatedTarget;
     if (to instanceof Node && !this.contains(to) && to !== this) this.close();
   };

@@ -11,7 +11,7 @@ const ZOOM = { least: -2, start: 6, most: 10 } as const;
 
 export interface LocalMap {
   readonly map: L.Map;
-  lookAt(x: number, y: number): void;
+  centerOn(x: number, y: number): void;
 }
 
 /** A map of a flat local plane in metres, x to the right and y up. */
@@ -32,7 +32,7 @@ export function localMap(place: HTMLElement): LocalMap {
   L.control.zoom({ position: "topleft", zoomInTitle: "Closer", zoomOutTitle: "Farther" }).addTo(map);
   return {
     map,
-    lookAt: (x, y) => {
+    centerOn: (x, y) => {
       map.setView([y, x], map.getZoom(), { animate: false });
     },
   };

@@ -151,7 +151,7 @@ export class TrackMap extends LitElement {
         <div class="scale" aria-hidden="true" ?hidden=${!this.ready}>${this.bar.text}<i></i></div>
         ${this.ready ? nothing : html`<div class="note"><t-loading what="Loading the map"></t-loading></div>`}
         ${this.ready && this.pose === null ? html`<div class="note" role="status">${this.note}</div>` : nothing}
-        <t-button class="follow" .pressed=${this.follow ? "true" : "false"} @click=${this.toggle}>
+        <t-button class="follow" .pressed=${this.follow ? "true" : "false"} @click=${this.toggleFollow}>
           ${this.follow ? "Following" : "Follow"}
         </t-button>
         ${this.where === "" && this.stale === ""
@@ -185,8 +185,8 @@ export class TrackMap extends LitElement {
 
   override updated(changed: PropertyValues<this>): void {
     this.ruler.style.inlineSize = `${this.bar.px.toFixed(0)}px`;
-    if (changed.has("pose") && this.follow && this.pose) this.local?.lookAt(this.pose.x, this.pose.y);
-    if (changed.has("pose") || changed.has("trail") || changed.has("stale")) this.draw();
+    if (changed.has("pose") && this.follow && this.pose) this.local?.centerOn(this.pose.x, this.pose.y);
+    if (changed.has("pose") || changed.has("trail") || changed.has("stale")) this.scheduleDraw();
   }
 
   private async start(): Promise<void> {
@@ -199,43 +199,43 @@ export class TrackMap extends LitElement {
     }
     this.local = leaflet.localMap(this.place);
     const { map } = this.local;
-    map.on("move zoom viewreset resize", this.draw);
-    map.on("dragstart", this.look);
-    this.place.addEventListener("keydown", this.lookByKey);
+    map.on("move zoom viewreset resize", this.scheduleDraw);
+    map.on("dragstart", this.stopFollowing);
+    this.place.addEventListener("keydown", this.onKeyDown);
     this.sizes = new ResizeObserver(() => {
       map.invalidateSize({ animate: false });
-      this.draw();
+      this.scheduleDraw();
     });
     this.sizes.observe(this.place);
     this.themes = new MutationObserver(this.recolour);
     this.themes.observe(document.documentElement, { attributeFilter: ["data-theme"] });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", this.recolour);
     this.ready = true;
-    if (this.pose) this.local.lookAt(this.pose.x, this.pose.y);
-    this.draw();
+    if (this.pose) this.local.centerOn(this.pose.x, this.pose.y);
+    this.scheduleDraw();
   }
 
   private readonly recolour = (): void => {
     this.colours = null;
-    this.draw();
+    this.scheduleDraw();
   };
 
   /** Whoever moves the map wants to look elsewhere. */
-  private readonly look = (): void => {
+  private readonly stopFollowing = (): void => {
     this.follow = false;
   };
 
-  private readonly lookByKey = (event: KeyboardEvent): void => {
-    if (event.key.startsWith("Arrow")) this.look();
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
+    if (event.key.startsWith("Arrow")) this.stopFollowing();
   };
 
-  private readonly toggle = (): void => {
+  private readonly toggleFollow = (): void => {
     this.follow = !this.follow;
-    if (this.follow && this.pose) this.local?.lookAt(this.pose.x, this.pose.y);
+    if (this.follow && this.pose) this.local?.centerOn(this.pose.x, this.pose.y);
   };
 
   /** Once for each painted frame of the browser, however many things changed. */
-  private readonly draw = (): void => {
+  private readonly scheduleDraw = (): void => {
     if (this.drawing !== 0) return;
     this.drawing = requestAnimationFrame(() => {
       this.drawing = 0;

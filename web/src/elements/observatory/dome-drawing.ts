@@ -170,7 +170,7 @@ export class DomeDrawing extends LitElement {
           <path class="hatch" d="M0 0V9"></path>
         </pattern>
       </defs>
-      ${this.turns ? this.dome(unknown) : this.segments.length > 0 ? this.clamshell(unknown) : this.slidingRoof(unknown)} ${unknown ? this.question() : nothing}
+      ${this.turns ? this.renderDome(unknown) : this.segments.length > 0 ? this.renderClamshell(unknown) : this.renderSlidingRoof(unknown)} ${unknown ? this.renderQuestion() : nothing}
     </svg>`;
   }
 
@@ -186,30 +186,30 @@ export class DomeDrawing extends LitElement {
     return `${what} is ${WORDS[this.roof]}${where}${this.turning ? " and turning" : ""}${follows}${this.stale ? "; this is the last that was known" : ""}.`;
   }
 
-  private dome(unknown: boolean): SVGTemplateResult {
+  private renderDome(unknown: boolean): SVGTemplateResult {
     const azimuth = this.blind ? IN_FRONT : Number.isNaN(this.at) ? 0 : this.at;
     const tall = 100 * FLATNESS;
     const half = SLIT * this.gap;
     const wide = SLIT * 2;
     return svg`
-      ${this.blind ? nothing : svg`${this.plan()}${this.compass()}`} ${Number.isNaN(this.at) ? nothing : this.pointer(azimuth)}
+      ${this.blind ? nothing : svg`${this.renderPlan()}${this.renderCompass()}`} ${Number.isNaN(this.at) ? nothing : this.renderPointer(azimuth)}
       <path class="wall" d="M-100 0V16A100 ${tall} 0 0 0 100 16V0A100 ${tall} 0 0 1 -100 0Z"></path>
       <path class="shell" d="M-100 0A100 100 0 0 1 100 0A100 ${tall} 0 0 1 -100 0Z"></path>
       ${
         Number.isNaN(this.at) && !this.blind
           ? nothing
           : svg`<polygon class="behind" points=${strip(azimuth, -SLIT, SLIT, true)}></polygon>
-            ${this.panel(azimuth, -SLIT - half, -half)} ${this.panel(azimuth, half, Math.min(wide, SLIT + half))}
+            ${this.renderPanel(azimuth, -SLIT - half, -half)} ${this.renderPanel(azimuth, half, Math.min(wide, SLIT + half))}
             ${this.gap > 0.01 ? svg`<polygon class="inside" points=${strip(azimuth, -half, half)}></polygon>` : nothing}`
       }
       ${unknown ? svg`<path class="veil" d="M-100 0A100 100 0 0 1 100 0A100 ${tall} 0 0 1 -100 0Z"></path>` : nothing}`;
   }
 
-  private panel(azimuth: number, from: number, to: number): SVGTemplateResult {
+  private renderPanel(azimuth: number, from: number, to: number): SVGTemplateResult {
     return svg`<polygon class="door" points=${strip(azimuth, from, to)}></polygon>`;
   }
 
-  private compass(): SVGTemplateResult {
+  private renderCompass(): SVGTemplateResult {
     const ticks = Array.from({ length: 24 }, (_, i) => {
       const [a, b] = [onGround(i * 15, 1.2), onGround(i * 15, i % 6 === 0 ? 1.28 : 1.24)];
       return svg`<path class="line" d="M${a.x * 100} ${a.y * 100 + 16}L${b.x * 100} ${b.y * 100 + 16}"></path>`;
@@ -222,7 +222,7 @@ export class DomeDrawing extends LitElement {
   }
 
   /** The same from straight above, small: what the dome itself hides. */
-  private plan(): SVGTemplateResult {
+  private renderPlan(): SVGTemplateResult {
     const winds = WINDS.map(([name, azimuth]) => {
       const { x, y } = around(azimuth, 41);
       return svg`<text x=${x} y=${y}>${name}</text>`;
@@ -244,14 +244,14 @@ export class DomeDrawing extends LitElement {
   }
 
   /** Where the slit looks, on the ring round the dome. */
-  private pointer(azimuth: number): SVGTemplateResult {
+  private renderPointer(azimuth: number): SVGTemplateResult {
     const tip = onGround(azimuth, 1.2);
     const [left, right] = [onGround(azimuth - 5, 1.06), onGround(azimuth + 5, 1.06)];
     const at = ({ x, y }: { x: number; y: number }): string => `${String(x * 100)} ${String(y * 100 + 16)}`;
     return svg`<path class="beam" d="M${at(tip)}L${at(left)}L${at(right)}Z"></path>`;
   }
 
-  private slidingRoof(unknown: boolean): SVGTemplateResult {
+  private renderSlidingRoof(unknown: boolean): SVGTemplateResult {
     const way = 120 * this.gap;
     return svg`
       <path class="line" d="M-70 -20H150M-70 -20V40M150 -20V40"></path>
@@ -264,7 +264,7 @@ export class DomeDrawing extends LitElement {
   }
 
   /** Shells that fold down to both sides, each as far as it says itself; one that does not say is hatched. */
-  private clamshell(unknown: boolean): SVGTemplateResult {
+  private renderClamshell(unknown: boolean): SVGTemplateResult {
     const shells = this.segments.map((opening, index) => {
       const left = index < this.segments.length / 2;
       const silent = unknown || Number.isNaN(opening);
@@ -277,7 +277,7 @@ export class DomeDrawing extends LitElement {
     return svg`<path class="inside" d="M-76 0A76 76 0 0 1 76 0Z"></path>${shells}<path class="wall" d="M-84 0H84V40H-84Z"></path>`;
   }
 
-  private question(): SVGTemplateResult {
+  private renderQuestion(): SVGTemplateResult {
     return svg`<circle class="mark" cx="0" cy="-46" r="20"></circle><text class="question" x="0" y="-44">?</text>`;
   }
 

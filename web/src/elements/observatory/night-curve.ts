@@ -141,18 +141,18 @@ export class NightCurve extends LitElement {
           [0, 30, 60, 90],
           (alt) => svg`<path class="grid" d="M${LEFT} ${y(alt)}H${WIDE}"></path><text class="height" x=${LEFT - 5} y=${y(alt)}>${alt}°</text>`,
         )}
-        ${this.hours(night)}
+        ${this.renderHours(night)}
         ${this.limit > 0 ? svg`<path class="limit" d="M${LEFT} ${y(this.limit)}H${WIDE}"></path>` : nothing}
         <g clip-path="url(#frame)">
           <path class="moon" d=${path(this.moon)}></path>
           <path class="curve" d=${path(night.points.map(({ alt }) => alt))}></path>
         </g>
-        ${this.marks(night, seen)}
+        ${this.renderMarks(night, seen)}
       </svg>
-      ${this.key()}`;
+      ${this.renderLegend()}`;
   }
 
-  private hours(night: Night): SVGTemplateResult[] {
+  private renderHours(night: Night): SVGTemplateResult[] {
     const first = Math.ceil(night.from / HOUR_MS);
     const hours = Array.from({ length: 24 }, (_, i) => (first + i) * HOUR_MS).filter((ms) => ms < night.to);
     return hours.flatMap((ms) => {
@@ -163,7 +163,7 @@ export class NightCurve extends LitElement {
     });
   }
 
-  private marks(night: Night, seen: Visibility): SVGTemplateResult {
+  private renderMarks(night: Night, seen: Visibility): SVGTemplateResult {
     const now = night.points.reduce((near, one) => (Math.abs(one.ms - this.ms) < Math.abs(near.ms - this.ms) ? one : near));
     return svg`
       ${
@@ -175,14 +175,14 @@ export class NightCurve extends LitElement {
       ${seen.best >= 0 ? svg`<path class="best" d="M${this.x(seen.bestMs)} ${y(seen.best) - 7}l7 7l-7 7l-7 -7z"></path>` : nothing}`;
   }
 
-  private key(): TemplateResult {
-    const mark = (what: SVGTemplateResult, name: string): TemplateResult =>
+  private renderLegend(): TemplateResult {
+    const renderMark = (what: SVGTemplateResult, name: string): TemplateResult =>
       html`<li><svg viewBox="0 0 32 16" aria-hidden="true">${what}</svg>${name}</li>`;
     return html`<ul class="key" aria-hidden="true">
-      ${mark(svg`<path class="curve" d="M0 8H32"></path>`, "target")} ${mark(svg`<path class="moon" d="M0 8H32"></path>`, "Moon")}
-      ${mark(svg`<path class="now" d="M16 0V16"></path>`, "now")}
-      ${this.limit > 0 ? mark(svg`<path class="limit" d="M0 8H32"></path>`, "lowest allowed") : nothing}
-      ${map(DARKNESS, ({ id, name }) => mark(svg`<rect class="${id} grid" width="32" height="16"></rect>`, name))}
+      ${renderMark(svg`<path class="curve" d="M0 8H32"></path>`, "target")} ${renderMark(svg`<path class="moon" d="M0 8H32"></path>`, "Moon")}
+      ${renderMark(svg`<path class="now" d="M16 0V16"></path>`, "now")}
+      ${this.limit > 0 ? renderMark(svg`<path class="limit" d="M0 8H32"></path>`, "lowest allowed") : nothing}
+      ${map(DARKNESS, ({ id, name }) => renderMark(svg`<rect class="${id} grid" width="32" height="16"></rect>`, name))}
     </ul>`;
   }
 

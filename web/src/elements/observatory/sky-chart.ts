@@ -150,12 +150,12 @@ export class SkyChart extends LitElement {
         const { x, y } = spot({ alt: 0, az }, 108);
         return svg`<text class=${name.length === 1 ? "wind" : ""} x=${x} y=${y}>${name}</text>`;
       })}
-      <g class=${sun.alt > 0 ? "day" : ""}>${this.stars(place)}</g>
-      ${this.moon(moon)} ${this.sun(sun)} ${this.aims()}
+      <g class=${sun.alt > 0 ? "day" : ""}>${this.renderStars(place)}</g>
+      ${this.renderMoon(moon)} ${this.renderSun(sun)} ${this.renderAims()}
     </svg>`;
   }
 
-  private stars(place: Place): SVGTemplateResult[] {
+  private renderStars(place: Place): SVGTemplateResult[] {
     return STARS.flatMap(({ name, raDeg, decDeg, magnitude }) => {
       const seen = horizontal(ofDate({ ra: raDeg / 15, dec: decDeg }, this.ms), place, this.ms);
       if (seen.alt <= 0) return [];
@@ -166,7 +166,7 @@ export class SkyChart extends LitElement {
     });
   }
 
-  private sun(sun: Horizontal): unknown {
+  private renderSun(sun: Horizontal): unknown {
     if (sun.alt < 0) return nothing;
     const { x, y } = spot(sun);
     const rays = Array.from({ length: 8 }, (_, i) => {
@@ -178,7 +178,7 @@ export class SkyChart extends LitElement {
   }
 
   /** The lit part stands to the right while it waxes, as north of the tropics. */
-  private moon(moon: Horizontal): unknown {
+  private renderMoon(moon: Horizontal): unknown {
     if (moon.alt < 0) return nothing;
     const { x, y } = spot(moon);
     const { lit, waxing } = moonPhase(this.ms);
@@ -191,7 +191,7 @@ export class SkyChart extends LitElement {
       <text class="body" x=${x} y=${y + 10}>Moon</text>`;
   }
 
-  private aims(): unknown {
+  private renderAims(): unknown {
     const { telescope, target } = this;
     const from = telescope === null || telescope.alt < -1 ? null : spot(telescope);
     const to = target === null || target.alt < 0 ? null : spot(target);

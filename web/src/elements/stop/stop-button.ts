@@ -106,23 +106,23 @@ export class StopButton extends LitElement {
 
   override render(): TemplateResult {
     const line = stopLine(this.stop, this.online);
-    return html`<button type="button" @pointerdown=${this.touched} @click=${this.keyed}>
+    return html`<button type="button" @pointerdown=${this.onPointerDown} @click=${this.onClick}>
       <span class="word">STOP <small>(software)</small></span>
       ${line === "" ? nothing : html`<span class="state" role="status">${line}</span>`}
       <kbd aria-hidden="true">Esc</kbd>
     </button>`;
   }
 
-  private readonly touched = (event: PointerEvent): void => {
-    if (event.button === 0) this.fire();
+  private readonly onPointerDown = (event: PointerEvent): void => {
+    if (event.button === 0) this.fireStop();
   };
 
   // A click after a touch would be a second STOP; one by keyboard or by a helper has no detail.
-  private readonly keyed = (event: MouseEvent): void => {
-    if (event.detail === 0) this.fire();
+  private readonly onClick = (event: MouseEvent): void => {
+    if (event.detail === 0) this.fireStop();
   };
 
-  private fire(): void {
+  private fireStop(): void {
     this.dispatchEvent(new CustomEvent("t-stop", { bubbles: true, composed: true }));
   }
 }

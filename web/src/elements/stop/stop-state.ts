@@ -127,7 +127,7 @@ export class StopState extends LitElement {
 
   override render(): TemplateResult {
     return html`
-      ${this.phase === "clear" || this.phase === "unknown" ? nothing : this.progress()}
+      ${this.phase === "clear" || this.phase === "unknown" ? nothing : this.renderProgress()}
       ${this.trouble === "" ? nothing : html`<p class="trouble" role="alert">${this.trouble}</p>`}
       ${this.online
         ? nothing
@@ -135,7 +135,7 @@ export class StopState extends LitElement {
             The site is offline. STOP is sent as long as this page is open, but nothing can confirm it: use the stop on
             the robot.
           </p>`}
-      ${this.phase === "latched" || this.phase === "confirmed" ? this.release() : nothing}
+      ${this.phase === "latched" || this.phase === "confirmed" ? this.renderRelease() : nothing}
       <p class="note">
         <t-icon name="info"></t-icon>
         <span>No emergency stop: the robot needs a hardware stop.</span>
@@ -148,25 +148,25 @@ export class StopState extends LitElement {
     this.button?.focus();
   }
 
-  private progress(): TemplateResult {
+  private renderProgress(): TemplateResult {
     const [sent, latched, confirmed] = stopSteps(this.phase);
     return html`
       <ol aria-label="How far STOP got">
-        ${this.mark(sent, "Sent")} ${this.mark(latched, "Latched at the gateway")}
-        ${this.mark(confirmed, "Confirmed by the robot")}
+        ${this.renderMark(sent, "Sent")} ${this.renderMark(latched, "Latched at the gateway")}
+        ${this.renderMark(confirmed, "Confirmed by the robot")}
       </ol>
-      ${this.phase === "sent" ? nothing : html`<p>${this.byWhom()}</p>`}
+      ${this.phase === "sent" ? nothing : html`<p>${this.renderLatchedBy()}</p>`}
     `;
   }
 
-  private mark(done: 0 | 1 | 2, word: string): TemplateResult {
+  private renderMark(done: 0 | 1 | 2, word: string): TemplateResult {
     return html`<li data-done=${done}>
       <svg viewBox="0 0 20 20" aria-hidden="true">${MARKS[done]}</svg>
       <span>${word}<span class="visually-hidden">: ${SPOKEN[done]}</span></span>
     </li>`;
   }
 
-  private byWhom(): TemplateResult {
+  private renderLatchedBy(): TemplateResult {
     const fast = Number.isFinite(this.answered)
       ? html`<span class="muted"> Answered in ${this.answered.toFixed(0)}&#8239;ms.</span>`
       : nothing;
@@ -174,43 +174,43 @@ export class StopState extends LitElement {
       <t-time .us=${this.time} .zone=${this.zone} short></t-time>.${fast}`;
   }
 
-  private release(): TemplateResult {
-    if (this.step === "armed") return this.second();
+  private renderRelease(): TemplateResult {
+    if (this.step === "armed") return this.renderSecondStep();
     const busy = this.step !== "none";
     return html`
-      <t-button ?disabled=${this.hindrance !== ""} ?busy=${busy} @click=${this.ask}>
+      <t-button ?disabled=${this.hindrance !== ""} ?busy=${busy} @click=${this.fireReset}>
         ${busy ? "Asking the gateway…" : "Release STOP…"}
       </t-button>
       ${this.hindrance === "" ? nothing : html`<p class="muted">${this.hindrance}</p>`}
     `;
   }
 
-  private second(): TemplateResult {
+  private renderSecondStep(): TemplateResult {
     const seconds = Math.ceil(this.armed / 1000);
     return html`<div class="arm">
       <p><strong>Release STOP?</strong> Look at the robot first. Nothing moves by the release itself.</p>
       <div class="row">
-        <t-button @click=${this.keep}>Keep stopped</t-button>
-        <t-button kind="primary" @click=${this.go}>Release now</t-button>
+        <t-button @click=${this.fireKeepStopped}>Keep stopped</t-button>
+        <t-button kind="primary" @click=${this.fireRelease}>Release now</t-button>
       </div>
       <progress max="10000" .value=${this.armed} aria-label="Time to decide"></progress>
       <span class="muted">This question closes in ${seconds}&#8239;s.</span>
     </div>`;
   }
 
-  private readonly ask = (): void => {
-    if (this.hindrance === "" && this.step === "none") this.fire("t-reset-ask");
+  private readonly fireReset = (): void => {
+    if (this.hindrance === "" && this.step === "none") this.fireEvent("t-reset-ask");
   };
 
-  private readonly go = (): void => {
-    this.fire("t-reset-go");
+  private readonly fireRelease = (): void => {
+    this.fireEvent("t-reset-go");
   };
 
-  private readonly keep = (): void => {
-    this.fire("t-reset-keep");
+  private readonly fireKeepStopped = (): void => {
+    this.fireEvent("t-reset-keep");
   };
 
-  private fire(name: string): void {
+  private fireEvent(name: string): void {
     this.dispatchEvent(new CustomEvent(name, { bubbles: true, composed: true }));
   }
 }

@@ -42,13 +42,13 @@ export class Histogram extends LitElement {
       const tall = (100 * Math.log1p(count)) / most;
       return svg`<rect x=${at * wide} y=${100 - tall} width=${wide * 0.9} height=${tall} fill="currentColor"></rect>`;
     });
-    return html`<svg viewBox="0 0 100 100" preserveAspectRatio="none" role="img" aria-label=${this.words()}>
+    return html`<svg viewBox="0 0 100 100" preserveAspectRatio="none" role="img" aria-label=${this.describeBars()}>
         ${bars}
       </svg>
       ${Number.isNaN(this.low) ? nothing : html`<div class="ends"><span>${round(this.low)}</span><span>${round(this.high)}</span></div>`}`;
   }
 
-  private words(): string {
+  private describeBars(): string {
     return `Histogram of the pixel values from ${round(this.low)} to ${round(this.high)}`;
   }
 }

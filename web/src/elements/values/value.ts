@@ -88,10 +88,10 @@ export class Value extends LitElement {
   @property({ type: Boolean }) bare = false;
 
   override render(): TemplateResult {
-    return html`<span class="reading">${this.reading()}</span>${this.bare ? nothing : this.note()}`;
+    return html`<span class="reading">${this.renderReading()}</span>${this.bare ? nothing : this.renderNote()}`;
   }
 
-  private reading(): unknown {
+  private renderReading(): unknown {
     if (this.state === "forbidden") return html`<t-icon name="lock"></t-icon>`;
     if (this.state === "unknown" || this.state === "unreached") return NOTHING;
     if (this.text !== "") {
@@ -103,7 +103,7 @@ export class Value extends LitElement {
       ><span class="visually-hidden"> ${spokenUnit(this.unit)}</span>`;
   }
 
-  private note(): unknown {
+  private renderNote(): unknown {
     switch (this.state) {
       case "live":
         return nothing;

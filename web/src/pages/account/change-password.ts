@@ -31,18 +31,18 @@ export class AccountPassword extends LitElement {
   private readonly action = new ActionController(this);
 
   override render(): TemplateResult {
-    const { problem, done, busy } = this.action;
+    const { problem, doneText: done, busy } = this.action;
     return html`<h2>Password</h2>
-      <form class="fields" novalidate @submit=${this.submit}>
+      <form class="fields" novalidate @submit=${this.onSubmit}>
         <input hidden name="username" autocomplete="username" .value=${this.name} />
         <t-field label="Password now" error=${this.missing}>
           <input id="old" type="password" autocomplete="current-password" required />
         </t-field>
         <t-field label="New password" error=${this.trouble}>
-          <input id="fresh" type="password" autocomplete="new-password" required @input=${this.typed} />
+          <input id="fresh" type="password" autocomplete="new-password" required @input=${this.onInput} />
         </t-field>
         <t-field label="New password, once more">
-          <input id="again" type="password" autocomplete="new-password" required @input=${this.typed} />
+          <input id="again" type="password" autocomplete="new-password" required @input=${this.onInput} />
         </t-field>
         <t-rules .rules=${this.rules()}></t-rules>
         ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
@@ -58,7 +58,7 @@ export class AccountPassword extends LitElement {
     return passwordRules(this.fresh, this.name, this.again);
   }
 
-  private readonly typed = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     if (event.target.id === "fresh") this.fresh = event.target.value;
     else this.again = event.target.value;
@@ -66,14 +66,14 @@ export class AccountPassword extends LitElement {
     this.action.clear();
   };
 
-  private readonly submit = (event: SubmitEvent): void => {
+  private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     this.missing = this.old.value === "" ? "Enter the password you have now." : "";
     this.trouble = passwordTrouble(this.rules());
-    if (this.missing === "" && this.trouble === "") void this.change(this.old.value, this.fresh);
+    if (this.missing === "" && this.trouble === "") void this.changePassword(this.old.value, this.fresh);
   };
 
-  private async change(old: string, fresh: string): Promise<void> {
+  private async changePassword(old: string, fresh: string): Promise<void> {
     const api = new AccountApi(this.api);
     if (!(await this.action.run("change the password", () => api.changePassword(old, fresh), "It is changed."))) return;
     this.form.reset();

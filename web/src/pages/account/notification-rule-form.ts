@@ -53,9 +53,9 @@ export class RuleForm extends LitElement {
     const chosen = this.way || this.rule?.way;
     const way = this.ways.find(({ id }) => id === chosen) ?? this.ways[0];
     const quiet = quietOf(rule);
-    return html`<form class="entry" novalidate @submit=${this.submitted}>
+    return html`<form class="entry" novalidate @submit=${this.onSubmit}>
       <t-field label="By">
-        <select name="way" @change=${this.choose}>
+        <select name="way" @change=${this.onChoose}>
           ${map(this.ways, ({ id, name }) => html`<option value=${id} .selected=${id === way?.id}>${name}</option>`)}
         </select>
       </t-field>
@@ -75,7 +75,7 @@ export class RuleForm extends LitElement {
       </t-field>
       <t-field label="Quiet from" hint="Empty: never quiet"><input name="from" type="time" .value=${quiet?.from ?? ""} /></t-field>
       <t-field label="Quiet until" hint="What comes meanwhile is told then"><input name="to" type="time" .value=${quiet?.to ?? ""} /></t-field>
-      ${this.clock()}
+      ${this.renderClock()}
       <t-field label="Told in quiet hours too">
         <select name="quiet_least">
           ${map(SEVERITIES.slice(1), (word) => html`<option .selected=${word === rule.quiet_least}>${word}</option>`)}
@@ -85,14 +85,14 @@ export class RuleForm extends LitElement {
       <label class="tick"><input name="over" type="checkbox" .checked=${rule.over} /> Also when it is over</label>
       <div class="actions">
         <t-button type="submit" kind="primary" ?busy=${this.busy}>${this.rule === null ? "Tell me" : "Save"}</t-button>
-        <t-button @click=${this.cancel}>Cancel</t-button>
+        <t-button @click=${this.onCancel}>Cancel</t-button>
       </div>
       ${this.problem === null ? nothing : html`<t-problem class="wide" what=${this.problem.what} how=${this.problem.how}></t-problem>`}
     </form>`;
   }
 
   /** The quiet hours are by the clock at which they were chosen; elsewhere one says by which. */
-  private clock(): TemplateResult {
+  private renderClock(): TemplateResult {
     const here = Intl.DateTimeFormat().resolvedOptions().timeZone;
     const zone = this.rule?.zone ?? here;
     if (zone === here) return html`<input type="hidden" name="zone" .value=${here} />`;
@@ -109,15 +109,15 @@ export class RuleForm extends LitElement {
     return there ? this.sites : [...this.sites, { site: chosen, name: chosen }];
   }
 
-  private readonly choose = (event: Event): void => {
+  private readonly onChoose = (event: Event): void => {
     if (event.target instanceof HTMLSelectElement) this.way = event.target.value;
   };
 
-  private readonly cancel = (): void => {
+  private readonly onCancel = (): void => {
     this.dispatchEvent(new CustomEvent("t-cancel"));
   };
 
-  private readonly submitted = (event: Event): void => {
+  private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
     if (this.busy || !(event.currentTarget instanceof HTMLFormElement)) return;
     this.dispatchEvent(new CustomEvent<RuleAsk>("t-rule", { detail: askOf(new FormData(event.currentTarget)) }));

@@ -55,9 +55,9 @@ export class AccountRules extends LitElement {
   private readonly tester = new Tester(this, this.action, (id) => new NotifyApi(this.api).testRule(id));
 
   override willUpdate(): void {
-    this.known.ask("rules", async () => {
+    this.known.load("rules", async () => {
       const api = new NotifyApi(this.api);
-      const [{ ways }, { rules }, push] = await Promise.all([api.choices(), api.rules(), api.push()]);
+      const [{ ways }, { rules }, push] = await Promise.all([api.channelChoices(), api.rules(), api.pushSubscriptions()]);
       return { ways, rules, push };
     });
   }
@@ -68,16 +68,16 @@ export class AccountRules extends LitElement {
     const { problem } = this.action;
     return html`<h2>Messages about alarms</h2>
       ${advice === null ? nothing : html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`}
-      ${value === undefined ? (advice === null ? html`<t-loading what="Loading your rules"></t-loading>` : nothing) : this.content(value)}
-      ${problem === null || this.open(value) ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}`;
+      ${value === undefined ? (advice === null ? html`<t-loading what="Loading your rules"></t-loading>` : nothing) : this.renderContent(value)}
+      ${problem === null || this.isFormOpen(value) ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}`;
   }
 
   /** Whether a form is shown: it says by itself what went wrong. */
-  private open(known: Known | undefined): boolean {
+  private isFormOpen(known: Known | undefined): boolean {
     return this.editing === "" || known?.rules.some(({ id }) => id === this.editing) === true;
   }
 
-  private content(known: Known): TemplateResult {
+  private renderContent(known: Known): TemplateResult {
     if (known.ways.length === 0) {
       return html`<p class="muted">Nobody is told of alarms yet: an admin sets up mail, a webhook, a chat or push messages first, under Admin, Notification.</p>`;
     }
@@ -87,20 +87,20 @@ export class AccountRules extends LitElement {
             ${repeat(
               known.rules,
               ({ id }) => id,
-              (rule) => this.rule(rule, known),
+              (rule) => this.renderRule(rule, known),
             )}
           </ul>`}
       ${this.editing === ""
         ? html`<h3>A new rule</h3>
-            ${this.form(null, known)}`
-        : html`<div class="actions"><t-button class="add" @click=${this.changer("")}>Tell me of alarms…</t-button></div>`}
-      ${known.push.key === "" ? nothing : this.browsers(known.push)}`;
+            ${this.renderForm(null, known)}`
+        : html`<div class="actions"><t-button class="add" @click=${this.editOpener("")}>Tell me of alarms…</t-button></div>`}
+      ${known.push.key === "" ? nothing : this.renderBrowsers(known.push)}`;
   }
 
-  private rule(rule: NoticeRuleShape, known: Known): TemplateResult {
+  private renderRule(rule: NoticeRuleShape, known: Known): TemplateResult {
     const way = known.ways.find(({ id }) => id === rule.way);
     const name = `${way?.name ?? "a way that is gone"}${rule.target === "" ? "" : ` to ${rule.target ?? ""}`}`;
-    const site = rule.site === "*" ? "every site" : (this.sites.store?.row(rule.site)?.name ?? rule.site);
+    const site = rule.site === "*" ? "every site" : (this.sites.store?.siteRow(rule.site)?.name ?? rule.site);
     const quiet = quietOf(rule);
     const changed = rule.id === this.editing;
     return html`<li data-rule=${rule.id} class=${changed ? "open" : ""}>
@@ -110,31 +110,31 @@ export class AccountRules extends LitElement {
           <span>${site}</span><span>${rule.least} and worse</span>${rule.over === true ? html`<span>also when it is over</span>` : nothing}
           ${quiet === null ? nothing : html`<span>quiet ${quiet.from}–${quiet.to} (${rule.zone}) but for ${rule.quiet_least}</span>`}
         </div>
-        <t-went .went=${this.tester.went(rule.id)}></t-went>
+        <t-went .went=${this.tester.lastResult(rule.id)}></t-went>
       </div>
       ${changed
-        ? this.form(rule, known)
+        ? this.renderForm(rule, known)
         : html`<div class="actions">
-            <t-button label=${`Send a test: ${name}`} ?busy=${this.tester.busy(rule.id)} @click=${this.tester.presser(rule.id)}>Send a test</t-button>
-            <t-button class="change" label=${`Change ${name}`} @click=${this.changer(rule.id)}>Change…</t-button>
-            <t-button label=${`Remove ${name}`} @click=${this.remover(rule.id)}>Remove</t-button>
+            <t-button label=${`Send a test: ${name}`} ?busy=${this.tester.isRunning(rule.id)} @click=${this.tester.testAction(rule.id)}>Send a test</t-button>
+            <t-button class="change" label=${`Change ${name}`} @click=${this.editOpener(rule.id)}>Change…</t-button>
+            <t-button label=${`Remove ${name}`} @click=${this.ruleRemover(rule.id)}>Remove</t-button>
           </div>`}
     </li>`;
   }
 
-  private form(rule: NoticeRuleShape | null, known: Known): TemplateResult {
+  private renderForm(rule: NoticeRuleShape | null, known: Known): TemplateResult {
     return html`<t-rule-form
       .rule=${rule}
       .ways=${known.ways}
       .sites=${this.sites.store?.list ?? []}
       .problem=${this.action.problem}
       ?busy=${this.action.busy}
-      @t-rule=${this.keep}
+      @t-rule=${this.saveRule}
       @t-cancel=${this.close}
     ></t-rule-form>`;
   }
 
-  private browsers(push: PushList): TemplateResult {
+  private renderBrowsers(push: PushList): TemplateResult {
     const why = whyNoPush();
     return html`<h3>Browsers that take push messages</h3>
       ${push.browsers.length === 0
@@ -148,16 +148,16 @@ export class AccountRules extends LitElement {
                   <div class="name">${agentWords(one.agent)}</div>
                   <div class="facts"><span>since <t-time .us=${one.created_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time></span></div>
                 </div>
-                <t-button label=${`Remove ${agentWords(one.agent)}`} @click=${this.forgetter(one.id)}>Remove</t-button>
+                <t-button label=${`Remove ${agentWords(one.agent)}`} @click=${this.browserRemover(one.id)}>Remove</t-button>
               </li>`,
             )}
           </ul>`}
       ${why === ""
-        ? html`<div class="actions"><t-button ?busy=${this.action.under === "push"} @click=${this.take(push.key)}>Take messages in this browser</t-button></div>`
+        ? html`<div class="actions"><t-button ?busy=${this.action.runningKey === "push"} @click=${this.withdrawRule(push.key)}>Take messages in this browser</t-button></div>`
         : html`<p class="muted">${why}</p>`}`;
   }
 
-  private changer(id: string): () => void {
+  private editOpener(id: string): () => void {
     return () => {
       this.action.clear();
       this.editing = id;
@@ -172,36 +172,36 @@ export class AccountRules extends LitElement {
     void focusIn(this, editing === null || editing === "" ? ".add" : `li[data-rule="${editing}"] .change`);
   };
 
-  private readonly keep = (event: CustomEvent<RuleAsk>): void => {
+  private readonly saveRule = (event: CustomEvent<RuleAsk>): void => {
     const id = this.editing ?? "";
-    void this.action.run("keep the rule", () => new NotifyApi(this.api).putRule(id, event.detail)).then((done) => {
+    void this.action.run("keep the rule", () => new NotifyApi(this.api).saveRule(id, event.detail)).then((done) => {
       if (done) this.close();
-      this.known.again();
+      this.known.invalidate();
     });
   };
 
-  private remover(id: string): () => void {
+  private ruleRemover(id: string): () => void {
     return () => {
       void this.action.run("remove the rule", () => new NotifyApi(this.api).removeRule(id)).then(() => {
-        this.known.again();
+        this.known.invalidate();
       });
     };
   }
 
-  private forgetter(id: string): () => void {
+  private browserRemover(id: string): () => void {
     return () => {
       void this.action.run("remove the browser", () => new NotifyApi(this.api).removeBrowser(id)).then(() => {
-        this.known.again();
+        this.known.invalidate();
       });
     };
   }
 
-  private take(key: string): () => void {
+  private withdrawRule(key: string): () => void {
     return () => {
       void this.action
         .run("take messages in this browser", async () => new NotifyApi(this.api).addBrowser(await subscribe(key)), "", "push")
         .then(() => {
-          this.known.again();
+          this.known.invalidate();
         });
     };
   }

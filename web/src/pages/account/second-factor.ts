@@ -61,41 +61,41 @@ export class AccountFactor extends LitElement {
         <t-status kind=${this.active ? "ok" : "unknown"} word=${this.active ? "on" : "off"}></t-status>
       </div>
       ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
-      ${this.content()}`;
+      ${this.renderContent()}`;
   }
 
-  private content(): TemplateResult {
+  private renderContent(): TemplateResult {
     switch (this.step) {
       case "rest":
-        return this.atRest();
+        return this.renderIdle();
       case "begin":
-        return this.form("Continue", this.begin, this.passwordField());
+        return this.renderForm("Continue", this.requestSetup, this.renderPasswordField());
       case "scan":
-        return this.scan();
+        return this.renderScan();
       case "codes":
-        return this.codes();
+        return this.renderCodes();
       case "remove":
-        return this.form(
+        return this.renderForm(
           "Remove it",
-          this.takeAway,
-          html`${this.passwordField()}${this.codeField("Six digits from your app, or a recovery code")}`,
+          this.removeFactor,
+          html`${this.renderPasswordField()}${this.renderCodeField("Six digits from your app, or a recovery code")}`,
         );
     }
   }
 
-  private atRest(): TemplateResult {
+  private renderIdle(): TemplateResult {
     return this.active
       ? html`<p>A code from your app is asked for at each sign-in.</p>
-          <div class="actions"><t-button @click=${this.goTo("remove")}>Remove it…</t-button></div>`
+          <div class="actions"><t-button @click=${this.stepOpener("remove")}>Remove it…</t-button></div>`
       : html`<p>
             With one, a password alone lets nobody in: an app on your phone shows a code that changes every 30 s.
           </p>
-          <div class="actions"><t-button kind="primary" @click=${this.goTo("begin")}>Set it up</t-button></div>`;
+          <div class="actions"><t-button kind="primary" @click=${this.stepOpener("begin")}>Set it up</t-button></div>`;
   }
 
-  private scan(): TemplateResult {
+  private renderScan(): TemplateResult {
     const { offer } = this;
-    if (offer === null) return this.atRest();
+    if (offer === null) return this.renderIdle();
     return html`<div class="scan">
       <t-qr .svg=${offer.qr} label="QR code that holds the secret beside it"></t-qr>
       <div>
@@ -103,22 +103,22 @@ export class AccountFactor extends LitElement {
         <t-copy label="Secret" .text=${offer.secret}></t-copy>
       </div>
     </div>
-    ${this.form("Switch it on", this.confirm, this.codeField("Six digits from your app"))}`;
+    ${this.renderForm("Switch it on", this.onConfirm, this.renderCodeField("Six digits from your app"))}`;
   }
 
-  private codes(): TemplateResult {
+  private renderCodes(): TemplateResult {
     return html`<p>
         The second factor is on. If your phone is lost, each of these codes lets you in once. They are not shown again:
         keep them where your phone is not.
       </p>
       <t-copy label="Recovery codes" .text=${this.recovery.join("\n")}></t-copy>
       <div class="actions">
-        <a download="talaia-recovery-codes.txt" href=${this.file()}>Download as a file</a>
-        <t-button kind="primary" @click=${this.goTo("rest")}>I have kept them</t-button>
+        <a download="talaia-recovery-codes.txt" href=${this.recoveryCodesUrl()}>Download as a file</a>
+        <t-button kind="primary" @click=${this.stepOpener("rest")}>I have kept them</t-button>
       </div>`;
   }
 
-  private form(words: string, submit: () => Promise<void>, fields: TemplateResult): TemplateResult {
+  private renderForm(words: string, submit: () => Promise<void>, fields: TemplateResult): TemplateResult {
     const send = (event: SubmitEvent): void => {
       event.preventDefault();
       void submit();
@@ -127,35 +127,35 @@ export class AccountFactor extends LitElement {
       ${fields}
       <div class="actions">
         <t-button type="submit" kind="primary" ?busy=${this.action.busy}>${words}</t-button>
-        <t-button @click=${this.goTo("rest")}>Cancel</t-button>
+        <t-button @click=${this.stepOpener("rest")}>Cancel</t-button>
       </div>
     </form>`;
   }
 
-  private passwordField(): TemplateResult {
+  private renderPasswordField(): TemplateResult {
     return html`<t-field label="Your password" hint="So that it is you who changes this.">
       <input id="password" type="password" autocomplete="current-password" required />
     </t-field>`;
   }
 
-  private codeField(hint: string): TemplateResult {
+  private renderCodeField(hint: string): TemplateResult {
     return html`<t-field label="Code" hint=${hint}>
       <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
     </t-field>`;
   }
 
   /** A file without a server: the codes never leave this page but by the person's hand. */
-  private file(): string {
+  private recoveryCodesUrl(): string {
     return `data:text/plain;charset=utf-8,${encodeURIComponent(`${this.recovery.join("\n")}\n`)}`;
   }
 
-  private goTo(step: Step): () => void {
+  private stepOpener(step: Step): () => void {
     return () => {
-      this.go(step);
+      this.showStep(step);
     };
   }
 
-  private go(step: Step): void {
+  private showStep(step: Step): void {
     this.step = step;
     this.action.clear();
     if (step === "rest") {
@@ -169,30 +169,30 @@ export class AccountFactor extends LitElement {
     });
   }
 
-  private readonly begin = async (): Promise<void> => {
+  private readonly requestSetup = async (): Promise<void> => {
     const password = this.password?.value ?? "";
     const done = await this.action.run("begin the set-up", async () => {
       this.offer = await new AccountApi(this.api).offerFactor(password);
     });
-    if (done) this.go("scan");
+    if (done) this.showStep("scan");
   };
 
-  private readonly confirm = async (): Promise<void> => {
+  private readonly onConfirm = async (): Promise<void> => {
     const code = this.typedCode();
     const done = await this.action.run("switch it on", async () => {
       this.recovery = await new AccountApi(this.api).confirmFactor(code);
     });
     if (!done) return;
     this.offer = null;
-    this.go("codes");
+    this.showStep("codes");
     await this.session.refresh().catch(() => undefined);
   };
 
-  private readonly takeAway = async (): Promise<void> => {
+  private readonly removeFactor = async (): Promise<void> => {
     const password = this.password?.value ?? "";
     const code = this.typedCode();
     if (!(await this.action.run("remove it", () => new AccountApi(this.api).removeFactor(password, code)))) return;
-    this.go("rest");
+    this.showStep("rest");
     await this.session.refresh().catch(() => undefined);
   };
 

@@ -31,13 +31,13 @@ export class AccountSessions extends LitElement {
   private readonly action = new ActionController(this);
 
   override willUpdate(): void {
-    this.rows.ask("sessions", () => new AccountApi(this.api).sessions());
+    this.rows.load("sessions", () => new AccountApi(this.api).sessions());
   }
 
   override render(): TemplateResult {
     const rows = this.rows.value;
     const others = rows?.filter((row) => !row.this).length ?? 0;
-    const { problem, done, under } = this.action;
+    const { problem, doneText: done, runningKey: under } = this.action;
     return html`<div class="head">
         <h2>Sessions</h2>
         ${others < 2
@@ -46,14 +46,14 @@ export class AccountSessions extends LitElement {
       </div>
       ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
       <p class="visually-hidden" role="status">${done}</p>
-      ${this.list(rows)}`;
+      ${this.renderList(rows)}`;
   }
 
-  private list(rows: readonly SessionRow[] | undefined): unknown {
+  private renderList(rows: readonly SessionRow[] | undefined): unknown {
     const { result } = this.rows;
     if (result.state === "failed") {
       const advice = adviceFor(result.error, "the list of your sessions");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
     }
     if (rows === undefined) return html`<t-loading what="Loading your sessions"></t-loading>`;
     const zone = this.sites.store?.zone ?? "UTC";
@@ -75,8 +75,8 @@ export class AccountSessions extends LitElement {
             ? nothing
             : html`<t-button
                 label=${`End the session of ${agentWords(row.agent)} from ${row.address}`}
-                ?busy=${this.action.under === row.id}
-                @click=${this.ender(row)}
+                ?busy=${this.action.runningKey === row.id}
+                @click=${this.sessionEnder(row)}
                 >End this</t-button
               >`}
         </li>`,
@@ -86,20 +86,20 @@ export class AccountSessions extends LitElement {
 
   /** Asks for the list again: something else on the page has ended sessions. */
   reload(): void {
-    this.rows.again();
+    this.rows.invalidate();
   }
 
-  private readonly again = (): void => {
+  private readonly retry = (): void => {
     this.reload();
   };
 
-  private ender(row: SessionRow): () => void {
+  private sessionEnder(row: SessionRow): () => void {
     return () => {
-      void this.end(row);
+      void this.endSession(row);
     };
   }
 
-  private async end(row: SessionRow): Promise<void> {
+  private async endSession(row: SessionRow): Promise<void> {
     const api = new AccountApi(this.api);
     await this.action.run("end this session", () => api.endSession(row.id), "The session is ended.", row.id);
     this.reload();
@@ -107,7 +107,7 @@ export class AccountSessions extends LitElement {
 
   private readonly endOthers = (): void => {
     const api = new AccountApi(this.api);
-    void this.action.run("end them", () => api.endOtherSessions(), "All other sessions are ended.").then(this.again);
+    void this.action.run("end them", () => api.endOtherSessions(), "All other sessions are ended.").then(this.retry);
   };
 }
 

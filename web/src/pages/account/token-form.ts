@@ -104,7 +104,7 @@ export class TokenForm extends LitElement {
   private readonly devices = new LoadController<readonly DeviceRow[]>(this);
 
   override willUpdate(): void {
-    this.devices.ask("devices", () => this.api.devices());
+    this.devices.load("devices", () => this.api.devices());
   }
 
   override firstUpdated(): void {
@@ -117,7 +117,7 @@ export class TokenForm extends LitElement {
     const clock = this.clock();
     const now = Date.now() * 1000;
     const day = (days: number): string => clock.toInput(now + days * DAY_US).slice(0, 10);
-    return html`<form novalidate @submit=${this.submit}>
+    return html`<form novalidate @submit=${this.onSubmit}>
       <div class="fields">
         <t-field label="Name" hint="What the script is for" error=${this.errors.name}>
           <input id="name" autocomplete="off" maxlength="100" />
@@ -126,19 +126,19 @@ export class TokenForm extends LitElement {
           <input id="ends" type="date" min=${day(0)} max=${day(MOST_DAYS)} .defaultValue=${day(FIRST_DAYS)} />
         </t-field>
       </div>
-      ${this.rights()}
+      ${this.renderRights()}
       <div class="actions">
         <t-button type="submit" kind="primary" ?busy=${this.busy}>Make the token</t-button>
-        <t-button @click=${this.cancel}>Cancel</t-button>
+        <t-button @click=${this.onCancel}>Cancel</t-button>
       </div>
     </form>`;
   }
 
-  private rights(): unknown {
+  private renderRights(): unknown {
     const { result, value } = this.devices;
     if (result.state === "failed") {
       const advice = adviceFor(result.error, "the list of your devices");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
     }
     if (value === undefined) return html`<t-loading what="Loading your devices"></t-loading>`;
     const scopes = scopesOf(this.person?.permissions ?? [], value);
@@ -150,13 +150,13 @@ export class TokenForm extends LitElement {
       ${repeat(
         scopes,
         (scope) => `${scope.site}\n${scope.device}`,
-        (scope) => this.scope(scope),
+        (scope) => this.renderScope(scope),
       )}
       <span role="alert">${this.errors.rights === "" ? nothing : html`<span class="error">${this.errors.rights}</span>`}</span>
     </fieldset>`;
   }
 
-  private scope(scope: Scope): TemplateResult {
+  private renderScope(scope: Scope): TemplateResult {
     const from = inheritedLevel(this.permissions, scope);
     const own = ownLevel(this.permissions, scope);
     const shown = rank(own) > rank(from) ? own : from;
@@ -164,7 +164,7 @@ export class TokenForm extends LitElement {
     const choose = (event: Event): void => {
       if (!(event.target instanceof HTMLSelectElement)) return;
       const level = LEVELS.find((one) => one === (event.target as HTMLSelectElement).value) ?? "none";
-      this.give(scope, level === from ? "none" : level);
+      this.setLevel(scope, level === from ? "none" : level);
     };
     return html`<label class=${`d${String(scope.depth)}`}
       ><span>${scope.name}</span
@@ -174,12 +174,12 @@ export class TokenForm extends LitElement {
     >`;
   }
 
-  private give(scope: Scope, level: Level): void {
+  private setLevel(scope: Scope, level: Level): void {
     this.permissions = withLevel(this.permissions, scope, level);
     this.errors = { ...this.errors, rights: "" };
   }
 
-  private dayTrouble(endsUs: number): string {
+  private endDateProblem(endsUs: number): string {
     const now = Date.now() * 1000;
     if (Number.isNaN(endsUs) || endsUs <= now) return "Choose a day that is not over.";
     return endsUs > now + (MOST_DAYS + 1) * DAY_US ? "Choose a day within a year." : "";
@@ -189,15 +189,15 @@ export class TokenForm extends LitElement {
     return new ZoneClock(knownZone(this.zone));
   }
 
-  private readonly again = (): void => {
-    this.devices.again();
+  private readonly retry = (): void => {
+    this.devices.invalidate();
   };
 
-  private readonly cancel = (): void => {
+  private readonly onCancel = (): void => {
     this.dispatchEvent(new CustomEvent("t-cancel"));
   };
 
-  private readonly submit = (event: SubmitEvent): void => {
+  private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     if (this.busy) return;
     const name = this.name.value.trim();
@@ -206,7 +206,7 @@ export class TokenForm extends LitElement {
     const some = (this.person?.permissions.length ?? 0) === 0 || this.permissions.length > 0;
     this.errors = {
       name: name === "" ? "Enter a name." : "",
-      ends: this.dayTrouble(endsUs),
+      ends: this.endDateProblem(endsUs),
       rights: some ? "" : "Give it at least one right; without, it is of no use.",
     };
     if (Object.values(this.errors).some((error) => error !== "")) return;

@@ -41,7 +41,7 @@ export class AccountTokens extends LitElement {
   private readonly action = new ActionController(this);
 
   override willUpdate(): void {
-    this.rows.ask("tokens", () => new AccountApi(this.api).tokens());
+    this.rows.load("tokens", () => new AccountApi(this.api).tokens());
   }
 
   override render(): TemplateResult {
@@ -51,38 +51,38 @@ export class AccountTokens extends LitElement {
           <h2>Tokens for scripts</h2>
           <p class="muted">A token holds a part of your rights, and never more than you have when it is used.</p>
         </div>
-        ${this.making || this.made !== "" ? nothing : html`<t-button @click=${this.begin}>Make a token</t-button>`}
+        ${this.making || this.made !== "" ? nothing : html`<t-button @click=${this.openForm}>Make a token</t-button>`}
       </div>
       ${problem === null || this.revoking !== null
         ? nothing
         : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
-      ${this.made === "" ? nothing : this.shown()}
+      ${this.made === "" ? nothing : this.renderShown()}
       ${this.making
         ? html`<t-token-form
             .person=${this.person}
             .zone=${this.sites.store?.zone ?? "UTC"}
             ?busy=${this.action.busy}
-            @t-wish=${this.make}
-            @t-cancel=${this.cancel}
+            @t-wish=${this.createToken}
+            @t-cancel=${this.closeForm}
           ></t-token-form>`
         : nothing}
-      ${this.list()} ${this.question()}`;
+      ${this.renderList()} ${this.renderQuestion()}`;
   }
 
-  private shown(): TemplateResult {
+  private renderShown(): TemplateResult {
     return html`<div class="fields" style="max-inline-size: 46rem">
       <p><strong>The token is made. It is not shown again:</strong> put it where your script reads it, and nowhere else.</p>
       <t-copy label="Token" .text=${this.made}></t-copy>
       <p class="muted">A script sends it with each request as <code>Authorization: Bearer …</code></p>
-      <div class="actions"><t-button kind="primary" @click=${this.kept}>I have kept it</t-button></div>
+      <div class="actions"><t-button kind="primary" @click=${this.closeSecret}>I have kept it</t-button></div>
     </div>`;
   }
 
-  private list(): unknown {
+  private renderList(): unknown {
     const { result, value } = this.rows;
     if (result.state === "failed") {
       const advice = adviceFor(result.error, "the list of your tokens");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
     }
     if (value === undefined) return html`<t-loading what="Loading your tokens"></t-loading>`;
     if (value.length === 0) return this.making ? nothing : html`<p class="muted">You have none.</p>`;
@@ -102,13 +102,13 @@ export class AccountTokens extends LitElement {
               <span>last used <t-time .us=${row.used_us} .zone=${zone}></t-time></span>
             </div>
           </div>
-          <t-button label=${`Revoke the token ${row.name}`} @click=${this.asker(row)}>Revoke…</t-button>
+          <t-button label=${`Revoke the token ${row.name}`} @click=${this.revokeAsker(row)}>Revoke…</t-button>
         </li>`,
       )}
     </ul>`;
   }
 
-  private question(): TemplateResult {
+  private renderQuestion(): TemplateResult {
     const row = this.revoking;
     return html`<t-confirm
       heading=${`Revoke ${row?.name ?? ""}?`}
@@ -118,42 +118,42 @@ export class AccountTokens extends LitElement {
       ?busy=${this.action.busy}
       .problem=${row === null ? null : this.action.problem}
       @t-confirm=${this.revoke}
-      @t-close=${this.leave}
+      @t-close=${this.closeQuestion}
       ><p>Whatever uses it is refused from now on. It cannot be taken back.</p></t-confirm
     >`;
   }
 
-  private asker(row: TokenRow): () => void {
+  private revokeAsker(row: TokenRow): () => void {
     return () => {
       this.action.clear();
       this.revoking = row;
     };
   }
 
-  private readonly begin = (): void => {
+  private readonly openForm = (): void => {
     this.making = true;
     this.action.clear();
   };
 
-  private readonly cancel = (): void => {
+  private readonly closeForm = (): void => {
     this.making = false;
     this.action.clear();
   };
 
-  private readonly kept = (): void => {
+  private readonly closeSecret = (): void => {
     this.made = "";
   };
 
-  private readonly leave = (): void => {
+  private readonly closeQuestion = (): void => {
     this.revoking = null;
     this.action.clear();
   };
 
-  private readonly again = (): void => {
-    this.rows.again();
+  private readonly retry = (): void => {
+    this.rows.invalidate();
   };
 
-  private readonly make = (event: CustomEvent<TokenWish>): void => {
+  private readonly createToken = (event: CustomEvent<TokenWish>): void => {
     const { name, endsUs, permissions } = event.detail;
     void this.action
       .run("make the token", async () => {
@@ -162,7 +162,7 @@ export class AccountTokens extends LitElement {
       .then((done) => {
         if (!done) return;
         this.making = false;
-        this.again();
+        this.retry();
       });
   };
 
@@ -172,7 +172,7 @@ export class AccountTokens extends LitElement {
     void this.action.run("revoke it", () => new AccountApi(this.api).revokeToken(row.id)).then((done) => {
       if (!done) return;
       this.revoking = null;
-      this.again();
+      this.retry();
     });
   };
 }

@@ -20,7 +20,7 @@ export const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = 
 export type Fields = Readonly<Record<string, string>>;
 
 export interface Field {
-  readonly name: string;
+  readonly labelControl: string;
   readonly label: string;
   readonly hint?: string;
   readonly kinds: readonly Kind[];
@@ -31,27 +31,27 @@ const ALL = KINDS.map(({ kind }) => kind);
 
 /** Every field, in the order of the form, with the kinds that have it. */
 export const FIELDS: readonly Field[] = [
-  { name: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly"], sort: "signal" },
-  { name: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
-  { name: "label", label: "What is seen", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
-  { name: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
-  { name: "confidence", label: "At least so sure (0 to 1)", kinds: ["detection"], sort: "number" },
-  { name: "expression", label: "Condition", hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
-  { name: "enclosure", label: "Enclosure", hint: "Its short name; empty: any", kinds: ["enclosure"], sort: "text" },
-  { name: "above", label: "Raised above", kinds: ["limit"], sort: "number" },
-  { name: "below", label: "Raised below", kinds: ["limit"], sort: "number" },
-  { name: "hysteresis", label: "Lets go so far on the safe side", kinds: ["limit"], sort: "number" },
-  { name: "is_one_of", label: "Raised in these", hint: "With commas between", kinds: ["state"], sort: "words" },
-  { name: "is_not", label: "Raised in all but these", hint: "With commas between", kinds: ["state"], sort: "words" },
-  { name: "score", label: "At least this score", kinds: ["anomaly"], sort: "number" },
-  { name: "delay", label: "After it was so for (s)", kinds: ALL, sort: "number" },
-  { name: "clear_delay", label: "Over after it was not so for (s)", kinds: ALL, sort: "number" },
-  { name: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly"], sort: "number" },
-  { name: "unknown_after", label: "Raised also when it cannot be judged for (s)", hint: "Empty: never", kinds: ALL, sort: "number" },
-  { name: "repeat", label: "Told again every (s), until acknowledged", hint: "Empty: told once", kinds: ALL, sort: "number" },
-  { name: "escalate", label: "Who is told, one after the other", hint: "Names and seconds: anna 0, ben 300. Empty: all who want to", kinds: ALL, sort: "people" },
-  { name: "remind", label: "Reminded every (s), while acknowledged and still so", hint: "Empty: never", kinds: ALL, sort: "number" },
-  { name: "advice", label: "What to do", kinds: ALL, sort: "text" },
+  { labelControl: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly"], sort: "signal" },
+  { labelControl: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
+  { labelControl: "label", label: "What is seen", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
+  { labelControl: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
+  { labelControl: "confidence", label: "At least so sure (0 to 1)", kinds: ["detection"], sort: "number" },
+  { labelControl: "expression", label: "Condition", hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
+  { labelControl: "enclosure", label: "Enclosure", hint: "Its short name; empty: any", kinds: ["enclosure"], sort: "text" },
+  { labelControl: "above", label: "Raised above", kinds: ["limit"], sort: "number" },
+  { labelControl: "below", label: "Raised below", kinds: ["limit"], sort: "number" },
+  { labelControl: "hysteresis", label: "Lets go so far on the safe side", kinds: ["limit"], sort: "number" },
+  { labelControl: "is_one_of", label: "Raised in these", hint: "With commas between", kinds: ["state"], sort: "words" },
+  { labelControl: "is_not", label: "Raised in all but these", hint: "With commas between", kinds: ["state"], sort: "words" },
+  { labelControl: "score", label: "At least this score", kinds: ["anomaly"], sort: "number" },
+  { labelControl: "delay", label: "After it was so for (s)", kinds: ALL, sort: "number" },
+  { labelControl: "clear_delay", label: "Over after it was not so for (s)", kinds: ALL, sort: "number" },
+  { labelControl: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly"], sort: "number" },
+  { labelControl: "unknown_after", label: "Raised also when it cannot be judged for (s)", hint: "Empty: never", kinds: ALL, sort: "number" },
+  { labelControl: "repeat", label: "Told again every (s), until acknowledged", hint: "Empty: told once", kinds: ALL, sort: "number" },
+  { labelControl: "escalate", label: "Who is told, one after the other", hint: "Names and seconds: anna 0, ben 300. Empty: all who want to", kinds: ALL, sort: "people" },
+  { labelControl: "remind", label: "Reminded every (s), while acknowledged and still so", hint: "Empty: never", kinds: ALL, sort: "number" },
+  { labelControl: "advice", label: "What to do", kinds: ALL, sort: "text" },
 ];
 
 /** Fields whose number is in the signal's unit. */
@@ -59,7 +59,7 @@ const IN_UNIT = ["above", "below", "hysteresis"];
 
 /** What a field is called, with the unit of its number. */
 export function labelOf(field: Field, unit: string): string {
-  return IN_UNIT.includes(field.name) && unit !== "" ? `${field.label} (${unit})` : field.label;
+  return IN_UNIT.includes(field.labelControl) && unit !== "" ? `${field.label} (${unit})` : field.label;
 }
 
 /** Whether an alarm of a kind can watch a signal of a type. */
@@ -94,7 +94,7 @@ export function definitionOf(fields: Fields): { readonly definition: AlarmDefini
     severity: fields["severity"] ?? "warning",
     record: fields["record"] === "on",
   };
-  for (const { name, kinds, sort } of FIELDS) {
+  for (const { labelControl: name, kinds, sort } of FIELDS) {
     const text = (fields[name] ?? "").trim();
     if (!kinds.includes(kind)) continue;
     if (sort === "people") {

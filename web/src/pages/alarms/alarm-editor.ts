@@ -76,7 +76,7 @@ export class AlarmEditor extends LitElement {
   override willUpdate(): void {
     const sites = this.sites.store;
     if (sites === undefined) return;
-    this.detail.ask([this.site, sites.catalogueOf(this.site)].join("\n"), () => sites.detail(this.site));
+    this.detail.load([this.site, sites.catalogueOf(this.site)].join("\n"), () => sites.loadDetail(this.site));
   }
 
   override render(): TemplateResult {
@@ -84,10 +84,10 @@ export class AlarmEditor extends LitElement {
     const kind = this.kind ?? this.definition?.kind ?? "limit";
     const signal = this.signalOf(kind, fields["signal"] ?? "");
     return html`<h2>${this.alarm === "" ? "New alarm" : "Change the alarm"}</h2>
-      <form class="entry" novalidate @submit=${this.tried} @input=${this.touched}>
+      <form class="entry" novalidate @submit=${this.previewAlarm} @input=${this.onInput}>
         <t-field label="Name"><input name="name" maxlength="100" autocomplete="off" .value=${fields["name"] ?? ""} /></t-field>
         <t-field label="Kind">
-          <select name="kind" @change=${this.choose}>
+          <select name="kind" @change=${this.onChoose}>
             ${map(KINDS, (one) => html`<option value=${one.kind} ?selected=${one.kind === kind}>${one.name}</option>`)}
           </select>
         </t-field>
@@ -102,26 +102,26 @@ export class AlarmEditor extends LitElement {
         ${map(
           FIELDS.filter(({ kinds }) => kinds.includes(kind)),
           (field) => html`<t-field
-            class=${field.name === "expression" || field.name === "advice" ? "wide" : ""}
+            class=${field.labelControl === "expression" || field.labelControl === "advice" ? "wide" : ""}
             label=${labelOf(field, signal?.unit ?? "")}
             .hint=${this.hintOf(field, signal?.states ?? [])}
-            .error=${this.errorOf(field.name)}
-            >${this.control(field.name, field.sort, fields, kind)}</t-field
-          >${field.name === "expression" ? this.inserter() : nothing}`,
+            .error=${this.errorOf(field.labelControl)}
+            >${this.renderControl(field.labelControl, field.sort, fields, kind)}</t-field
+          >${field.labelControl === "expression" ? this.renderInserter() : nothing}`,
         )}
         <label class="tick wide"
           ><input type="checkbox" name="record" ?checked=${fields["record"] === "on"} /> Record the raw topics around it</label
         >
       </form>
-      ${this.said()}
+      ${this.renderMessage()}
       ${this.action.problem === null
         ? nothing
         : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
       <div class="actions">
-        <t-button kind="primary" ?busy=${this.action.under === "keep"} @click=${this.keep}>Keep</t-button>
-        <t-button ?busy=${this.action.under === "try"} @click=${this.tried}>Try it on the last day</t-button>
-        <t-button @click=${this.leave}>Cancel</t-button>
-        ${this.alarm === "" ? nothing : html`<t-button @click=${this.ask}>Remove</t-button>`}
+        <t-button kind="primary" ?busy=${this.action.runningKey === "keep"} @click=${this.saveAlarm}>Keep</t-button>
+        <t-button ?busy=${this.action.runningKey === "try"} @click=${this.previewAlarm}>Try it on the last day</t-button>
+        <t-button @click=${this.fireClose}>Cancel</t-button>
+        ${this.alarm === "" ? nothing : html`<t-button @click=${this.openQuestion}>Remove</t-button>`}
       </div>
       <t-confirm
         ?open=${this.removing}
@@ -129,8 +129,8 @@ export class AlarmEditor extends LitElement {
         action="Remove"
         ?busy=${this.action.busy}
         .problem=${this.action.problem}
-        @t-confirm=${this.erase}
-        @t-close=${this.unask}
+        @t-confirm=${this.removeAlarm}
+        @t-close=${this.closeQuestion}
       >
         <p>Nobody is told of it any more. What has happened stays in the logbook.</p>
       </t-confirm>`;
@@ -150,22 +150,22 @@ export class AlarmEditor extends LitElement {
   /** The signal that is chosen; at first that of the definition, else the first that fits. */
   private signalOf(kind: Kind, defined: string): SignalInfo | undefined {
     const signals = (this.detail.value?.devices ?? []).flatMap((device) => device.signals).filter(({ type }) => fits(kind, type));
-    const of = (channel: string): SignalInfo | undefined => signals.find(({ channels }) => channels.includes(channel));
-    return of(this.signal ?? defined) ?? signals[0];
+    const channelSignal = (channel: string): SignalInfo | undefined => signals.find(({ channels }) => channels.includes(channel));
+    return channelSignal(this.signal ?? defined) ?? signals[0];
   }
 
   /** For who does not know the signals' addresses by heart. */
-  private inserter(): TemplateResult {
+  private renderInserter(): TemplateResult {
     return html`<t-field class="wide" label="Put a signal in">
-      <select @change=${this.insert}>
+      <select @change=${this.insertAddress}>
         <option value="">Choose…</option>
-        ${this.channels(null, "")}
+        ${this.renderChannels(null, "")}
       </select>
     </t-field>`;
   }
 
   /** Every channel as a choice; of one kind of alarm, those that fit. */
-  private channels(kind: Kind | null, chosen: string): unknown {
+  private renderChannels(kind: Kind | null, chosen: string): unknown {
     return map(this.detail.value?.devices ?? [], (device) =>
       map(
         device.signals.filter(({ type }) => kind === null || fits(kind, type)),
@@ -178,12 +178,12 @@ export class AlarmEditor extends LitElement {
     );
   }
 
-  private control(name: string, sort: string, fields: Fields, kind: Kind): TemplateResult {
+  private renderControl(name: string, sort: string, fields: Fields, kind: Kind): TemplateResult {
     const value = fields[name] ?? "";
     const devices = this.detail.value?.devices ?? [];
     if (sort === "signal") {
-      return html`<select name=${name} @change=${this.chooseSignal}>
-        ${this.channels(kind, value)}
+      return html`<select name=${name} @change=${this.onSignalChange}>
+        ${this.renderChannels(kind, value)}
       </select>`;
     }
     if (sort === "stream") {
@@ -199,7 +199,7 @@ export class AlarmEditor extends LitElement {
   }
 
   /** How it would have done. */
-  private said(): unknown {
+  private renderMessage(): unknown {
     const { preview } = this;
     if (preview === null) return nothing;
     if ((preview.problem ?? "") !== "") {
@@ -234,7 +234,7 @@ export class AlarmEditor extends LitElement {
     </section>`;
   }
 
-  private read(): AlarmDefinition | null {
+  private readDefinition(): AlarmDefinition | null {
     const said: Record<string, string> = {};
     for (const [name, value] of new FormData(this.form)) if (typeof value === "string") said[name] = value;
     const found = definitionOf(said);
@@ -242,15 +242,15 @@ export class AlarmEditor extends LitElement {
     return "wrong" in found ? null : found.definition;
   }
 
-  private readonly choose = (event: Event): void => {
+  private readonly onChoose = (event: Event): void => {
     if (event.target instanceof HTMLSelectElement) this.kind = event.target.value as Kind;
   };
 
-  private readonly chooseSignal = (event: Event): void => {
+  private readonly onSignalChange = (event: Event): void => {
     if (event.target instanceof HTMLSelectElement) this.signal = event.target.value;
   };
 
-  private readonly insert = (event: Event): void => {
+  private readonly insertAddress = (event: Event): void => {
     const area = this.form.querySelector("textarea");
     if (!(event.target instanceof HTMLSelectElement) || area === null || event.target.value === "") return;
     area.setRangeText(`{${event.target.value}}`, area.selectionStart, area.selectionEnd, "end");
@@ -258,51 +258,51 @@ export class AlarmEditor extends LitElement {
     area.focus();
   };
 
-  private readonly touched = (): void => {
+  private readonly onInput = (): void => {
     if (this.preview !== null) this.preview = null;
   };
 
-  private readonly tried = (event: Event): void => {
+  private readonly previewAlarm = (event: Event): void => {
     event.preventDefault();
-    const definition = this.read();
+    const definition = this.readDefinition();
     if (definition === null) return;
     const named = definition.name === "" ? { ...definition, name: "Alarm" } : definition;
     void this.action.run(
       "try the alarm",
       async () => {
-        this.preview = await new AlarmsApi(this.api).preview(this.site, named);
+        this.preview = await new AlarmsApi(this.api).previewAlarm(this.site, named);
       },
       "",
       "try",
     );
   };
 
-  private readonly keep = (): void => {
-    const definition = this.read();
+  private readonly saveAlarm = (): void => {
+    const definition = this.readDefinition();
     if (definition === null) return;
     const name = this.alarm === "" ? idOf(definition.name) : this.alarm;
     void this.action
-      .run("keep the alarm", () => new AlarmsApi(this.api).define(this.site, name, definition), "", "keep")
+      .run("keep the alarm", () => new AlarmsApi(this.api).saveAlarm(this.site, name, definition), "", "keep")
       .then((done) => {
-        if (done) this.leave();
+        if (done) this.fireClose();
       });
   };
 
-  private readonly ask = (): void => {
+  private readonly openQuestion = (): void => {
     this.removing = true;
   };
 
-  private readonly unask = (): void => {
+  private readonly closeQuestion = (): void => {
     this.removing = false;
   };
 
-  private readonly erase = (): void => {
-    void this.action.run("remove the alarm", () => new AlarmsApi(this.api).remove(this.site, this.alarm)).then((done) => {
-      if (done) this.leave();
+  private readonly removeAlarm = (): void => {
+    void this.action.run("remove the alarm", () => new AlarmsApi(this.api).removeAlarm(this.site, this.alarm)).then((done) => {
+      if (done) this.fireClose();
     });
   };
 
-  private readonly leave = (): void => {
+  private readonly fireClose = (): void => {
     this.dispatchEvent(new CustomEvent("t-done"));
   };
 }

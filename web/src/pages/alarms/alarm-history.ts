@@ -46,7 +46,7 @@ export class AlarmPastView extends LitElement {
   private readonly past = new LoadController<AlarmPastList>(this);
 
   override willUpdate(): void {
-    this.past.ask([this.site, this.alarm, this.turn].join("\n"), () => new AlarmsApi(this.api).past(this.site, this.alarm));
+    this.past.load([this.site, this.alarm, this.turn].join("\n"), () => new AlarmsApi(this.api).alarmHistory(this.site, this.alarm));
   }
 
   override render(): TemplateResult {

@@ -119,15 +119,15 @@ export class PageAlarms extends LitElement {
     const sites = (this.sites.store?.list ?? []).map(({ site }) => site);
     // What is defined changes when an alarm comes or goes.
     const names = (this.alarms.store?.list ?? []).map((one) => `${one.site}/${one.alarm}/${one.name}`).sort();
-    this.defined.ask([...sites, ...names].join("\n"), async () => {
+    this.defined.load([...sites, ...names].join("\n"), async () => {
       const api = new AlarmsApi(this.api);
-      return new Map(await Promise.all(sites.map(async (site) => [site, await api.list(site)] as const)));
+      return new Map(await Promise.all(sites.map(async (site) => [site, await api.listAlarms(site)] as const)));
     });
   }
 
   /** Brings the alarm into view that the address names: a message or the bar led here. */
   override updated(): void {
-    const named = this.named();
+    const named = this.addressedAlarm();
     if (named === this.shownFor) return;
     const { row } = this;
     if (named !== "" && row === null) return;
@@ -139,7 +139,7 @@ export class PageAlarms extends LitElement {
   }
 
   /** Site and alarm that the address names; empty: none. */
-  private named(): string {
+  private addressedAlarm(): string {
     return new URLSearchParams(this.router.store?.search ?? "").get("alarm") ?? "";
   }
 
@@ -150,33 +150,33 @@ export class PageAlarms extends LitElement {
     return html`<div class="head">
         <div>
           <h1>Alarms</h1>
-          <p class="muted" role="status">${this.counted(list)}</p>
+          <p class="muted" role="status">${this.countText(list)}</p>
         </div>
         <div class="actions">
-          <t-button pressed=${this.sound.store?.on === true ? "true" : "false"} @click=${this.beep}>Sound</t-button>
+          <t-button pressed=${this.sound.store?.isOn === true ? "true" : "false"} @click=${this.toggleSound}>Sound</t-button>
           ${map(
             this.sites.store?.list ?? [],
             ({ site, name }) => html`<a href=${sitePath(site, "logbook")}>Logbook of ${name}</a>`,
           )}
           ${map(
             manageable,
-            (site) => html`<t-button @click=${this.maker(site)}
-              >New alarm${manageable.length > 1 ? ` of ${this.sites.store?.row(site)?.name ?? site}` : ""}</t-button
+            (site) => html`<t-button @click=${this.creatorOpener(site)}
+              >New alarm${manageable.length > 1 ? ` of ${this.sites.store?.siteRow(site)?.name ?? site}` : ""}</t-button
             >`,
           )}
         </div>
       </div>
-      ${result.state === "failed" ? this.failed(result.error) : nothing}
+      ${result.state === "failed" ? this.renderFailure(result.error) : nothing}
       ${this.action.problem === null
         ? nothing
         : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
       ${this.editing !== null && this.editing.alarm === ""
-        ? html`<section class="sheet"><t-alarm-editor .site=${this.editing.site} @t-done=${this.edited}></t-alarm-editor></section>`
+        ? html`<section class="sheet"><t-alarm-editor .site=${this.editing.site} @t-done=${this.onAlarmSaved}></t-alarm-editor></section>`
         : nothing}
-      ${list.length === 0 ? this.none() : this.sheet(list)} ${this.dialog()}`;
+      ${list.length === 0 ? this.renderEmpty() : this.renderSheet(list)} ${this.renderDialog()}`;
   }
 
-  private counted(list: readonly AlarmNews[]): string {
+  private countText(list: readonly AlarmNews[]): string {
     const on = list.filter(({ phase }) => phase === "active" || phase === "acknowledged").length;
     const unknown = list.filter(({ known, phase }) => !known && phase === "normal").length;
     if (list.length === 0) return "";
@@ -184,12 +184,12 @@ export class PageAlarms extends LitElement {
     return parts.join(" ") + (unknown === 0 ? "." : `; ${String(unknown)} cannot be judged now.`);
   }
 
-  private failed(error: unknown): TemplateResult {
+  private renderFailure(error: unknown): TemplateResult {
     const advice = adviceFor(error, "the alarms");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
   }
 
-  private none(): unknown {
+  private renderEmpty(): unknown {
     if (this.defined.value === undefined) {
       return this.defined.result.state === "failed" ? nothing : html`<t-loading what="Loading the alarms"></t-loading>`;
     }
@@ -198,13 +198,13 @@ export class PageAlarms extends LitElement {
     </t-empty>`;
   }
 
-  private sheet(list: readonly AlarmNews[]): TemplateResult {
+  private renderSheet(list: readonly AlarmNews[]): TemplateResult {
     return html`<section class="sheet" aria-label="Every alarm">
       <ul class="rows">
         ${repeat(
           list,
           (one) => `${one.site}/${one.alarm}`,
-          (one) => this.line(one),
+          (one) => this.renderLine(one),
         )}
       </ul>
     </section>`;
@@ -214,14 +214,14 @@ export class PageAlarms extends LitElement {
     return this.defined.value?.get(one.site)?.alarms.find(({ alarm }) => alarm === one.alarm);
   }
 
-  private line(one: AlarmNews): TemplateResult {
-    const row = this.sites.store?.row(one.site);
+  private renderLine(one: AlarmNews): TemplateResult {
+    const row = this.sites.store?.siteRow(one.site);
     const zone = row?.zone ?? "UTC";
-    const [kind, word] = standing(one, this.alarms.store?.shelved(one) ?? false);
+    const [kind, word] = standing(one, this.alarms.store?.isShelved(one) ?? false);
     const on = one.phase === "active" || one.phase === "acknowledged" ? "on" : "";
     const many = (this.sites.store?.list.length ?? 0) > 1;
     const id = `${one.site}/${one.alarm}`;
-    const named = id === this.named();
+    const named = id === this.addressedAlarm();
     return html`<li class="alarm ${one.severity} ${on} ${named ? "named" : ""}" data-alarm=${one.alarm} tabindex=${named ? "-1" : nothing} aria-current=${named ? "true" : nothing}>
       <div>
         <div class="facts"><t-status kind=${kind} word=${word}></t-status><span class="chip">${one.severity}</span></div>
@@ -235,62 +235,62 @@ export class PageAlarms extends LitElement {
           ${one.cleared_us === 0 ? nothing : html`<span>over <t-time .us=${one.cleared_us} .zone=${zone}></t-time></span>`}
           ${one.acked_by === "" ? nothing : html`<span>acknowledged by ${one.acked_by}</span>`}
           ${one.assigned === "" ? nothing : html`<span>${one.assigned} sees to it</span>`}
-          ${this.alarms.store?.shelved(one) === true
+          ${this.alarms.store?.isShelved(one) === true
             ? html`<span>shelved by ${one.shelved_by} until <t-time .us=${one.shelved_until_us} .zone=${zone}></t-time>${one.shelved_why === "" ? "" : `: ${one.shelved_why}`}</span>`
             : nothing}
           ${one.raised_us === 0 || one.signals.length === 0 ? nothing : html`<a href=${historyAt(one)}>Chart</a>`}
         </div>
       </div>
-      ${this.buttons(one)}
+      ${this.renderButtons(one)}
       ${this.open === id ? html`<t-alarm-past .site=${one.site} .alarm=${one.alarm} .zone=${zone} .turn=${one.phase}></t-alarm-past>` : nothing}
       ${this.editing?.site === one.site && this.editing.alarm === one.alarm
         ? html`<t-alarm-editor
             .site=${one.site}
             .alarm=${one.alarm}
             .definition=${this.shapeOf(one)?.definition ?? null}
-            @t-done=${this.edited}
+            @t-done=${this.onAlarmSaved}
           ></t-alarm-editor>`
         : nothing}
     </li>`;
   }
 
-  private buttons(one: AlarmNews): TemplateResult {
+  private renderButtons(one: AlarmNews): TemplateResult {
     const may = this.shapeOf(one)?.may_use === true;
     const manage = one.made && this.defined.value?.get(one.site)?.may_manage === true;
     const unseen = one.phase === "active" || one.phase === "cleared";
-    const shelved = this.alarms.store?.shelved(one) === true;
+    const shelved = this.alarms.store?.isShelved(one) === true;
     const id = `${one.site}/${one.alarm}`;
     const open = this.open === id;
     // Of what is well there is little to do: a long list of it stays short.
     const more = open || shelved || one.phase !== "normal";
     return html`<div class="actions">
       ${may && unseen
-        ? html`<t-button kind="primary" label=${`Acknowledge ${one.name}`} ?busy=${this.action.under === id} @click=${this.acknowledger(one)}
+        ? html`<t-button kind="primary" label=${`Acknowledge ${one.name}`} ?busy=${this.action.runningKey === id} @click=${this.acknowledgeAsker(one)}
             >Acknowledge</t-button
           >`
         : nothing}
       ${may && more
-        ? html`<t-button label=${`Assign ${one.name}`} @click=${this.asker("assign", one)}>Assign</t-button>
-            <t-button label=${`Comment on ${one.name}`} @click=${this.asker("comment", one)}>Comment</t-button>
+        ? html`<t-button label=${`Assign ${one.name}`} @click=${this.dialogOpener("assign", one)}>Assign</t-button>
+            <t-button label=${`Comment on ${one.name}`} @click=${this.dialogOpener("comment", one)}>Comment</t-button>
             ${shelved
-              ? html`<t-button label=${`Unshelve ${one.name}`} @click=${this.unshelver(one)}>Unshelve</t-button>`
-              : html`<t-button label=${`Shelve ${one.name}`} @click=${this.asker("shelve", one)}>Shelve</t-button>`}`
+              ? html`<t-button label=${`Unshelve ${one.name}`} @click=${this.unshelveAction(one)}>Unshelve</t-button>`
+              : html`<t-button label=${`Shelve ${one.name}`} @click=${this.dialogOpener("shelve", one)}>Shelve</t-button>`}`
         : nothing}
-      <t-button label=${`More about ${one.name}`} pressed=${open ? "true" : "false"} @click=${this.opener(id)}>More</t-button>
-      ${manage && (more || !one.known) ? html`<t-button label=${`Change ${one.name}`} @click=${this.editor(one)}>Change</t-button>` : nothing}
+      <t-button label=${`More about ${one.name}`} pressed=${open ? "true" : "false"} @click=${this.detailsToggler(id)}>More</t-button>
+      ${manage && (more || !one.known) ? html`<t-button label=${`Change ${one.name}`} @click=${this.editorOpener(one)}>Change</t-button>` : nothing}
     </div>`;
   }
 
-  private dialog(): TemplateResult {
+  private renderDialog(): TemplateResult {
     const [heading, label, action] = QUESTIONS[this.doing?.what ?? "comment"];
     const what = this.doing?.what;
     return html`<t-dialog heading=${heading} ?open=${this.doing !== null} @t-close=${this.close}>
-      <form novalidate @submit=${this.submitted}>
+      <form novalidate @submit=${this.onSubmit}>
         <p>${this.doing?.about.name ?? ""}</p>
         <t-field label=${label}>
           <input id="text" type="text" maxlength=${what === "assign" ? "200" : "1000"} autocomplete="off" />
         </t-field>
-        ${what === "assign" ? html`<t-button @click=${this.myself}>Myself</t-button>` : nothing}
+        ${what === "assign" ? html`<t-button @click=${this.openOwnRules}>Myself</t-button>` : nothing}
         ${what === "shelve"
           ? html`<t-field label="For" hint="It is shown apart, and nobody is told of it meanwhile.">
               <select id="hours">
@@ -307,28 +307,28 @@ export class PageAlarms extends LitElement {
           : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
       </form>
       <t-button slot="actions" @click=${this.close}>Cancel</t-button>
-      <t-button slot="actions" kind="primary" ?busy=${this.action.busy} @click=${this.submitted}>${action}</t-button>
+      <t-button slot="actions" kind="primary" ?busy=${this.action.busy} @click=${this.onSubmit}>${action}</t-button>
     </t-dialog>`;
   }
 
-  private acknowledger(one: AlarmNews): () => void {
+  private acknowledgeAsker(one: AlarmNews): () => void {
     return () => {
       void this.action.run(
         "acknowledge the alarm",
-        () => new AlarmsApi(this.api).act(one.site, one.alarm, { act: "acknowledge" }),
+        () => new AlarmsApi(this.api).applyAction(one.site, one.alarm, { act: "acknowledge" }),
         "",
         `${one.site}/${one.alarm}`,
       );
     };
   }
 
-  private unshelver(one: AlarmNews): () => void {
+  private unshelveAction(one: AlarmNews): () => void {
     return () => {
-      void this.action.run("unshelve the alarm", () => new AlarmsApi(this.api).act(one.site, one.alarm, { act: "unshelve" }));
+      void this.action.run("unshelve the alarm", () => new AlarmsApi(this.api).applyAction(one.site, one.alarm, { act: "unshelve" }));
     };
   }
 
-  private asker(what: Doing, about: AlarmNews): () => void {
+  private dialogOpener(what: Doing, about: AlarmNews): () => void {
     return () => {
       this.action.clear();
       if (this.text) this.text.value = what === "assign" ? about.assigned : "";
@@ -336,34 +336,34 @@ export class PageAlarms extends LitElement {
     };
   }
 
-  private opener(id: string): () => void {
+  private detailsToggler(id: string): () => void {
     return () => {
       this.open = this.open === id ? "" : id;
     };
   }
 
-  private editor(one: AlarmNews): () => void {
+  private editorOpener(one: AlarmNews): () => void {
     return () => {
       this.editing = this.editing?.alarm === one.alarm && this.editing.site === one.site ? null : { site: one.site, alarm: one.alarm };
     };
   }
 
-  private maker(site: string): () => void {
+  private creatorOpener(site: string): () => void {
     return () => {
       this.editing = { site, alarm: "" };
     };
   }
 
-  private readonly beep = (): void => {
-    this.sound.store?.choose(!this.sound.store.on);
+  private readonly toggleSound = (): void => {
+    this.sound.store?.setOn(!this.sound.store.isOn);
   };
 
-  private readonly edited = (): void => {
+  private readonly onAlarmSaved = (): void => {
     this.editing = null;
-    this.defined.again();
+    this.defined.invalidate();
   };
 
-  private readonly myself = (): void => {
+  private readonly openOwnRules = (): void => {
     if (this.text) this.text.value = this.session.store?.person?.name ?? "";
   };
 
@@ -371,7 +371,7 @@ export class PageAlarms extends LitElement {
     this.doing = null;
   };
 
-  private readonly submitted = (event: Event): void => {
+  private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
     const { doing } = this;
     if (doing === null) return;
@@ -379,13 +379,13 @@ export class PageAlarms extends LitElement {
     const { site, alarm } = doing.about;
     const until = Math.round((Date.now() + Number(this.hours?.value ?? 1) * 3_600_000) * 1000);
     const asked = { act: doing.what, ...(doing.what === "assign" ? { to: text } : { text }), ...(doing.what === "shelve" ? { until_us: until } : {}) };
-    void this.action.run(`${doing.what} it`, () => new AlarmsApi(this.api).act(site, alarm, asked)).then((done) => {
+    void this.action.run(`${doing.what} it`, () => new AlarmsApi(this.api).applyAction(site, alarm, asked)).then((done) => {
       if (done) this.doing = null;
     });
   };
 
-  private readonly again = (): void => {
-    this.defined.again();
+  private readonly retry = (): void => {
+    this.defined.invalidate();
   };
 }
 

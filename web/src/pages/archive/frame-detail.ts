@@ -11,7 +11,7 @@ import { adviceFor } from "../../format/error-advice.js";
 import { apiContext } from "../../state/contexts.js";
 import { ArchiveApi, filePath, type FrameDetail, type FrameRow } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { pixelValues } from "../../tiles/archive/frame-preview.js";
+import { renderPixelValues } from "../../tiles/archive/frame-preview.js";
 import { formatBytes, skyPlace } from "./archive-query.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/loading.js";
@@ -91,7 +91,7 @@ export class FrameDetailSheet extends LitElement {
   private readonly detail = new LoadController<FrameDetail>(this);
 
   override willUpdate(): void {
-    this.detail.ask(`${this.site} ${this.frame}`, () => new ArchiveApi(this.api, this.site).frame(this.frame));
+    this.detail.load(`${this.site} ${this.frame}`, () => new ArchiveApi(this.api, this.site).frameDetail(this.frame));
   }
 
   override render(): TemplateResult {
@@ -99,7 +99,7 @@ export class FrameDetailSheet extends LitElement {
     if (result.state === "failed") {
       const advice = adviceFor(result.error, "this picture");
       return html`<div class="sheet">
-        <t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>
+        <t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>
         <div class="actions"><t-button @click=${this.close}>Back to the list</t-button></div>
       </div>`;
     }
@@ -122,7 +122,7 @@ export class FrameDetailSheet extends LitElement {
         <div class="side">
           <t-frame-look .site=${this.site} .frame=${this.frame} .target=${found.frame.target}></t-frame-look>
         </div>
-        <div class="side">${this.facts(found.frame)} ${pixelValues(found.histogram)} ${this.check(found.frame)}</div>
+        <div class="side">${this.renderFacts(found.frame)} ${renderPixelValues(found.histogram)} ${this.renderCheck(found.frame)}</div>
       </div>
       <details>
         <summary>Header, ${found.header.length} cards</summary>
@@ -143,7 +143,7 @@ export class FrameDetailSheet extends LitElement {
     </section>`;
   }
 
-  private facts(frame: FrameRow): TemplateResult {
+  private renderFacts(frame: FrameRow): TemplateResult {
     const rows: [string, unknown][] = [
       ["Taken", html`<t-time .us=${frame.time_us} .zone=${this.zone}></t-time>`],
       ["Night of", frame.night],
@@ -157,7 +157,7 @@ export class FrameDetailSheet extends LitElement {
     return html`<dl>${map(rows, ([name, value]) => html`<dt>${name}</dt><dd>${value}</dd>`)}</dl>`;
   }
 
-  private check(frame: FrameRow): unknown {
+  private renderCheck(frame: FrameRow): unknown {
     if (frame.problems.length === 0) {
       return html`<t-status kind="ok" word="Follows the FITS standard (checked by astropy)"></t-status>`;
     }
@@ -169,8 +169,8 @@ export class FrameDetailSheet extends LitElement {
     </div>`;
   }
 
-  private readonly again = (): void => {
-    this.detail.again();
+  private readonly retry = (): void => {
+    this.detail.invalidate();
   };
 
   private readonly close = (): void => {

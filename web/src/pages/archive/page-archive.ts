@@ -118,9 +118,9 @@ export class PageArchive extends LitElement {
 
   override willUpdate(): void {
     const archive = new ArchiveApi(this.api, this.site);
-    this.nights.ask(this.site, () => archive.nights());
+    this.nights.load(this.site, () => archive.nights());
     const asked = frameQuery(this.filter(), this.limit);
-    this.found.ask(`${this.site} ${asked}`, () => archive.find(asked));
+    this.found.load(`${this.site} ${asked}`, () => archive.findFrames(asked));
   }
 
   override render(): TemplateResult {
@@ -140,15 +140,15 @@ export class PageArchive extends LitElement {
       </div>
       ${frame === ""
         ? nothing
-        : html`<t-frame-detail .site=${this.site} .frame=${frame} .zone=${this.zone()} @t-close=${this.close}></t-frame-detail>`}
-      ${this.search()} ${this.trouble()} ${this.pictures()}`;
+        : html`<t-frame-detail .site=${this.site} .frame=${frame} .zone=${this.zone()} @t-close=${this.closeFrame}></t-frame-detail>`}
+      ${this.renderSearch()} ${this.renderProblem()} ${this.renderPictures()}`;
   }
 
-  private search(): TemplateResult {
+  private renderSearch(): TemplateResult {
     const filter = this.filter();
     const nights = this.nights.value?.nights ?? [];
     const problem = placeProblem(filter);
-    return html`<form class="sheet filter" @submit=${this.form.chosen} @change=${this.form.chosen}>
+    return html`<form class="sheet filter" @submit=${this.form.onSubmit} @change=${this.form.onSubmit}>
       <t-field label="Night">
         <select name="night">
           <option value="">all</option>
@@ -173,19 +173,19 @@ export class PageArchive extends LitElement {
       </t-field>
       <div class="actions">
         <t-button type="submit">Search</t-button>
-        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clear}>Clear</t-button>
+        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
       </div>
     </form>`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.found;
     if (result.state !== "failed") return nothing;
     const advice = adviceFor(result.error, "the archive");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
   }
 
-  private pictures(): unknown {
+  private renderPictures(): unknown {
     const found = this.found.value;
     if (found === undefined) {
       return this.found.result.state === "failed" ? nothing : html`<t-loading what="Loading the archive"></t-loading>`;
@@ -204,15 +204,15 @@ export class PageArchive extends LitElement {
         ${repeat(
           found.frames,
           (frame) => frame.id,
-          (frame) => this.card(frame),
+          (frame) => this.renderCard(frame),
         )}
       </ul>
       ${found.more && this.limit < MOST
-        ? html`<div class="actions"><t-button @click=${this.more}>Show more</t-button></div>`
+        ? html`<div class="actions"><t-button @click=${this.showMore}>Show more</t-button></div>`
         : nothing}`;
   }
 
-  private card(frame: FrameRow): TemplateResult {
+  private renderCard(frame: FrameRow): TemplateResult {
     const exposure = frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(3)))} s`;
     return html`<li>
       <a href=${this.pathOf(frame.id)}>
@@ -244,16 +244,16 @@ export class PageArchive extends LitElement {
     return withQuery(sitePath(this.site, "archive"), asked.toString());
   }
 
-  private readonly close = (): void => {
-    this.router.store?.go(this.pathOf(""));
+  private readonly closeFrame = (): void => {
+    this.router.store?.navigate(this.pathOf(""));
   };
 
-  private readonly more = (): void => {
+  private readonly showMore = (): void => {
     this.limit = Math.min(MOST, this.limit * 2);
   };
 
-  private readonly again = (): void => {
-    this.found.again();
+  private readonly retry = (): void => {
+    this.found.invalidate();
   };
 }
 

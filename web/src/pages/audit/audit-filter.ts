@@ -26,7 +26,7 @@ export class AuditFilterForm extends LitElement {
 
   private readonly form = new FilterForm<AuditFilter>(
     this,
-    (said) => this.read(said),
+    (said) => this.readFilter(said),
     (detail) => {
       this.dispatchEvent(new CustomEvent("t-filter", { detail }));
     },
@@ -37,7 +37,7 @@ export class AuditFilterForm extends LitElement {
     const { filter } = this;
     const clock = new ZoneClock(knownZone(this.zone));
     const shown = (us: number): string => (Number.isNaN(us) ? "" : clock.toInput(us));
-    return html`<form class="filter" @submit=${this.form.chosen} @change=${this.form.chosen}>
+    return html`<form class="filter" @submit=${this.form.onSubmit} @change=${this.form.onSubmit}>
       <t-field label="Person"><input name="who" autocomplete="off" maxlength="200" .value=${filter.who} /></t-field>
       <t-field label="Site">
         <select name="site">
@@ -65,12 +65,12 @@ export class AuditFilterForm extends LitElement {
       </t-field>
       <div class="actions">
         <t-button type="submit">Show</t-button>
-        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clear}>Clear</t-button>
+        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
       </div>
     </form>`;
   }
 
-  private read(said: FormData): AuditFilter {
+  private readFilter(said: FormData): AuditFilter {
     const clock = new ZoneClock(knownZone(this.zone));
     const good = typedText(said, "good");
     return {

@@ -53,7 +53,7 @@ export class PageAudit extends LitElement {
       this.trail = [];
     }
     const query = pageQuery(filter, this.trail.at(-1) ?? "", ROWS);
-    this.page.ask(query, () => new AdminApi(this.api).audit(query));
+    this.page.load(query, () => new AdminApi(this.api).audit(query));
   }
 
   override render(): TemplateResult {
@@ -64,11 +64,11 @@ export class PageAudit extends LitElement {
         <div>
           <h1>Audit log</h1>
           <p class="muted">Every row is sealed to the one before: one that is changed or taken out breaks the chain.</p>
-          <div role="status">${this.chain()}</div>
+          <div role="status">${this.renderChain()}</div>
         </div>
         <div class="actions">
           <a class="export" download href=${`/api/audit/export?${writeFilter(filter)}`}>Export as CSV</a>
-          <t-button ?busy=${this.action.busy} @click=${this.verify}>Verify the chain</t-button>
+          <t-button ?busy=${this.action.busy} @click=${this.verifyChain}>Verify the chain</t-button>
         </div>
       </div>
       <t-audit-filter
@@ -76,12 +76,12 @@ export class PageAudit extends LitElement {
         .filter=${filter}
         .sites=${this.sites.store?.list ?? []}
         zone=${zone}
-        @t-filter=${this.choose}
+        @t-filter=${this.onChoose}
       ></t-audit-filter>
-      ${this.trouble()} ${this.rows(filter)}`;
+      ${this.renderProblem()} ${this.renderRows(filter)}`;
   }
 
-  private chain(): unknown {
+  private renderChain(): unknown {
     const { problem } = this.action;
     if (problem !== null) return html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`;
     const { check } = this;
@@ -95,14 +95,14 @@ export class PageAudit extends LitElement {
         ></t-problem>`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.page;
     if (result.state !== "failed") return nothing;
     const advice = adviceFor(result.error, "the audit log");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
   }
 
-  private rows(filter: AuditFilter): unknown {
+  private renderRows(filter: AuditFilter): unknown {
     const page = this.page.value;
     if (page === undefined) {
       return this.page.result.state === "failed" ? nothing : html`<t-loading what="Loading the audit log"></t-loading>`;
@@ -110,7 +110,7 @@ export class PageAudit extends LitElement {
     if (page.rows.length === 0) {
       return html`<t-empty heading="Nothing fits" icon="info">
         <p>${writeFilter(filter) === "" ? "Nothing has been noted yet." : "No row of the log is like this."}</p>
-        ${writeFilter(filter) === "" ? nothing : html`<t-button @click=${this.clear}>Show everything</t-button>`}
+        ${writeFilter(filter) === "" ? nothing : html`<t-button @click=${this.clearFilter}>Show everything</t-button>`}
       </t-empty>`;
     }
     return html`<div class="table" role="table" aria-label="Audit log" aria-busy=${this.page.result.state === "loading"}>
@@ -120,18 +120,18 @@ export class PageAudit extends LitElement {
         ${repeat(
           page.rows,
           (row) => row.id,
-          (row) => this.row(row),
+          (row) => this.renderRow(row),
         )}
       </div>
       <div class="actions paging">
         ${this.trail.length === 0
           ? nothing
-          : html`<t-button @click=${this.newest}>Newest</t-button><t-button @click=${this.newer}>Newer</t-button>`}
-        ${page.more ? html`<t-button @click=${this.older}>Older</t-button>` : html`<span class="muted">This is the oldest.</span>`}
+          : html`<t-button @click=${this.showNewest}>Newest</t-button><t-button @click=${this.showNewer}>Newer</t-button>`}
+        ${page.more ? html`<t-button @click=${this.showOlder}>Older</t-button>` : html`<span class="muted">This is the oldest.</span>`}
       </div>`;
   }
 
-  private row(row: AuditRow): TemplateResult {
+  private renderRow(row: AuditRow): TemplateResult {
     return html`<div class="row" role="row">
       <span role="cell" class="when"><t-time .us=${row.time_us} .zone=${this.sites.store?.zoneOf(row.site) ?? "UTC"}></t-time></span>
       <span role="cell" class="who"
@@ -150,34 +150,34 @@ export class PageAudit extends LitElement {
     return readFilter(this.router.store?.search ?? "");
   }
 
-  private readonly choose = (event: CustomEvent<AuditFilter>): void => {
+  private readonly onChoose = (event: CustomEvent<AuditFilter>): void => {
     this.router.store?.replace(withQuery("/admin/audit", writeFilter(event.detail)));
   };
 
-  private readonly clear = (): void => {
+  private readonly clearFilter = (): void => {
     this.router.store?.replace(withQuery("/admin/audit", writeFilter(NO_FILTER)));
   };
 
-  private readonly again = (): void => {
-    this.page.again();
+  private readonly retry = (): void => {
+    this.page.invalidate();
   };
 
-  private readonly older = (): void => {
+  private readonly showOlder = (): void => {
     const last = this.page.value?.rows.at(-1);
     if (last !== undefined) this.trail = [...this.trail, last.id];
     window.scrollTo(0, 0);
   };
 
-  private readonly newer = (): void => {
+  private readonly showNewer = (): void => {
     this.trail = this.trail.slice(0, -1);
   };
 
-  private readonly newest = (): void => {
+  private readonly showNewest = (): void => {
     this.trail = [];
-    this.page.again();
+    this.page.invalidate();
   };
 
-  private readonly verify = (): void => {
+  private readonly verifyChain = (): void => {
     this.check = null;
     void this.action.run("verify the chain", async () => {
       this.check = await new AdminApi(this.api).checkAudit();

@@ -49,28 +49,28 @@ export class PageCameras extends LitElement {
   override willUpdate(): void {
     const sites = this.sites.store;
     if (sites === undefined || this.site === "") return;
-    this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
+    this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
   }
 
   override render(): TemplateResult {
     return html`<div class="head">
         <h1>Cameras</h1>
-        ${this.looking() ? html`<div class="actions"><a href=${sitePath(this.site, "sightings")}>What they have seen</a></div>` : nothing}
+        ${this.hasDetection() ? html`<div class="actions"><a href=${sitePath(this.site, "sightings")}>What they have seen</a></div>` : nothing}
       </div>
-      ${this.content()}`;
+      ${this.renderContent()}`;
   }
 
   /** Something is looked for on the pictures of one of them. */
-  private looking(): boolean {
+  private hasDetection(): boolean {
     return this.detail.value?.devices.some(({ streams }) => streams.some(({ detect }) => detect != null)) === true;
   }
 
-  private content(): TemplateResult {
+  private renderContent(): TemplateResult {
     const { result } = this.detail;
     const detail = this.detail.value;
     if (result.state === "failed") {
       const advice = adviceFor(result.error, "the cameras");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
     }
     if (detail === undefined) return html`<t-loading what="Loading the cameras"></t-loading>`;
     const cameras = detail.devices.flatMap((device) => device.streams.map((stream) => ({ device, stream })));
@@ -79,7 +79,7 @@ export class PageCameras extends LitElement {
         <p>None of the devices that you may see has a stream in the site's description.</p>
       </t-empty>`;
     }
-    const online = (this.sites.store?.row(this.site)?.online ?? detail.online) && this.link.state === "open";
+    const online = (this.sites.store?.siteRow(this.site)?.online ?? detail.online) && this.link.state === "open";
     return html`<div class="cameras">
       ${repeat(
         cameras,
@@ -99,8 +99,8 @@ export class PageCameras extends LitElement {
     </div>`;
   }
 
-  private readonly again = (): void => {
-    this.detail.again();
+  private readonly retry = (): void => {
+    this.detail.invalidate();
   };
 }
 

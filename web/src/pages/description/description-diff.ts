@@ -107,13 +107,13 @@ export class Difference extends LitElement {
     return html`${this.parts.length === 0
         ? nothing
         : html`<ul aria-label="What differs">
-            ${map(this.parts, (part) => this.piece(part))}
+            ${map(this.parts, (part) => this.renderPart(part))}
           </ul>`}
       <p class="muted">${differenceWords(lines)}</p>
-      <div class="lines" role="region" tabindex="0" aria-label="The lines that differ">${map(lines, (line) => this.line(line))}</div>`;
+      <div class="lines" role="region" tabindex="0" aria-label="The lines that differ">${map(lines, (line) => this.renderLine(line))}</div>`;
   }
 
-  private piece(part: DifferencePart): TemplateResult {
+  private renderPart(part: DifferencePart): TemplateResult {
     const from = part.kind === "added" ? "" : part.before;
     const to = part.kind === "removed" ? "" : part.after;
     const arrow = from !== "" && to !== "" ? " → " : "";
@@ -123,7 +123,7 @@ export class Difference extends LitElement {
     </li>`;
   }
 
-  private line(line: DifferenceLine): TemplateResult {
+  private renderLine(line: DifferenceLine): TemplateResult {
     const spoken = line.kind === "added" || line.kind === "removed" ? line.kind : nothing;
     return html`<div class=${`line ${line.kind}`}>
       <span class="number" aria-hidden="true">${line.after || line.before || ""}</span

@@ -123,30 +123,30 @@ export class DescriptionEditor extends LitElement {
             @t-retry=${this.reload}
           ></t-problem>`
         : nothing}
-      <section class="sheet" aria-label="Editor" @keydown=${this.pressed}>
+      <section class="sheet" aria-label="Editor" @keydown=${this.onKeyDown}>
         <div class="tools">
-          <t-choice label="View" .options=${VIEWS} chosen=${this.view} @t-choose=${this.turn}></t-choice>
+          <t-choice label="View" .options=${VIEWS} chosen=${this.view} @t-choose=${this.onTabChange}></t-choice>
           <div class="actions">
-            <t-button ?disabled=${!edits.undoable} @click=${this.undo}>Undo</t-button>
-            <t-button ?disabled=${!edits.redoable} @click=${this.redo}>Redo</t-button>
-            <t-button kind="primary" ?disabled=${!this.ready()} @click=${this.review}>Review and apply</t-button>
+            <t-button ?disabled=${!edits.canUndo} @click=${this.undo}>Undo</t-button>
+            <t-button ?disabled=${!edits.canRedo} @click=${this.redo}>Redo</t-button>
+            <t-button kind="primary" ?disabled=${!this.canApply()} @click=${this.openReview}>Review and apply</t-button>
           </div>
         </div>
-        ${this.standing()}
+        ${this.renderStatus()}
         ${this.view === "text"
           ? html`<textarea
               aria-label="The description as YAML"
               spellcheck="false"
               autocapitalize="off"
               .value=${edits.text}
-              @input=${this.typed}
+              @input=${this.onInput}
             ></textarea>`
-          : this.form()}
+          : this.renderForm()}
       </section>
-      ${this.confirm()}`;
+      ${this.renderConfirm()}`;
   }
 
-  private standing(): TemplateResult {
+  private renderStatus(): TemplateResult {
     const { checked } = this;
     if (checked === null) return html`<t-status kind="busy" word="checking"></t-status>`;
     if (checked.findings.length === 0) {
@@ -155,10 +155,10 @@ export class DescriptionEditor extends LitElement {
     }
     const count = checked.findings.length;
     return html`<t-status kind="bad" word=${count === 1 ? "1 thing does not fit" : `${String(count)} things do not fit`}></t-status>
-      <t-findings places .findings=${checked.findings} @t-place=${this.goTo}></t-findings>`;
+      <t-findings places .findings=${checked.findings} @t-place=${this.showProblem}></t-findings>`;
   }
 
-  private form(): TemplateResult {
+  private renderForm(): TemplateResult {
     if (this.schema === null) return html`<t-loading what="Making the form"></t-loading>`;
     if (this.described === null) {
       return html`<p class="muted">The text cannot be read as a description. Mend it in the text, or take the last step back.</p>`;
@@ -168,11 +168,11 @@ export class DescriptionEditor extends LitElement {
       .schema=${this.schema}
       .value=${this.described}
       .findings=${this.checked?.findings ?? []}
-      @t-edit=${this.edited}
+      @t-edit=${this.onFormEdit}
     ></t-form-part>`;
   }
 
-  private confirm(): TemplateResult {
+  private renderConfirm(): TemplateResult {
     const { answer, checked } = this;
     const refused =
       answer === null || answer.phase === "applied"
@@ -186,7 +186,7 @@ export class DescriptionEditor extends LitElement {
       ?busy=${this.action.busy}
       .problem=${this.action.problem ?? refused}
       @t-confirm=${this.apply}
-      @t-close=${this.stay}
+      @t-close=${this.closeReview}
     >
       <t-difference .parts=${checked?.parts ?? []} .lines=${checked?.lines ?? []}></t-difference>
       <h3>Preview</h3>
@@ -196,7 +196,7 @@ export class DescriptionEditor extends LitElement {
     </t-confirm>`;
   }
 
-  private ready(): boolean {
+  private canApply(): boolean {
     const changed = this.edits !== null && this.edits.text !== this.from.text;
     return changed && this.checked !== null && this.checked.findings.length === 0 && this.known?.editable === true;
   }
@@ -212,27 +212,27 @@ export class DescriptionEditor extends LitElement {
     this.from = { site, number, digest: "", text: "" };
     const api = new DescriptionsApi(this.api);
     try {
-      const [found, schema] = await Promise.all([api.text(site, number), this.schema ?? api.schema()]);
+      const [found, schema] = await Promise.all([api.versionText(site, number), this.schema ?? api.schema()]);
       if (site !== this.from.site || number !== this.from.number) return;
       this.from = { site, number, digest: found.digest, text: found.text };
       this.schema = schema;
       this.failed = null;
       this.edits = new Edits(found.text);
-      await this.check();
+      await this.checkText();
     } catch (error) {
       this.failed = adviceFor(error, "the description");
     }
   }
 
   /** Has the hub look at the text as it is now. */
-  private async check(): Promise<void> {
+  private async checkText(): Promise<void> {
     clearTimeout(this.timer);
     this.abort?.abort();
     const abort = (this.abort = new AbortController());
     const { edits, from } = this;
     if (edits === null) return;
     try {
-      const checked = await new DescriptionsApi(this.api).check(from.site, edits.text, from.number, abort.signal);
+      const checked = await new DescriptionsApi(this.api).checkText(from.site, edits.text, from.number, abort.signal);
       if (abort.signal.aborted) return;
       this.checked = checked;
       this.described = isObject(checked.site) ? checked.site : null;
@@ -241,7 +241,7 @@ export class DescriptionEditor extends LitElement {
     }
   }
 
-  private readonly edited = (event: CustomEvent<FormEdit>): void => {
+  private readonly onFormEdit = (event: CustomEvent<FormEdit>): void => {
     event.stopPropagation();
     const { described, edits } = this;
     if (described === null || edits === null) return;
@@ -257,48 +257,48 @@ export class DescriptionEditor extends LitElement {
     this.abort?.abort();
     this.described = wanted;
     this.checked = null;
-    void this.write(edits, wanted);
+    void this.writeFormToText(edits, wanted);
   };
 
   /** Puts what the form says into the text; the hub keeps comments and order. */
-  private async write(edits: Edits, wanted: JsonObject): Promise<void> {
+  private async writeFormToText(edits: Edits, wanted: JsonObject): Promise<void> {
     try {
-      const made = await new DescriptionsApi(this.api).edit(this.from.site, edits.text, wanted);
+      const made = await new DescriptionsApi(this.api).editText(this.from.site, edits.text, wanted);
       if (this.described !== wanted) return;
       if (made.text === "") {
         this.checked = { findings: made.findings, site: wanted, parts: [], lines: [] };
         return;
       }
-      edits.put(made.text);
-      await this.check();
+      edits.recordEdit(made.text);
+      await this.checkText();
     } catch (error) {
       this.failed = adviceFor(error, "the text of the change");
     }
   }
 
-  private readonly typed = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     if (!(event.target instanceof HTMLTextAreaElement) || this.edits === null) return;
     const now = Date.now();
-    this.edits.put(event.target.value, now - this.typing < 2 * REST_MS);
+    this.edits.recordEdit(event.target.value, now - this.typing < 2 * REST_MS);
     this.typing = now;
     this.checked = null;
     clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => void this.check(), REST_MS);
+    this.timer = window.setTimeout(() => void this.checkText(), REST_MS);
   };
 
   private readonly undo = (): void => {
-    this.edits?.undo();
+    this.edits?.undoEdit();
     this.checked = null;
-    void this.check();
+    void this.checkText();
   };
 
   private readonly redo = (): void => {
-    this.edits?.redo();
+    this.edits?.redoEdit();
     this.checked = null;
-    void this.check();
+    void this.checkText();
   };
 
-  private readonly pressed = (event: KeyboardEvent): void => {
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
     const key = event.key.toLowerCase();
     if (key === "z" && !event.shiftKey) this.undo();
@@ -307,12 +307,12 @@ export class DescriptionEditor extends LitElement {
     event.preventDefault();
   };
 
-  private readonly turn = (event: CustomEvent<string>): void => {
+  private readonly onTabChange = (event: CustomEvent<string>): void => {
     this.view = event.detail;
   };
 
   /** Shows the place of a finding in the text. */
-  private readonly goTo = (event: CustomEvent<Finding>): void => {
+  private readonly showProblem = (event: CustomEvent<Finding>): void => {
     const { line } = event.detail;
     this.view = "text";
     void this.updateComplete.then(() => {
@@ -327,13 +327,13 @@ export class DescriptionEditor extends LitElement {
     });
   };
 
-  private readonly review = (): void => {
+  private readonly openReview = (): void => {
     this.action.clear();
     this.answer = null;
     this.asking = true;
   };
 
-  private readonly stay = (): void => {
+  private readonly closeReview = (): void => {
     this.asking = false;
   };
 
@@ -350,7 +350,7 @@ export class DescriptionEditor extends LitElement {
     this.answer = null;
     void this.action
       .run("apply the change", async () => {
-        this.answer = await new DescriptionsApi(this.api).send(this.site, edits.text, this.from.digest);
+        this.answer = await new DescriptionsApi(this.api).sendDescription(this.site, edits.text, this.from.digest);
       })
       .then((done) => {
         if (!done || this.answer?.phase !== "applied") return;

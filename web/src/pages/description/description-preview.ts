@@ -59,10 +59,10 @@ export class DescriptionPreview extends LitElement {
       return isObject(device) ? [device] : [];
     });
     if (shown.length === 0) return html`<p class="muted">No device's page changes.</p>`;
-    return html`${map(shown, (device) => this.device(device))}`;
+    return html`${map(shown, (device) => this.renderDevice(device))}`;
   }
 
-  private device(device: JsonObject): TemplateResult {
+  private renderDevice(device: JsonObject): TemplateResult {
     const commands = entries(device["commands"]).map((each) => text(each["name"]));
     return html`<section aria-label=${`Preview of ${text(device["name"])}`}>
       <h3>${text(device["name"])}</h3>

@@ -60,22 +60,22 @@ export class Findings extends LitElement {
 
   override render(): TemplateResult {
     return html`<ul aria-label="What does not fit">
-      ${map(this.findings, (each) => this.row(each))}
+      ${map(this.findings, (each) => this.renderRow(each))}
     </ul>`;
   }
 
-  private row(each: Finding): TemplateResult {
+  private renderRow(each: Finding): TemplateResult {
     const where = each.where.replace(/^\$\.?/, "") || "the whole";
     const line = each.line > 0 ? `${where} (line ${String(each.line)})` : where;
     return html`<li>
       ${this.places
-        ? html`<button type="button" @click=${this.teller(each)}>${line}</button>`
+        ? html`<button type="button" @click=${this.problemOpener(each)}>${line}</button>`
         : html`<code>${line}</code>`}
       <div>${each.problem}${each.remedy === "" ? "" : html`<span class="remedy"> — ${each.remedy}</span>`}</div>
     </li>`;
   }
 
-  private teller(each: Finding): () => void {
+  private problemOpener(each: Finding): () => void {
     return () => {
       this.dispatchEvent(new CustomEvent("t-place", { detail: each }));
     };

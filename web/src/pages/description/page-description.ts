@@ -95,23 +95,23 @@ export class PageDescription extends LitElement {
   private edition = "";
 
   /** The site that is shown: the one that was chosen, or the first. */
-  private get about(): string {
+  private get siteId(): string {
     return this.chosen || (this.sites.store?.list[0]?.site ?? "");
   }
 
   override willUpdate(): void {
-    const site = this.about;
+    const site = this.siteId;
     if (site === "") return;
-    const edition = `${site} ${this.sites.store?.catalogueOf(site) ?? ""} ${String(this.sites.store?.row(site)?.online ?? false)}`;
+    const edition = `${site} ${this.sites.store?.catalogueOf(site) ?? ""} ${String(this.sites.store?.siteRow(site)?.online ?? false)}`;
     if (edition !== this.edition) {
       this.edition = edition;
       this.older = [];
     }
-    this.known.ask(edition, () => new DescriptionsApi(this.api).list(site));
+    this.known.load(edition, () => new DescriptionsApi(this.api).listVersions(site));
     const { shown } = this;
     if (shown !== null) {
-      const before = this.previous(shown);
-      this.difference.ask(`${edition} ${String(shown.number)}`, () => new DescriptionsApi(this.api).difference(site, before, shown.number));
+      const before = this.previousVersion(shown);
+      this.difference.load(`${edition} ${String(shown.number)}`, () => new DescriptionsApi(this.api).difference(site, before, shown.number));
     }
   }
 
@@ -126,29 +126,29 @@ export class PageDescription extends LitElement {
         </div>
         ${sites.length < 2
           ? nothing
-          : html`<select aria-label="Site" @change=${this.choose}>
-              ${map(sites, (row) => html`<option value=${row.site} ?selected=${row.site === this.about}>${row.name}</option>`)}
+          : html`<select aria-label="Site" @change=${this.onChoose}>
+              ${map(sites, (row) => html`<option value=${row.site} ?selected=${row.site === this.siteId}>${row.name}</option>`)}
             </select>`}
       </div>
-      ${this.about === "" && this.sites.store !== undefined
+      ${this.siteId === "" && this.sites.store !== undefined
         ? html`<t-empty heading="No site is known yet" icon="info"><p>A site appears here once its gateway has connected.</p></t-empty>`
         : nothing}
-      ${this.trouble()} ${known === undefined ? this.waiting() : this.content(known)}`;
+      ${this.renderProblem()} ${known === undefined ? this.renderLoading() : this.renderContent(known)}`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.known;
     if (result.state !== "failed") return nothing;
     const advice = adviceFor(result.error, "the site's description");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
   }
 
-  private waiting(): unknown {
-    if (this.known.result.state === "failed" || this.about === "") return nothing;
+  private renderLoading(): unknown {
+    if (this.known.result.state === "failed" || this.siteId === "") return nothing;
     return html`<t-loading what="Loading the description"></t-loading>`;
   }
 
-  private content(known: DescriptionList): TemplateResult {
+  private renderContent(known: DescriptionList): TemplateResult {
     const newest = known.versions[0];
     return html`<section class="sheet" aria-label="What counts now">
         <div class="now">
@@ -161,13 +161,13 @@ export class PageDescription extends LitElement {
           : html`<t-problem what="The file at the gateway was changed and cannot be used. The version before goes on." how=${known.problem}></t-problem>
               <t-findings .findings=${known.findings}></t-findings>`}
       </section>
-      <t-choice label="What to do" .options=${PAGES} chosen=${this.page} @t-choose=${this.turn}></t-choice>
+      <t-choice label="What to do" .options=${PAGES} chosen=${this.page} @t-choose=${this.onTabChange}></t-choice>
       ${this.page === "edit"
-        ? html`<t-description-editor .site=${this.about} .known=${known} @t-applied=${this.again}></t-description-editor>`
-        : this.versions(known)}`;
+        ? html`<t-description-editor .site=${this.siteId} .known=${known} @t-applied=${this.retry}></t-description-editor>`
+        : this.renderVersions(known)}`;
   }
 
-  private versions(known: DescriptionList): TemplateResult {
+  private renderVersions(known: DescriptionList): TemplateResult {
     const rows = [...known.versions, ...this.older];
     const more = this.older.length === 0 ? known.more : (rows.at(-1)?.number ?? 1) > 1;
     return html`<section class="sheet" aria-label="Versions">
@@ -175,15 +175,15 @@ export class PageDescription extends LitElement {
           ${repeat(
             rows,
             (row) => row.number,
-            (row) => this.row(row, known),
+            (row) => this.renderRow(row, known),
           )}
         </ul>
-        ${more ? html`<div class="actions"><t-button ?busy=${this.action.under === "older"} @click=${this.showOlder}>Older versions</t-button></div>` : nothing}
+        ${more ? html`<div class="actions"><t-button ?busy=${this.action.runningKey === "older"} @click=${this.showOlder}>Older versions</t-button></div>` : nothing}
       </section>
-      ${this.confirm(known)}`;
+      ${this.renderConfirm(known)}`;
   }
 
-  private row(row: Version, known: DescriptionList): TemplateResult {
+  private renderRow(row: Version, known: DescriptionList): TemplateResult {
     const open = this.shown?.number === row.number;
     return html`<li>
       <div>
@@ -196,22 +196,22 @@ export class PageDescription extends LitElement {
         </div>
       </div>
       <div class="ways">
-        ${this.previous(row) === 0
+        ${this.previousVersion(row) === 0
           ? nothing
-          : html`<t-button label=${`What changed in version ${String(row.number)}`} @click=${this.opener(row)}
+          : html`<t-button label=${`What changed in version ${String(row.number)}`} @click=${this.versionOpener(row)}
               >${open ? "Hide" : "What changed"}</t-button
             >`}
         ${row.current
           ? nothing
-          : html`<t-button ?disabled=${!known.editable} label=${`Go back to version ${String(row.number)}`} @click=${this.asker(row)}
+          : html`<t-button ?disabled=${!known.editable} label=${`Go back to version ${String(row.number)}`} @click=${this.restoreAsker(row)}
               >Go back to this one</t-button
             >`}
       </div>
-      ${open ? html`<div class="whole">${this.differences()}</div>` : nothing}
+      ${open ? html`<div class="whole">${this.renderDifferences()}</div>` : nothing}
     </li>`;
   }
 
-  private differences(): unknown {
+  private renderDifferences(): unknown {
     const { result, value } = this.difference;
     if (result.state === "failed") {
       const advice = adviceFor(result.error, "what changed");
@@ -222,7 +222,7 @@ export class PageDescription extends LitElement {
       ${value.long ? html`<p class="muted">There are more lines than are shown.</p>` : nothing}`;
   }
 
-  private confirm(known: DescriptionList): TemplateResult {
+  private renderConfirm(known: DescriptionList): TemplateResult {
     const { answer, backTo } = this;
     return html`<t-confirm
       ?open=${backTo !== null}
@@ -230,8 +230,8 @@ export class PageDescription extends LitElement {
       action=${this.action.busy ? "The gateway changes over…" : "Go back to this one"}
       ?busy=${this.action.busy}
       .problem=${this.action.problem ?? refusal(answer)}
-      @t-confirm=${this.goBack(known)}
-      @t-close=${this.stay}
+      @t-confirm=${this.versionRestorer(known)}
+      @t-close=${this.closeQuestion}
     >
       <p>The gateway goes by it at once, without a restart. What is the same in both goes on without a break.</p>
       <p>Whoever drives a device that differs loses control, and the device is stopped first.</p>
@@ -240,21 +240,21 @@ export class PageDescription extends LitElement {
   }
 
   /** The version before one, 0 if it is the first. */
-  private previous(row: Version): number {
+  private previousVersion(row: Version): number {
     return row.number - 1;
   }
 
-  private readonly choose = (event: Event): void => {
+  private readonly onChoose = (event: Event): void => {
     if (event.target instanceof HTMLSelectElement) this.chosen = event.target.value;
     this.shown = null;
   };
 
-  private readonly turn = (event: CustomEvent<string>): void => {
+  private readonly onTabChange = (event: CustomEvent<string>): void => {
     this.page = event.detail;
   };
 
-  private readonly again = (): void => {
-    this.known.again();
+  private readonly retry = (): void => {
+    this.known.invalidate();
   };
 
   private readonly showOlder = (): void => {
@@ -263,7 +263,7 @@ export class PageDescription extends LitElement {
     void this.action.run(
       "list older versions",
       async () => {
-        const found = await new DescriptionsApi(this.api).list(this.about, last.number);
+        const found = await new DescriptionsApi(this.api).listVersions(this.siteId, last.number);
         this.older = [...this.older, ...found.versions];
       },
       "",
@@ -271,13 +271,13 @@ export class PageDescription extends LitElement {
     );
   };
 
-  private opener(row: Version): () => void {
+  private versionOpener(row: Version): () => void {
     return () => {
       this.shown = this.shown?.number === row.number ? null : row;
     };
   }
 
-  private asker(row: Version): () => void {
+  private restoreAsker(row: Version): () => void {
     return () => {
       this.action.clear();
       this.answer = null;
@@ -285,11 +285,11 @@ export class PageDescription extends LitElement {
     };
   }
 
-  private readonly stay = (): void => {
+  private readonly closeQuestion = (): void => {
     this.backTo = null;
   };
 
-  private goBack(known: DescriptionList): () => void {
+  private versionRestorer(known: DescriptionList): () => void {
     return () => {
       const row = this.backTo;
       if (row === null) return;
@@ -297,11 +297,11 @@ export class PageDescription extends LitElement {
       const api = new DescriptionsApi(this.api);
       void this.action
         .run(`go back to version ${String(row.number)}`, async () => {
-          this.answer = await api.restore(this.about, row.number, known.digest);
+          this.answer = await api.restoreVersion(this.siteId, row.number, known.digest);
         })
         .then((done) => {
           if (done && this.answer?.phase === "applied") this.backTo = null;
-          this.known.again();
+          this.known.invalidate();
         });
     };
   }

@@ -116,36 +116,36 @@ export class FormPart extends LitElement {
     return html`<datalist id="units">
         ${map(Object.keys(UNITS), (unit) => html`<option value=${unit}></option>`)}
       </datalist>
-      <div class="lines">${repeat(plain, (field) => field.key, (field) => this.line(field))}</div>
-      ${repeat(inner, (field) => field.key, (field) => (field.kind === "part" ? this.piece(field) : this.parts(field)))}
+      <div class="lines">${repeat(plain, (field) => field.key, (field) => this.renderLine(field))}</div>
+      ${repeat(inner, (field) => field.key, (field) => (field.kind === "part" ? this.renderPart(field) : this.renderParts(field)))}
       ${other.length === 0
         ? nothing
         : html`<p class="muted">Changed in the text only: ${other.map((field) => field.label.toLowerCase()).join(", ")}.</p>`}`;
   }
 
-  private line(field: Field): TemplateResult {
+  private renderLine(field: Field): TemplateResult {
     const value = this.value[field.key] ?? field.standard;
-    const error = this.wrong([field.key]);
+    const error = this.problemAt([field.key]);
     if (field.kind === "truth") {
       return html`<div>
         <label class="truth"
-          ><input type="checkbox" .checked=${value === true} @change=${this.setter(field, (input) => input.checked)} />${field.label}</label
+          ><input type="checkbox" .checked=${value === true} @change=${this.valueSetter(field, (input) => input.checked)} />${field.label}</label
         >
         <div class="muted">${field.help}</div>
       </div>`;
     }
-    return html`<t-field label=${field.required ? `${field.label} *` : field.label} hint=${field.help} error=${error}>${this.control(field, value)}</t-field>`;
+    return html`<t-field label=${field.required ? `${field.label} *` : field.label} hint=${field.help} error=${error}>${this.renderControl(field, value)}</t-field>`;
   }
 
-  private control(field: Field, value: Json): TemplateResult {
+  private renderControl(field: Field, value: Json): TemplateResult {
     if (field.kind === "choice") {
-      return html`<select @change=${this.setter(field, (input) => input.value)}>
+      return html`<select @change=${this.valueSetter(field, (input) => input.value)}>
         ${map(field.choices, (word) => html`<option value=${word} ?selected=${word === value}>${word}</option>`)}
       </select>`;
     }
     if (field.kind === "words") {
       const words = Array.isArray(value) ? value.map(String).join(", ") : "";
-      return html`<input .value=${words} autocomplete="off" @change=${this.setter(field, (input) => split(input.value))} />`;
+      return html`<input .value=${words} autocomplete="off" @change=${this.valueSetter(field, (input) => split(input.value))} />`;
     }
     if (field.kind === "number" || field.kind === "whole") {
       const shown = typeof value === "number" ? String(value) : "";
@@ -154,7 +154,7 @@ export class FormPart extends LitElement {
         inputmode="decimal"
         step=${field.kind === "whole" ? "1" : "any"}
         .value=${shown}
-        @change=${this.setter(field, (input) => number(input.value, field))}
+        @change=${this.valueSetter(field, (input) => number(input.value, field))}
       />`;
     }
     return html`<input
@@ -163,66 +163,66 @@ export class FormPart extends LitElement {
       autocapitalize="off"
       spellcheck="false"
       list=${field.key === "unit" ? "units" : nothing}
-      @change=${this.setter(field, (input) => input.value)}
+      @change=${this.valueSetter(field, (input) => input.value)}
     />`;
   }
 
-  private piece(field: Field): TemplateResult {
+  private renderPart(field: Field): TemplateResult {
     const value = this.value[field.key];
     if (!isObject(value)) {
-      return html`<div class="ways"><t-button @click=${this.adder([field.key], field)}>Add: ${field.label.toLowerCase()}</t-button></div>`;
+      return html`<div class="ways"><t-button @click=${this.partAdder([field.key], field)}>Add: ${field.label.toLowerCase()}</t-button></div>`;
     }
-    return html`<details ?open=${this.isOpen(field.key)} @toggle=${this.toggler(field.key)}>
-      <summary>${field.label} ${this.count([field.key])}</summary>
+    return html`<details ?open=${this.isOpen(field.key)} @toggle=${this.openToggler(field.key)}>
+      <summary>${field.label} ${this.renderProblemCount([field.key])}</summary>
       ${this.isOpen(field.key)
         ? html`<div class="inside">
-            ${this.below(field.schema, value, [field.key])}
-            ${field.nullable ? html`<div class="ways"><t-button @click=${this.remover([field.key])}>Remove</t-button></div>` : nothing}
+            ${this.renderBelow(field.schema, value, [field.key])}
+            ${field.nullable ? html`<div class="ways"><t-button @click=${this.partRemover([field.key])}>Remove</t-button></div>` : nothing}
           </div>`
         : nothing}
     </details>`;
   }
 
-  private parts(field: Field): TemplateResult {
+  private renderParts(field: Field): TemplateResult {
     const value = this.value[field.key];
     const entries = isObject(value) ? Object.entries(value) : [];
-    return html`<details ?open=${this.isOpen(field.key)} @toggle=${this.toggler(field.key)}>
-      <summary>${field.label} <span class="muted">${entries.length}</span> ${this.count([field.key])}</summary>
+    return html`<details ?open=${this.isOpen(field.key)} @toggle=${this.openToggler(field.key)}>
+      <summary>${field.label} <span class="muted">${entries.length}</span> ${this.renderProblemCount([field.key])}</summary>
       ${this.isOpen(field.key)
         ? html`<div class="inside">
             ${field.help === "" ? nothing : html`<p class="muted">${field.help}</p>`}
-            ${repeat(entries, ([key]) => key, ([key, part], at) => this.entry(field, key, part, at, entries.length))}
+            ${repeat(entries, ([key]) => key, ([key, part], at) => this.renderEntry(field, key, part, at, entries.length))}
             <div class="ways">
-              <t-button label=${`Add to ${field.label.toLowerCase()}`} @click=${this.newcomer(field, value)}>Add</t-button>
+              <t-button label=${`Add to ${field.label.toLowerCase()}`} @click=${this.optionAdder(field, value)}>Add</t-button>
             </div>
           </div>`
         : nothing}
     </details>`;
   }
 
-  private entry(field: Field, key: string, part: Json, at: number, count: number): TemplateResult {
+  private renderEntry(field: Field, key: string, part: Json, at: number, count: number): TemplateResult {
     const path = [field.key, key];
     const mark = path.join("/");
     const name = isObject(part) && typeof part["name"] === "string" ? part["name"] : "";
-    return html`<details ?open=${this.isOpen(mark)} @toggle=${this.toggler(mark)}>
-      <summary>${key} <span class="muted">${name}</span> ${this.count(path)}</summary>
+    return html`<details ?open=${this.isOpen(mark)} @toggle=${this.openToggler(mark)}>
+      <summary>${key} <span class="muted">${name}</span> ${this.renderProblemCount(path)}</summary>
       ${this.isOpen(mark) && isObject(part)
         ? html`<div class="inside">
             <div class="ways">
-              <t-field label="Short name" error=${this.wrong(path)}
-                ><input .value=${key} autocomplete="off" autocapitalize="off" spellcheck="false" @change=${this.renamer(path)}
+              <t-field label="Short name" error=${this.problemAt(path)}
+                ><input .value=${key} autocomplete="off" autocapitalize="off" spellcheck="false" @change=${this.partRenamer(path)}
               /></t-field>
-              <t-button label=${`Move ${key} up`} ?disabled=${at === 0} @click=${this.mover(path, -1)}>Up</t-button>
-              <t-button label=${`Move ${key} down`} ?disabled=${at === count - 1} @click=${this.mover(path, 1)}>Down</t-button>
-              <t-button label=${`Remove ${key}`} @click=${this.remover(path)}>Remove</t-button>
+              <t-button label=${`Move ${key} up`} ?disabled=${at === 0} @click=${this.partMover(path, -1)}>Up</t-button>
+              <t-button label=${`Move ${key} down`} ?disabled=${at === count - 1} @click=${this.partMover(path, 1)}>Down</t-button>
+              <t-button label=${`Remove ${key}`} @click=${this.partRemover(path)}>Remove</t-button>
             </div>
-            ${this.below(field.schema, part, path)}
+            ${this.renderBelow(field.schema, part, path)}
           </div>`
         : nothing}
     </details>`;
   }
 
-  private below(schema: Schema, value: JsonObject, path: Path): TemplateResult {
+  private renderBelow(schema: Schema, value: JsonObject, path: Path): TemplateResult {
     return html`<t-form-part
       .root=${this.root}
       .schema=${schema}
@@ -233,14 +233,14 @@ export class FormPart extends LitElement {
   }
 
   /** How many things do not fit below a path, in words. */
-  private count(path: Path): unknown {
+  private renderProblemCount(path: Path): unknown {
     const at = [...this.path, ...path].join("/");
     const count = this.findings.filter((each) => `${pathOf(each.where).join("/")}/`.startsWith(`${at}/`)).length;
     if (count === 0) return nothing;
     return html`<span class="wrong">${count === 1 ? "1 problem" : `${String(count)} problems`}</span>`;
   }
 
-  private wrong(path: Path): string {
+  private problemAt(path: Path): string {
     const at = [...this.path, ...path].join("/");
     const found = this.findings.find((each) => pathOf(each.where).join("/") === at);
     return found === undefined ? "" : [found.problem, found.remedy].filter((each) => each !== "").join("; ");
@@ -250,7 +250,7 @@ export class FormPart extends LitElement {
     return this.open.has(mark);
   }
 
-  private toggler(mark: string): (event: Event) => void {
+  private openToggler(mark: string): (event: Event) => void {
     return (event) => {
       if (!(event.target instanceof HTMLDetailsElement) || event.target.open === this.open.has(mark)) return;
       const open = new Set(this.open);
@@ -260,53 +260,53 @@ export class FormPart extends LitElement {
     };
   }
 
-  private setter(field: Field, read: (input: HTMLInputElement) => Json | undefined): (event: Event) => void {
+  private valueSetter(field: Field, read: (input: HTMLInputElement) => Json | undefined): (event: Event) => void {
     return (event) => {
-      this.want({ what: "set", path: this.at([field.key]), value: read(event.target as HTMLInputElement) });
+      this.fireEdit({ what: "set", path: this.fullPath([field.key]), value: read(event.target as HTMLInputElement) });
     };
   }
 
-  private adder(path: Path, field: Field): () => void {
+  private partAdder(path: Path, field: Field): () => void {
     return () => {
-      this.want({ what: "set", path: this.at(path), value: emptyOf(this.root, field.schema, field.key) });
+      this.fireEdit({ what: "set", path: this.fullPath(path), value: emptyOf(this.root, field.schema, field.key) });
     };
   }
 
-  private newcomer(field: Field, value: Json | undefined): () => void {
+  private optionAdder(field: Field, value: Json | undefined): () => void {
     return () => {
       const taken = isObject(value) ? value : undefined;
       const key = freeName(taken, `new_${field.key.replace(/s$/, "")}`);
       this.open = new Set([...this.open, `${field.key}/${key}`]);
-      this.want({ what: "set", path: this.at([field.key, key]), value: emptyOf(this.root, field.schema, key) });
+      this.fireEdit({ what: "set", path: this.fullPath([field.key, key]), value: emptyOf(this.root, field.schema, key) });
     };
   }
 
-  private remover(path: Path): () => void {
+  private partRemover(path: Path): () => void {
     return () => {
-      this.want({ what: "set", path: this.at(path), value: undefined });
+      this.fireEdit({ what: "set", path: this.fullPath(path), value: undefined });
     };
   }
 
-  private renamer(path: Path): (event: Event) => void {
+  private partRenamer(path: Path): (event: Event) => void {
     return (event) => {
       const name = (event.target as HTMLInputElement).value.trim();
       const key = path.at(-1) ?? "";
       if (this.open.has(path.join("/"))) this.open = new Set([...this.open, [...path.slice(0, -1), name].join("/")]);
-      if (name !== key) this.want({ what: "rename", path: this.at(path), name });
+      if (name !== key) this.fireEdit({ what: "rename", path: this.fullPath(path), name });
     };
   }
 
-  private mover(path: Path, by: -1 | 1): () => void {
+  private partMover(path: Path, by: -1 | 1): () => void {
     return () => {
-      this.want({ what: "move", path: this.at(path), by });
+      this.fireEdit({ what: "move", path: this.fullPath(path), by });
     };
   }
 
-  private at(path: Path): Path {
+  private fullPath(path: Path): Path {
     return [...this.path, ...path];
   }
 
-  private want(edit: FormEdit): void {
+  private fireEdit(edit: FormEdit): void {
     this.dispatchEvent(new CustomEvent("t-edit", { detail: edit, bubbles: true, composed: true }));
   }
 }

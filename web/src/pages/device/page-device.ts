@@ -17,7 +17,7 @@ import { MINUTE_US } from "../../series/zone-clock.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { archivePath, sitePath, withQuery } from "../../state/router.js";
 import { ChartFeed } from "../../tiles/chart/chart-feed.js";
-import { drawnPart } from "../../tiles/observatory/drawn.js";
+import { renderDrawnPart } from "../../tiles/observatory/drawn.js";
 import { partOf, shownBy } from "../../tiles/observatory/roles.js";
 import type { DeviceInfo, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -106,19 +106,19 @@ export class PageDevice extends LitElement {
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    this.close();
+    this.closeClients();
   }
 
   protected override willUpdate(changed: PropertyValues<this>): void {
-    if (changed.has("site") || changed.has("device")) this.close();
+    if (changed.has("site") || changed.has("device")) this.closeClients();
     const sites = this.sites.store;
     const { connection } = this.link;
     if (sites === undefined || connection === undefined || this.api === undefined) return;
-    this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
-    const device = this.found();
+    this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
+    const device = this.findDevice();
     if (device === undefined || !this.isConnected) return;
-    this.feed ??= new ChartFeed(this.site, connection, this.api, this.cameIn, LENGTH_US);
-    this.feed.listen(device.signals);
+    this.feed ??= new ChartFeed(this.site, connection, this.api, this.onSiteLoaded, LENGTH_US);
+    this.feed.subscribeSignals(device.signals);
     if (this.commands !== null || !device.rights.includes("use")) return;
     this.commands = new CommandLine(connection, this.site);
     this.commands.open();
@@ -126,15 +126,15 @@ export class PageDevice extends LitElement {
 
   override render(): TemplateResult {
     const detail = this.detail.value;
-    const device = this.found();
-    if (detail === undefined) return html`${this.trouble()}`;
-    if (device === undefined) return this.forbidden(detail.name);
+    const device = this.findDevice();
+    if (detail === undefined) return html`${this.renderProblem()}`;
+    if (device === undefined) return this.renderForbidden(detail.name);
     return html`<div class="head">
         <div>
           <p class="muted"><a href="/devices">Devices</a> · ${detail.name}</p>
           <h1>${device.name}</h1>
           <div class="where">
-            ${this.standing(detail, device)}
+            ${this.renderStatus(detail, device)}
             <t-clock zone=${detail.zone}></t-clock>
             <span class="muted">${rightsWords(device)}</span>
             <t-device-holder .site=${this.site} .device=${this.device}></t-device-holder>
@@ -152,12 +152,12 @@ export class PageDevice extends LitElement {
           <a href=${this.historyPath(device)}><t-icon name="history"></t-icon>History</a>
         </nav>
       </div>
-      ${this.trouble()} ${this.unguarded(device)} ${this.drawn(device, detail)} ${this.cameras(device, detail)} ${this.deeds(device, detail)}
-      ${this.signals(device, detail)}`;
+      ${this.renderProblem()} ${this.renderUnguarded(device)} ${this.renderDrawn(device, detail)} ${this.renderCameras(device, detail)} ${this.renderActions(device, detail)}
+      ${this.renderSignals(device, detail)}`;
   }
 
   /** A roof or telescope that nothing closes or parks by itself says so, calmly. */
-  private unguarded(device: DeviceInfo): unknown {
+  private renderUnguarded(device: DeviceInfo): unknown {
     if (!device.unguarded) return nothing;
     return html`<p class="muted" role="note">
       <t-icon name="info"></t-icon> Nothing closes or parks by itself here: no enclosure rule is about it, so rain,
@@ -166,30 +166,30 @@ export class PageDevice extends LitElement {
     </p>`;
   }
 
-  private standing(detail: SiteDetail, device: DeviceInfo): TemplateResult {
-    const away = this.reach.store?.of(this.site, device.id);
-    if (away === undefined || !this.online(detail)) {
-      return html`<t-status kind=${this.online(detail) ? "online" : "offline"}></t-status>`;
+  private renderStatus(detail: SiteDetail, device: DeviceInfo): TemplateResult {
+    const away = this.reach.store?.unreachableSince(this.site, device.id);
+    if (away === undefined || !this.isOnline(detail)) {
+      return html`<t-status kind=${this.isOnline(detail) ? "online" : "offline"}></t-status>`;
     }
     return html`<t-status kind="unknown" word="not reached"></t-status>
       <span class="muted">since ${formatClock(away.since_us, detail.zone)}: ${away.why}</span>`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.detail;
     if (result.state === "failed") {
       const { error } = result;
       if (error instanceof Error && "status" in error && (error.status === 403 || error.status === 404)) {
-        return this.forbidden(this.site);
+        return this.renderForbidden(this.site);
       }
       const advice = adviceFor(error, "this device");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
     }
     return this.detail.value === undefined ? html`<t-loading what="Loading the device"></t-loading>` : nothing;
   }
 
   /** The hub does not tell what is hidden from what does not exist, and neither can this page. */
-  private forbidden(site: string): TemplateResult {
+  private renderForbidden(site: string): TemplateResult {
     return html`<t-empty heading="This device is not open to you" icon="lock">
       <p>
         There is no device ${this.device} at ${site}, or your role may not view it. An admin of this hub can give you the
@@ -199,11 +199,11 @@ export class PageDevice extends LitElement {
     </t-empty>`;
   }
 
-  private drawn(device: DeviceInfo, detail: SiteDetail): unknown {
-    return drawnPart({ site: this.site, device, detail, line: this.commands, online: this.reachable(detail) });
+  private renderDrawn(device: DeviceInfo, detail: SiteDetail): unknown {
+    return renderDrawnPart({ site: this.site, device, detail, line: this.commands, online: this.isReachable(detail) });
   }
 
-  private signals(device: DeviceInfo, detail: SiteDetail): unknown {
+  private renderSignals(device: DeviceInfo, detail: SiteDetail): unknown {
     if (device.signals.length === 0) {
       return device.streams.length > 0
         ? nothing
@@ -221,7 +221,7 @@ export class PageDevice extends LitElement {
             .signal=${signal}
             .painter=${this.painter}
             .colour=${place}
-            .cut=${!this.online(detail)}
+            .cut=${!this.isOnline(detail)}
             zone=${detail.zone}
           ></t-chart-tile>`,
         )}
@@ -229,7 +229,7 @@ export class PageDevice extends LitElement {
     </section>`;
   }
 
-  private cameras(device: DeviceInfo, detail: SiteDetail): unknown {
+  private renderCameras(device: DeviceInfo, detail: SiteDetail): unknown {
     // A camera that takes exposures shows its pictures itself.
     if (device.streams.length === 0 || partOf(device) === "camera") return nothing;
     return html`<section aria-labelledby="cameras">
@@ -252,7 +252,7 @@ export class PageDevice extends LitElement {
             .stream=${stream.address}
             .name=${stream.name}
             .detect=${stream.detect}
-            .online=${this.online(detail)}
+            .online=${this.isOnline(detail)}
           ></t-camera>`,
         )}
       </div>
@@ -265,30 +265,30 @@ export class PageDevice extends LitElement {
   }
 
   /** What can be done with it stands here only for who may do it. */
-  private deeds(device: DeviceInfo, detail: SiteDetail): unknown {
+  private renderActions(device: DeviceInfo, detail: SiteDetail): unknown {
     if (!device.rights.includes("use")) return nothing;
     const shown = shownBy(device);
     return html`<t-commands
       .site=${this.site}
       .devices=${[device]}
       .line=${this.commands}
-      .online=${this.online(detail)}
+      .online=${this.isOnline(detail)}
       .heading=${shown.size === 0 ? "Commands" : "Other commands"}
       .shownElsewhere=${shown}
     ></t-commands>`;
   }
 
-  private found(): DeviceInfo | undefined {
+  private findDevice(): DeviceInfo | undefined {
     return this.detail.value?.devices.find(({ id }) => id === this.device);
   }
 
-  private online(detail: SiteDetail): boolean {
-    return (this.sites.store?.row(this.site)?.online ?? detail.online) && this.link.state === "open";
+  private isOnline(detail: SiteDetail): boolean {
+    return (this.sites.store?.siteRow(this.site)?.online ?? detail.online) && this.link.state === "open";
   }
 
   /** What a device last said is not true any more once its gateway does not reach it. */
-  private reachable(detail: SiteDetail): boolean {
-    return this.online(detail) && this.reach.store?.of(this.site, this.device) === undefined;
+  private isReachable(detail: SiteDetail): boolean {
+    return this.isOnline(detail) && this.reach.store?.unreachableSince(this.site, this.device) === undefined;
   }
 
   private historyPath(device: DeviceInfo): string {
@@ -297,19 +297,19 @@ export class PageDevice extends LitElement {
     return withQuery(sitePath(this.site, "history"), query);
   }
 
-  private close(): void {
+  private closeClients(): void {
     this.feed?.close();
     this.commands?.close();
     this.feed = null;
     this.commands = null;
   }
 
-  private readonly cameIn = (): void => {
-    this.painter.wake();
+  private readonly onSiteLoaded = (): void => {
+    this.painter.wakeUp();
   };
 
-  private readonly again = (): void => {
-    this.detail.again();
+  private readonly retry = (): void => {
+    this.detail.invalidate();
   };
 }
 

@@ -124,13 +124,13 @@ export class PageDevices extends LitElement {
     // Sites that come or go are told of by the connection; the rest is asked for now and then.
     const online = (this.sites.store?.list ?? []).map((row) => `${row.site} ${String(row.online)}`).join();
     const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
-    this.rows.ask(`${online} ${String(turn)}`, () => this.api.devices());
+    this.rows.load(`${online} ${String(turn)}`, () => this.api.devices());
     const sites = this.sites.store;
     const names = [...new Set((this.rows.value ?? []).map(({ site }) => site))];
     if (sites === undefined || names.length === 0) return;
     const question = names.map((site) => `${site} ${sites.catalogueOf(site)}`).join("\n");
-    this.details.ask(question, async () => {
-      const found = await Promise.allSettled(names.map((site) => sites.detail(site)));
+    this.details.load(question, async () => {
+      const found = await Promise.allSettled(names.map((site) => sites.loadDetail(site)));
       return found.flatMap((one) => (one.status === "fulfilled" ? [one.value] : []));
     });
   }
@@ -143,47 +143,47 @@ export class PageDevices extends LitElement {
           ${rows === undefined ? nothing : html`<p class="muted">${summary(rows)}</p>`}
         </div>
         <div class="tools" role="search">
-          <t-choice label="Status" .options=${STANDINGS} .chosen=${this.chosen} @t-choose=${this.choose}></t-choice>
-          <input type="search" aria-label="Filter devices" placeholder="Filter" .value=${this.words} @input=${this.type} />
+          <t-choice label="Status" .options=${STANDINGS} .chosen=${this.chosen} @t-choose=${this.onChoose}></t-choice>
+          <input type="search" aria-label="Filter devices" placeholder="Filter" .value=${this.words} @input=${this.onInput} />
         </div>
       </div>
-      ${this.trouble()} ${rows === undefined ? this.waiting() : this.content(rows)}`;
+      ${this.renderProblem()} ${rows === undefined ? this.renderLoading() : this.renderContent(rows)}`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.rows;
     if (result.state !== "failed") return nothing;
     const advice = adviceFor(result.error, "the list of devices");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
   }
 
-  private waiting(): unknown {
+  private renderLoading(): unknown {
     return this.rows.result.state === "failed" ? nothing : html`<t-loading what="Loading the devices"></t-loading>`;
   }
 
-  private content(rows: readonly DeviceRow[]): unknown {
+  private renderContent(rows: readonly DeviceRow[]): unknown {
     if (rows.length === 0) {
       return html`<t-empty heading="No device is open to you" icon="devices">
         <p>A device appears here once its gateway has connected, and it is public or your role may view it.</p>
       </t-empty>`;
     }
-    const shown = rows.filter((row) => isShown(row, this.words, this.chosen, this.away(row)));
+    const shown = rows.filter((row) => isShown(row, this.words, this.chosen, this.isUnreachable(row)));
     if (shown.length === 0) {
       return html`<t-empty heading="No device fits" icon="devices">
         <p>${String(rows.length)} devices are open to you, and none of them is like this.</p>
-        <t-button @click=${this.clear}>Show all</t-button>
+        <t-button @click=${this.clearSearch}>Show all</t-button>
       </t-empty>`;
     }
     const sites = new Map(shown.map((row) => [row.site, row.site_name]));
     return [...sites].map(
       ([site, name]) => html`<section aria-labelledby=${`site-${site}`}>
         <h2 id=${`site-${site}`}>${name}</h2>
-        ${this.unguarded(site)}
+        ${this.renderUnguarded(site)}
         <ul>
           ${repeat(
             shown.filter((row) => row.site === site),
             (row) => row.device,
-            (row) => html`<li>${this.card(row)}</li>`,
+            (row) => html`<li>${this.renderCard(row)}</li>`,
           )}
         </ul>
       </section>`,
@@ -191,7 +191,7 @@ export class PageDevices extends LitElement {
   }
 
   /** Domes and telescopes that nothing closes or parks by itself, said once for their site. */
-  private unguarded(site: string): unknown {
+  private renderUnguarded(site: string): unknown {
     const detail = this.details.value?.find((each) => each.site === site);
     const names = detail?.devices.filter((each) => each.unguarded).map((each) => each.name) ?? [];
     if (names.length === 0) return nothing;
@@ -201,18 +201,18 @@ export class PageDevices extends LitElement {
     </p>`;
   }
 
-  private away(row: DeviceRow): boolean {
-    return this.reach.store?.of(row.site, row.device) !== undefined;
+  private isUnreachable(row: DeviceRow): boolean {
+    return this.reach.store?.unreachableSince(row.site, row.device) !== undefined;
   }
 
-  private card(row: DeviceRow): TemplateResult {
-    const how = standing(row, this.away(row));
+  private renderCard(row: DeviceRow): TemplateResult {
+    const how = standing(row, this.isUnreachable(row));
     return html`<a class="device" href=${devicePath(row.site, row.device)}>
       <div class="top">
         <h3>${row.name}</h3>
         <t-status kind=${how === "unreached" ? "unknown" : how} word=${STANDING_WORDS[how](row)}></t-status>
       </div>
-      ${this.telling(row)}
+      ${this.renderSummary(row)}
       <div class="facts">
         <span>${row.kind}</span>
         <span>${row.signals === 1 ? "1 signal" : `${String(row.signals)} signals`}</span>
@@ -225,28 +225,28 @@ export class PageDevices extends LitElement {
   }
 
   /** The values themselves stand in the site's description; without that, the counts have to do. */
-  private telling(row: DeviceRow): unknown {
+  private renderSummary(row: DeviceRow): unknown {
     const detail = this.details.value?.find(({ site }) => site === row.site);
     const device = detail?.devices.find(({ id }) => id === row.device);
     if (detail === undefined || device === undefined) return nothing;
-    return html`<t-telling .site=${row.site} .device=${device} .detail=${detail} .online=${row.online && !this.away(row)}></t-telling>`;
+    return html`<t-telling .site=${row.site} .device=${device} .detail=${detail} .online=${row.online && !this.isUnreachable(row)}></t-telling>`;
   }
 
-  private readonly choose = (event: CustomEvent<string>): void => {
+  private readonly onChoose = (event: CustomEvent<string>): void => {
     this.chosen = event.detail as Standing | "";
   };
 
-  private readonly type = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     if (event.target instanceof HTMLInputElement) this.words = event.target.value;
   };
 
-  private readonly clear = (): void => {
+  private readonly clearSearch = (): void => {
     this.words = "";
     this.chosen = "";
   };
 
-  private readonly again = (): void => {
-    this.rows.again();
+  private readonly retry = (): void => {
+    this.rows.invalidate();
   };
 }
 

@@ -48,31 +48,31 @@ export class PageDrive extends LitElement {
   override connectedCallback(): void {
     super.connectedCallback();
     this.stayBelowHead();
-    document.addEventListener("fullscreenchange", this.fullChanged);
+    document.addEventListener("fullscreenchange", this.onFullScreenChange);
     this.requestUpdate();
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    document.removeEventListener("fullscreenchange", this.fullChanged);
+    document.removeEventListener("fullscreenchange", this.onFullScreenChange);
     this.head?.disconnect();
-    this.takeApart();
+    this.closeController();
   }
 
   override willUpdate(): void {
     const sites = this.sites.store;
     if (sites && this.site !== "") {
-      this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
+      this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     }
-    this.build();
+    this.buildController();
   }
 
   override render(): TemplateResult {
     const detail = this.detail.value;
-    if (!detail) return this.waiting();
+    if (!detail) return this.renderLoading();
     const drivable = detail.devices.filter((device) => device.drive !== null);
-    const device = this.device(detail);
-    const online = this.online(detail);
+    const device = this.chosenDevice(detail);
+    const online = this.isOnline(detail);
     const options = drivable.map(({ id, name }) => ({ id, label: name }));
     return html`
       <div class="page ${this.full ? "full" : ""}">
@@ -83,27 +83,27 @@ export class PageDrive extends LitElement {
                 label="Device"
                 .options=${options}
                 .chosen=${device?.id ?? ""}
-                @t-choose=${this.choose}
+                @t-choose=${this.onChoose}
               ></t-choice>`
             : nothing}
         </div>
-        ${device ? this.cockpitView(detail, device, online) : this.nothingToDrive(detail, online)}
+        ${device ? this.renderDriveView(detail, device, online) : this.renderNothingToDrive(detail, online)}
       </div>
     `;
   }
 
-  private waiting(): TemplateResult {
+  private renderLoading(): TemplateResult {
     if (this.detail.result.state !== "failed") return html`<t-loading what="Loading the site"></t-loading>`;
     const { error } = this.detail.result;
     return html`<t-problem
       what="This site cannot be shown."
       how=${error instanceof Error ? error.message : "The hub gave no reason."}
       retry="Try again"
-      @t-retry=${this.again}
+      @t-retry=${this.retry}
     ></t-problem>`;
   }
 
-  private nothingToDrive(detail: SiteDetail, online: boolean): TemplateResult {
+  private renderNothingToDrive(detail: SiteDetail, online: boolean): TemplateResult {
     return html`<div class="alone">
       <t-empty heading="Nothing to drive here" icon="drive">
         <p>
@@ -114,7 +114,7 @@ export class PageDrive extends LitElement {
     </div>`;
   }
 
-  private cockpitView(detail: SiteDetail, device: DeviceInfo, online: boolean): TemplateResult {
+  private renderDriveView(detail: SiteDetail, device: DeviceInfo, online: boolean): TemplateResult {
     const stream = streamOf(detail, device.drive?.picture ?? "");
     const seat = this.cockpit?.seat ?? null;
     const stop = this.cockpit?.stop ?? null;
@@ -130,8 +130,8 @@ export class PageDrive extends LitElement {
           .online=${online}
           paged
           .full=${this.full}
-          @t-picture=${this.pictured}
-          @t-fullscreen=${this.toggleFull}
+          @t-picture=${this.onPicture}
+          @t-fullscreen=${this.toggleFullScreen}
         ></t-camera>
       <div class="right">
         <t-stop-bar class="stop" .line=${stop}></t-stop-bar>
@@ -149,18 +149,18 @@ export class PageDrive extends LitElement {
                 .site=${this.site}
                 .device=${device}
                 .seat=${seat}
-                .stopped=${stop?.desk.bars ?? false}
+                .stopped=${stop?.desk.blocksDriving ?? false}
                 .pictureAge=${this.pictureAge}
               ></t-drive-pad>
             </t-card>`
-          : this.onlooker(device)}
+          : this.renderOnlooker(device)}
         <t-map class="map" .site=${this.site} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-map>
       </div>
       <t-commands class="commands" .site=${this.site} .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
     </div>`;
   }
 
-  private onlooker(device: DeviceInfo): TemplateResult {
+  private renderOnlooker(device: DeviceInfo): TemplateResult {
     return html`<t-empty class="hands" heading="You may look, but not drive" icon="lock">
       <p>
         Driving ${device.name} needs the right <strong>use</strong>; an admin can give it to you. STOP works for
@@ -169,46 +169,46 @@ export class PageDrive extends LitElement {
     </t-empty>`;
   }
 
-  private online(detail: SiteDetail): boolean {
-    const row = this.sites.store?.row(this.site);
+  private isOnline(detail: SiteDetail): boolean {
+    const row = this.sites.store?.siteRow(this.site);
     return (row?.online ?? detail.online) && this.link.state === "open";
   }
 
-  private device(detail: SiteDetail): DeviceInfo | undefined {
+  private chosenDevice(detail: SiteDetail): DeviceInfo | undefined {
     const drivable = detail.devices.filter((device) => device.drive !== null);
     return drivable.find(({ id }) => id === this.chosen) ?? drivable[0];
   }
 
   /** One cockpit for each device as it is described; built anew when that changes, not for others' sake. */
-  private build(): void {
+  private buildController(): void {
     const detail = this.detail.value;
     const { connection } = this.link;
-    const device = detail && this.device(detail);
+    const device = detail && this.chosenDevice(detail);
     const wanted = detail && connection && this.isConnected ? `${detail.site} ${JSON.stringify(device ?? null)}` : "";
     if (wanted === this.built) return;
-    this.takeApart();
+    this.closeController();
     this.built = wanted;
     if (!detail || !connection || wanted === "") return;
     this.commands = new CommandLine(connection, this.site);
     this.commands.open();
     if (!device) return;
-    const online = this.sites.store?.row(this.site)?.online ?? detail.online;
+    const online = this.sites.store?.siteRow(this.site)?.online ?? detail.online;
     this.cockpit = new Cockpit(connection, this.site, device, online);
     const news = this.news.value;
-    this.cockpit.open({ lease: news?.lease(this.site, device.id), stop: news?.stop(this.site, device.id) });
+    this.cockpit.openAll({ lease: news?.leaseOf(this.site, device.id), stop: news?.stopOf(this.site, device.id) });
     const redraw = (): void => {
       this.requestUpdate();
     };
-    const stops = [this.cockpit.stop.watch(redraw), this.cockpit.seat?.watch(redraw)];
+    const stops = [this.cockpit.stop.subscribe(redraw), this.cockpit.seat?.subscribe(redraw)];
     this.unwatch = () => {
       for (const stop of stops) stop?.();
     };
   }
 
-  private takeApart(): void {
+  private closeController(): void {
     this.unwatch?.();
     this.unwatch = null;
-    this.cockpit?.close();
+    this.cockpit?.closeAll();
     this.commands?.close();
     this.cockpit = null;
     this.commands = null;
@@ -226,22 +226,22 @@ export class PageDrive extends LitElement {
     this.head.observe(head);
   }
 
-  private readonly again = (): void => {
-    this.detail.again();
+  private readonly retry = (): void => {
+    this.detail.invalidate();
   };
 
-  private readonly choose = (event: CustomEvent<string>): void => {
+  private readonly onChoose = (event: CustomEvent<string>): void => {
     this.chosen = event.detail;
   };
 
-  private readonly pictured = (event: CustomEvent<number | null>): void => {
+  private readonly onPicture = (event: CustomEvent<number | null>): void => {
     this.pictureAt = event.detail;
-    this.cockpit?.seat?.picture(event.detail);
+    this.cockpit?.seat?.setPictureTime(event.detail);
   };
 
   private readonly pictureAge = (): number => (this.pictureAt === null ? -1 : performance.now() - this.pictureAt);
 
-  private readonly toggleFull = (): void => {
+  private readonly toggleFullScreen = (): void => {
     if (document.fullscreenElement) {
       this.leavingFull = true;
       void document.exitFullscreen();
@@ -257,10 +257,10 @@ export class PageDrive extends LitElement {
    * In full screen the browser keeps Escape for itself and tells only that it was left. Escape is
    * STOP on this page, so leaving by anything but our button is taken as that.
    */
-  private readonly fullChanged = (): void => {
+  private readonly onFullScreenChange = (): void => {
     const was = this.full;
     this.full = document.fullscreenElement !== null;
-    if (was && !this.full && !this.leavingFull) this.cockpit?.stop.press();
+    if (was && !this.full && !this.leavingFull) this.cockpit?.stop.pressStop();
     this.leavingFull = false;
   };
 }

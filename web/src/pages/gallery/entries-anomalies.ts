@@ -47,7 +47,7 @@ function past(): Promise<History> {
 
 /** A hub that answers this way and no other. */
 function hub(anomalies: () => Promise<AnomalyList>, forgive: () => Promise<boolean> = () => Promise.resolve(true)): Scores {
-  return { anomalies, history: past, forgive };
+  return { anomalies, history: past, dismissAnomaly: forgive };
 }
 
 function listed(one: AnomalyInfo, may_forgive = true): () => Promise<AnomalyList> {
@@ -58,13 +58,13 @@ function never<T>(): Promise<T> {
   return new Promise<T>(() => undefined);
 }
 
-function anomalies(answers: Scores, channels: readonly string[] = ["power/voltage"]): TemplateResult {
+function renderAnomalies(answers: Scores, channels: readonly string[] = ["power/voltage"]): TemplateResult {
   return html`<t-anomalies site="gallery" .hub=${answers} .channels=${channels} .span=${SPAN} width="800" zone=${ZONE}></t-anomalies>`;
 }
 
 function trace(): Trace {
   const made = new Trace(Infinity, 130e6);
-  for (const us of TIMES) made.take(us, scoreAt(us));
+  for (const us of TIMES) made.addSample(us, scoreAt(us));
   return made;
 }
 
@@ -72,7 +72,7 @@ const SERIES: ChartSeries = {
   address: "power/voltage~together", name: "Score", unit: "", decimals: 2, colour: 1, samples: trace(), states: [], gaps: [], stale: false,
 };
 
-function detector(change: Partial<Detector>, mayForgive = true): TemplateResult {
+function renderDetector(change: Partial<Detector>, mayForgive = true): TemplateResult {
   const one: Detector = {
     address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.31, scores: "power/voltage~together",
     learns: true, learning: 0, on: false, anomaly: null, ...change,
@@ -97,29 +97,29 @@ export const entries: readonly GalleryEntry[] = [
     tag: "t-anomalies",
     wide: true,
     states: [
-      { name: "loading", show: () => anomalies(hub(never)) },
-      { name: "empty: none watches these signals", show: () => anomalies(hub(listed(USUAL)), ["base/speed"]) },
-      { name: "error", show: () => anomalies(hub(() => Promise.reject(new Unreachable("The hub does not answer.")))) },
-      { name: "forbidden", show: () => anomalies(hub(() => Promise.reject(new Refused(403, "forbidden", "you may not")))) },
-      { name: "as usual", show: () => anomalies(hub(listed(USUAL))) },
-      { name: "on", show: () => anomalies(hub(listed(ON))) },
-      { name: "ended", show: () => anomalies(hub(listed(OVER))) },
-      { name: "ended, for somebody who may only look", show: () => anomalies(hub(listed(OVER, false))) },
-      { name: "marked: not an anomaly", show: () => anomalies(hub(listed(MARKED))) },
-      { name: "the mark is refused (press it)", show: () => anomalies(hub(listed(ON), () => Promise.reject(new Refused(403, "forbidden", "you do not have the right to do this")))) },
+      { name: "loading", show: () => renderAnomalies(hub(never)) },
+      { name: "empty: none watches these signals", show: () => renderAnomalies(hub(listed(USUAL)), ["base/speed"]) },
+      { name: "error", show: () => renderAnomalies(hub(() => Promise.reject(new Unreachable("The hub does not answer.")))) },
+      { name: "forbidden", show: () => renderAnomalies(hub(() => Promise.reject(new Refused(403, "forbidden", "you may not")))) },
+      { name: "as usual", show: () => renderAnomalies(hub(listed(USUAL))) },
+      { name: "on", show: () => renderAnomalies(hub(listed(ON))) },
+      { name: "ended", show: () => renderAnomalies(hub(listed(OVER))) },
+      { name: "ended, for somebody who may only look", show: () => renderAnomalies(hub(listed(OVER, false))) },
+      { name: "marked: not an anomaly", show: () => renderAnomalies(hub(listed(MARKED))) },
+      { name: "the mark is refused (press it)", show: () => renderAnomalies(hub(listed(ON), () => Promise.reject(new Refused(403, "forbidden", "you do not have the right to do this")))) },
     ],
   },
   {
     tag: "t-detector",
     wide: true,
     states: [
-      { name: "learning", show: () => detector({ learning: 620 }) },
-      { name: "as usual", show: () => detector({}) },
-      { name: "on", show: () => detector({ on: true, anomaly: { ...ANOMALY, toUs: Infinity } }) },
-      { name: "ended", show: () => detector({ anomaly: ANOMALY }) },
-      { name: "ended, for somebody who may only look", show: () => detector({ anomaly: ANOMALY }, false) },
-      { name: "marked", show: () => detector({ anomaly: { ...ANOMALY, forgiven: true } }) },
-      { name: "limits, which learn nothing", show: () => detector({ name: "limits", learns: false, on: true, anomaly: { ...ANOMALY, toUs: Infinity, why: "11.2 V is below the least of 11.5 V" } }) },
+      { name: "learning", show: () => renderDetector({ learning: 620 }) },
+      { name: "as usual", show: () => renderDetector({}) },
+      { name: "on", show: () => renderDetector({ on: true, anomaly: { ...ANOMALY, toUs: Infinity } }) },
+      { name: "ended", show: () => renderDetector({ anomaly: ANOMALY }) },
+      { name: "ended, for somebody who may only look", show: () => renderDetector({ anomaly: ANOMALY }, false) },
+      { name: "marked", show: () => renderDetector({ anomaly: { ...ANOMALY, forgiven: true } }) },
+      { name: "limits, which learn nothing", show: () => renderDetector({ name: "limits", learns: false, on: true, anomaly: { ...ANOMALY, toUs: Infinity, why: "11.2 V is below the least of 11.5 V" } }) },
     ],
   },
 ];

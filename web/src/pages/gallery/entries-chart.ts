@@ -35,7 +35,7 @@ function wave(seconds: number, phase = 0): number {
 }
 
 function fill(trace: Trace, valueAt: (seconds: number) => number, step = STEP_US): Trace {
-  for (let us = SPAN.fromUs; us < END_US; us += step) trace.take(us, valueAt((us - SPAN.fromUs) / 1e6));
+  for (let us = SPAN.fromUs; us < END_US; us += step) trace.addSample(us, valueAt((us - SPAN.fromUs) / 1e6));
   return trace;
 }
 
@@ -63,7 +63,7 @@ function series(change: Partial<ChartSeries> = {}): ChartSeries {
   };
 }
 
-function chart(list: readonly ChartSeries[], span: Span = SPAN): TemplateResult {
+function renderChart(list: readonly ChartSeries[], span: Span = SPAN): TemplateResult {
   return html`<t-chart .series=${list} .span=${span} .axis=${AXIS} zone=${ZONE} label="A chart" zoomable></t-chart>`;
 }
 
@@ -100,10 +100,10 @@ const NO_PAST: Past = { history: () => Promise.resolve({ series: [] }) };
 /** A feed that has heard all its samples this long ago (s). */
 function feed(what: SignalInfo, ageS: number, valueAt: (seconds: number) => number, text: string | null = null): ChartFeed {
   const made = new ChartFeed("gallery", NOBODY, NO_PAST, () => undefined, LENGTH_US);
-  made.listen([what]);
+  made.subscribeSignals([what]);
   made.edge.observe(END_US, performance.now(), ageS * 1000);
   for (const address of what.channels) {
-    const channel = made.channel(address);
+    const channel = made.channelOf(address);
     fill(channel.trace, valueAt);
     channel.text = text;
     channel.timeUs = END_US;
@@ -112,7 +112,7 @@ function feed(what: SignalInfo, ageS: number, valueAt: (seconds: number) => numb
   return made;
 }
 
-function tile(what: SignalInfo, made: ChartFeed, paused = false, forbidden = false): TemplateResult {
+function renderTile(what: SignalInfo, made: ChartFeed, paused = false, forbidden = false): TemplateResult {
   return html`<t-chart-tile .feed=${made} .signal=${what} .paused=${paused} .forbidden=${forbidden} zone=${ZONE}></t-chart-tile>`;
 }
 
@@ -155,11 +155,11 @@ const MARKS: readonly Mark[] = [
   { timeUs: SPAN.fromUs + 26e6, kind: "link", title: "gateway lost", device: "", who: "", message: "", good: false },
 ];
 
-function lane(without: readonly MarkKind[], more = false): TemplateResult {
+function renderLane(without: readonly MarkKind[], more = false): TemplateResult {
   return html`<t-marks-lane .marks=${MARKS} .without=${without} .span=${SPAN} .indent=${indentOf(1, 60)} ?more=${more} zone=${ZONE}></t-marks-lane>`;
 }
 
-function options(change: Partial<HistoryView>): TemplateResult {
+function renderOptions(change: Partial<HistoryView>): TemplateResult {
   const view: HistoryView = { channels: null, shown: SPAN, joined: false, without: [], versus: 0, outliers: 0, ...change };
   return html`<t-view-options .view=${view} .span=${SPAN} zone=${ZONE}></t-view-options>`;
 }
@@ -181,7 +181,7 @@ function past(above = 0): ReadonlyMap<string, Loaded> {
   );
 }
 
-function historyChart(data: ReadonlyMap<string, Loaded>, cursorUs: number | null): TemplateResult {
+function renderHistoryChart(data: ReadonlyMap<string, Loaded>, cursorUs: number | null): TemplateResult {
   return html`<t-history-chart
     .group=${GROUP}
     .data=${data}
@@ -199,20 +199,20 @@ export const entries: readonly GalleryEntry[] = [
     tag: "t-chart",
     wide: true,
     states: [
-      { name: "line, with a spike that is kept", show: () => chart([series()]) },
+      { name: "line, with a spike that is kept", show: () => renderChart([series()]) },
       {
         name: "several, with the band from least to greatest",
-        show: () => chart([series({ samples: dense(0) }), series({ address: "b", name: "Other", colour: 1, samples: dense(0.4) })]),
+        show: () => renderChart([series({ samples: dense(0) }), series({ address: "b", name: "Other", colour: 1, samples: dense(0.4) })]),
       },
-      { name: "gap with its reason", show: () => chart([series({ samples: samples(holed), gaps: [GAP] })]) },
-      { name: "stale", show: () => chart([series({ stale: true })]) },
-      { name: "states", show: () => chart([series({ states: STATES, samples: samples((s) => Math.floor(s / 7) % 3) })]) },
+      { name: "gap with its reason", show: () => renderChart([series({ samples: samples(holed), gaps: [GAP] })]) },
+      { name: "stale", show: () => renderChart([series({ stale: true })]) },
+      { name: "states", show: () => renderChart([series({ states: STATES, samples: samples((s) => Math.floor(s / 7) % 3) })]) },
       {
         name: "an axis for each unit",
         show: () =>
           html`<t-chart .series=${UNITS} .span=${SPAN} .axis=${AXIS} .indent=${indentOf(3, 48)} many-axes zone=${ZONE} label="Three units"></t-chart>`,
       },
-      { name: "another time behind", show: () => chart([series({ ghost: { samples: samples((s) => wave(s, 1)), shiftUs: 0 } })]) },
+      { name: "another time behind", show: () => renderChart([series({ ghost: { samples: samples((s) => wave(s, 1)), shiftUs: 0 } })]) },
       {
         name: "marks of what happened",
         show: () => html`<t-chart .series=${[series()]} .span=${SPAN} .axis=${AXIS} .marks=${MARKS} zone=${ZONE} label="Marks"></t-chart>`,
@@ -221,38 +221,38 @@ export const entries: readonly GalleryEntry[] = [
         name: "outliers",
         show: () => html`<t-chart .series=${[series()]} .span=${SPAN} .axis=${AXIS} .outliers=${new Map([["base/speed", outliersOf(series().samples.times, series().samples.values, SPAN, 1.5)]])} zone=${ZONE} label="Outliers"></t-chart>`,
       },
-      { name: "empty", show: () => chart([series({ samples: new Trace(Infinity, 5e6) })]) },
+      { name: "empty", show: () => renderChart([series({ samples: new Trace(Infinity, 5e6) })]) },
     ],
   },
   {
     tag: "t-chart-tile",
     wide: true,
     states: [
-      { name: "number, live", show: () => tile(LASTING, feed(LASTING, 0, wave)) },
-      { name: "number, paused", show: () => tile(LASTING, feed(LASTING, 0, wave), true) },
-      { name: "number, stale", show: () => tile(signal(), feed(signal(), 9, wave)) },
+      { name: "number, live", show: () => renderTile(LASTING, feed(LASTING, 0, wave)) },
+      { name: "number, paused", show: () => renderTile(LASTING, feed(LASTING, 0, wave), true) },
+      { name: "number, stale", show: () => renderTile(signal(), feed(signal(), 9, wave)) },
       {
         name: "a link on the way is down",
         show: () => html`<t-chart-tile .feed=${feed(LASTING, 1, wave)} .signal=${LASTING} cut zone=${ZONE}></t-chart-tile>`,
       },
-      { name: "no data yet", show: () => tile(signal(), SILENT) },
-      { name: "forbidden", show: () => tile(signal(), SILENT, false, true) },
-      { name: "state", show: () => tile(WANDER, feed(WANDER, 0, (s) => Math.floor(s / 7) % 2)) },
-      { name: "position", show: () => tile(PLACE, feed(PLACE, 0, (s) => s / 10)) },
-      { name: "text", show: () => tile(WORDS, feed(WORDS, 0, () => NaN, "Docked at the charger in the kitchen")) },
+      { name: "no data yet", show: () => renderTile(signal(), SILENT) },
+      { name: "forbidden", show: () => renderTile(signal(), SILENT, false, true) },
+      { name: "state", show: () => renderTile(WANDER, feed(WANDER, 0, (s) => Math.floor(s / 7) % 2)) },
+      { name: "position", show: () => renderTile(PLACE, feed(PLACE, 0, (s) => s / 10)) },
+      { name: "text", show: () => renderTile(WORDS, feed(WORDS, 0, () => NaN, "Docked at the charger in the kitchen")) },
     ],
   },
   {
     tag: "t-history-chart",
     wide: true,
     states: [
-      { name: "two of a unit", show: () => historyChart(past(), null) },
-      { name: "cursor from another chart", show: () => historyChart(past(), SPAN.fromUs + 8e6) },
+      { name: "two of a unit", show: () => renderHistoryChart(past(), null) },
+      { name: "cursor from another chart", show: () => renderHistoryChart(past(), SPAN.fromUs + 8e6) },
       {
         name: "outliers",
         show: () => html`<t-history-chart .group=${GROUP} .data=${past()} .numbers=${NUMBERS} .span=${SPAN} .outliers=${0.5} loaded zone=${ZONE}></t-history-chart>`,
       },
-      { name: "no samples", show: () => historyChart(new Map(), null) },
+      { name: "no samples", show: () => renderHistoryChart(new Map(), null) },
       {
         name: "another day behind",
         show: () =>
@@ -268,8 +268,8 @@ export const entries: readonly GalleryEntry[] = [
     tag: "t-marks-lane",
     wide: true,
     states: [
-      { name: "several kinds, two of them close together", show: () => lane([]) },
-      { name: "driving hidden, older ones left out", show: () => lane(["driving"], true) },
+      { name: "several kinds, two of them close together", show: () => renderLane([]) },
+      { name: "driving hidden, older ones left out", show: () => renderLane(["driving"], true) },
       { name: "nothing happened", show: () => html`<t-marks-lane .span=${SPAN} .indent=${indentOf(1, 60)}></t-marks-lane>` },
     ],
   },
@@ -277,9 +277,9 @@ export const entries: readonly GalleryEntry[] = [
     tag: "t-view-options",
     wide: true,
     states: [
-      { name: "plain", show: () => options({}) },
-      { name: "units in one chart, a week before", show: () => options({ joined: true, versus: 7, outliers: 0 }) },
-      { name: "another day", show: () => options({ versus: 12, outliers: 0 }) },
+      { name: "plain", show: () => renderOptions({}) },
+      { name: "units in one chart, a week before", show: () => renderOptions({ joined: true, versus: 7, outliers: 0 }) },
+      { name: "another day", show: () => renderOptions({ versus: 12, outliers: 0 }) },
     ],
   },
   {

@@ -24,7 +24,7 @@ import type { GalleryEntry, GalleryState } from "./entry.js";
 const NOON_US = 1_780_000_000_000_000;
 
 /** A made-up picture, drawn once the element stands. */
-function camera(link: CameraLink, age: number, why = ""): TemplateResult {
+function renderCamera(link: CameraLink, age: number, why = ""): TemplateResult {
   const picture = new OffscreenCanvas(640, 480);
   const pen = picture.getContext("2d");
   if (pen) {
@@ -44,7 +44,7 @@ function camera(link: CameraLink, age: number, why = ""): TemplateResult {
   const show = async (element?: Element): Promise<void> => {
     if (!(element instanceof CameraView)) return;
     await element.updateComplete;
-    element.draw(bitmap);
+    element.drawPicture(bitmap);
   };
   return html`<t-camera-view
     name="Front camera"
@@ -136,10 +136,10 @@ export const entries: readonly GalleryEntry[] = [
   {
     tag: "t-camera-view",
     states: [
-      { name: "live", show: () => camera("open", 84) },
-      { name: "frozen", show: () => camera("open", 2310) },
-      { name: "age unknown", show: () => camera("open", Number.NaN) },
-      { name: "link lost", show: () => camera("connecting", 5400, "The picture's connection is lost; trying again.") },
+      { name: "live", show: () => renderCamera("open", 84) },
+      { name: "frozen", show: () => renderCamera("open", 2310) },
+      { name: "age unknown", show: () => renderCamera("open", Number.NaN) },
+      { name: "link lost", show: () => renderCamera("connecting", 5400, "The picture's connection is lost; trying again.") },
       { name: "connecting", show: () => html`<t-camera-view></t-camera-view>` },
       { name: "no picture yet", show: () => html`<t-camera-view link="open"></t-camera-view>` },
       { name: "bad pictures", show: () => html`<t-camera-view link="bad" why="/images: field 'encoding': 'yuv9' is not one of: rgb8, bgr8, …"></t-camera-view>` },

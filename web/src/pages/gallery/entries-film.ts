@@ -14,7 +14,7 @@ function film(state: FilmRow["state"], note = ""): FilmRow {
   };
 }
 
-function view(us: number, change: Partial<Reel>): TemplateResult {
+function renderView(us: number, change: Partial<Reel>): TemplateResult {
   const reel: Reel = { stream: "base/front", name: "Front camera", films: [], unfilmed: [], filming: false, ...change };
   return html`<t-film-view .reel=${reel} .us=${us} zone="Europe/Madrid"></t-film-view>`;
 }
@@ -23,13 +23,13 @@ export const entries: readonly GalleryEntry[] = [
   {
     tag: "t-film-view",
     states: [
-      { name: "none at this moment", show: () => view(NOON_US - 5e6, { films: [film("complete")] }) },
-      { name: "being filmed", show: () => view(NOON_US, { filming: true }) },
-      { name: "on its way", show: () => view(NOON_US + 5e6, { films: [film("uploading")] }) },
-      { name: "lost", show: () => view(NOON_US + 5e6, { films: [film("failed", "its file is not there")] }) },
+      { name: "none at this moment", show: () => renderView(NOON_US - 5e6, { films: [film("complete")] }) },
+      { name: "being filmed", show: () => renderView(NOON_US, { filming: true }) },
+      { name: "on its way", show: () => renderView(NOON_US + 5e6, { films: [film("uploading")] }) },
+      { name: "lost", show: () => renderView(NOON_US + 5e6, { films: [film("failed", "its file is not there")] }) },
       {
         name: "only in the recording",
-        show: () => view(NOON_US, { unfilmed: [{ recording: "1", stream: "base/front", begin_us: NOON_US, end_us: NOON_US + 60e6 }] }),
+        show: () => renderView(NOON_US, { unfilmed: [{ recording: "1", stream: "base/front", begin_us: NOON_US, end_us: NOON_US + 60e6 }] }),
       },
     ],
   },

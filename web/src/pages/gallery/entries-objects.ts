@@ -27,13 +27,13 @@ const CLASSES: readonly Choosable[] = [
   { label: "chair", wanted: false, described: false },
 ];
 
-function boxed(things: readonly Boxed[], earlier = false, zoom = { scale: 1, x: 0, y: 0 }, ground = "linear-gradient(#fff, #9aa, #000)"): TemplateResult {
+function renderBoxed(things: readonly Boxed[], earlier = false, zoom = { scale: 1, x: 0, y: 0 }, ground = "linear-gradient(#fff, #9aa, #000)"): TemplateResult {
   return html`<div ${styled({ position: "relative", "aspect-ratio": "4 / 3", background: ground })}>
     <t-boxes .things=${things} ?earlier=${earlier} .zoom=${zoom}></t-boxes>
   </div>`;
 }
 
-function objects(on: boolean, detector: Detector, counts: readonly { label: string; many: number }[], busy = false): TemplateResult {
+function renderObjects(on: boolean, detector: Detector, counts: readonly { label: string; many: number }[], busy = false): TemplateResult {
   return html`<div ${styled({ "block-size": "6rem", background: "#667" })}>
     <t-objects ?on=${on} detector=${detector} why="/gallery" .counts=${counts} ?busy=${busy}></t-objects>
   </div>`;
@@ -43,7 +43,7 @@ const SEEN: SightingFacts = { label: "person", many: 2, confidence: 0.87, began_
 /** A grey picture, so that nothing need be fetched. */
 const PICTURE = "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 4 3'%3E%3Crect width='4' height='3' fill='%23789'/%3E%3Crect x='1.4' y='.6' width='.6' height='1.9' fill='%23342'/%3E%3C/svg%3E";
 
-function seen(more: Partial<SightingFacts>, picture = ""): TemplateResult {
+function renderSeen(more: Partial<SightingFacts>, picture = ""): TemplateResult {
   return html`<t-sighting .sighting=${{ ...SEEN, ...more }} camera="Front camera" picture=${picture} zone="Europe/Madrid"><a href="/gallery">Chart</a></t-sighting>`;
 }
 
@@ -51,22 +51,22 @@ export const entries: readonly GalleryEntry[] = [
   {
     tag: "t-boxes",
     states: [
-      { name: "on this picture", show: () => boxed(THINGS) },
-      { name: "of an earlier picture", show: () => boxed(THINGS, true) },
-      { name: "looked at closely", show: () => boxed(THINGS, false, { scale: 2, x: -0.2, y: -0.8 }) },
-      { name: "on white", show: () => boxed(THINGS, false, undefined, "#fff") },
-      { name: "nothing", show: () => boxed([]) },
+      { name: "on this picture", show: () => renderBoxed(THINGS) },
+      { name: "of an earlier picture", show: () => renderBoxed(THINGS, true) },
+      { name: "looked at closely", show: () => renderBoxed(THINGS, false, { scale: 2, x: -0.2, y: -0.8 }) },
+      { name: "on white", show: () => renderBoxed(THINGS, false, undefined, "#fff") },
+      { name: "nothing", show: () => renderBoxed([]) },
     ],
   },
   {
     tag: "t-objects",
     states: [
-      { name: "off", show: () => objects(false, "waiting", []) },
-      { name: "waiting for the detector", show: () => objects(true, "waiting", []) },
-      { name: "nothing seen", show: () => objects(true, "telling", []) },
-      { name: "some seen", show: () => objects(true, "telling", [{ label: "person", many: 2 }, { label: "dog", many: 1 }]) },
-      { name: "the detector is silent", show: () => objects(true, "silent", []) },
-      { name: "while driving", show: () => objects(true, "telling", [{ label: "person", many: 1 }], true) },
+      { name: "off", show: () => renderObjects(false, "waiting", []) },
+      { name: "waiting for the detector", show: () => renderObjects(true, "waiting", []) },
+      { name: "nothing seen", show: () => renderObjects(true, "telling", []) },
+      { name: "some seen", show: () => renderObjects(true, "telling", [{ label: "person", many: 2 }, { label: "dog", many: 1 }]) },
+      { name: "the detector is silent", show: () => renderObjects(true, "silent", []) },
+      { name: "while driving", show: () => renderObjects(true, "telling", [{ label: "person", many: 1 }], true) },
     ],
   },
   {
@@ -80,10 +80,10 @@ export const entries: readonly GalleryEntry[] = [
     tag: "t-sighting",
     wide: true,
     states: [
-      { name: "over", show: () => seen({}, PICTURE) },
-      { name: "in sight", show: () => seen({ many: 1, ended_us: null }, PICTURE) },
-      { name: "without a picture", show: () => seen({ label: "wine glass" }) },
-      { name: "picture not kept", show: () => seen({ label: "dog" }, "/missing.jpg") },
+      { name: "over", show: () => renderSeen({}, PICTURE) },
+      { name: "in sight", show: () => renderSeen({ many: 1, ended_us: null }, PICTURE) },
+      { name: "without a picture", show: () => renderSeen({ label: "wine glass" }) },
+      { name: "picture not kept", show: () => renderSeen({ label: "dog" }, "/missing.jpg") },
     ],
   },
 ];

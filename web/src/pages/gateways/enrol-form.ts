@@ -77,13 +77,13 @@ export class Enrol extends LitElement {
   }
 
   override render(): TemplateResult {
-    return this.made === null ? this.form() : this.code(this.made);
+    return this.made === null ? this.renderForm() : this.renderCode(this.made);
   }
 
-  private form(): TemplateResult {
+  private renderForm(): TemplateResult {
     const { problem, busy } = this.action;
     return html`<h2>Enrol a gateway</h2>
-      <form class="fields" novalidate @submit=${this.submit}>
+      <form class="fields" novalidate @submit=${this.onSubmit}>
         <t-field label="Site" hint="As its site description calls it: small letters, digits and _" error=${this.wrong}>
           <input id="site" list="sites" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="63" />
         </t-field>
@@ -94,12 +94,12 @@ export class Enrol extends LitElement {
         ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
         <div class="actions">
           <t-button type="submit" kind="primary" ?busy=${busy}>Make a code</t-button>
-          <t-button @click=${this.close}>Cancel</t-button>
+          <t-button @click=${this.closeForm}>Cancel</t-button>
         </div>
       </form>`;
   }
 
-  private code(made: CodeMade): TemplateResult {
+  private renderCode(made: CodeMade): TemplateResult {
     const left = Math.max(0, made.expires_us / 1e6 - Date.now() / 1000);
     const came = this.gateways.find((row) => !this.known.has(row.id) && row.revoked_us === 0);
     if (came !== undefined) {
@@ -108,13 +108,13 @@ export class Enrol extends LitElement {
           <t-status kind=${came.online ? "online" : "busy"} word=${came.online ? "online" : "has its key, not linked yet"}></t-status>
           ${came.name === "" ? came.site : came.name} has a key of its own now; the code is used up.
         </p>
-        <div class="actions"><t-button kind="primary" @click=${this.close}>Done</t-button></div>`;
+        <div class="actions"><t-button kind="primary" @click=${this.closeForm}>Done</t-button></div>`;
     }
     if (left === 0) {
       return html`<h2>The code is too old</h2>
         <p>Nobody used it in time. It is void now; make another.</p>
         <div class="actions">
-          <t-button kind="primary" @click=${this.anew}>Make another</t-button><t-button @click=${this.close}>Close</t-button>
+          <t-button kind="primary" @click=${this.resetForm}>Make another</t-button><t-button @click=${this.closeForm}>Close</t-button>
         </div>`;
     }
     return html`<div class="head">
@@ -137,11 +137,11 @@ export class Enrol extends LitElement {
       </div>
       <div class="actions">
         <t-status kind="busy" word="waiting for the gateway"></t-status>
-        <t-button @click=${this.close}>Close</t-button>
+        <t-button @click=${this.closeForm}>Close</t-button>
       </div>`;
   }
 
-  private readonly submit = (event: SubmitEvent): void => {
+  private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     const site = this.site.value.trim();
     this.wrong = SITE_ID.test(site) ? "" : "It begins with a small letter; small letters, digits and _ follow.";
@@ -157,11 +157,11 @@ export class Enrol extends LitElement {
       });
   };
 
-  private readonly anew = (): void => {
+  private readonly resetForm = (): void => {
     this.made = null;
   };
 
-  private readonly close = (): void => {
+  private readonly closeForm = (): void => {
     this.dispatchEvent(new CustomEvent("t-close"));
   };
 }

@@ -61,7 +61,7 @@ export class GatewaySheet extends LitElement {
   override render(): TemplateResult | typeof nothing {
     const { row } = this;
     if (row === null) return nothing;
-    const { problem, done } = this.action;
+    const { problem, doneText: done } = this.action;
     const revoked = row.revoked_us > 0;
     return html`<div class="head">
         <h2>${row.name === "" ? `Gateway of ${this.siteName}` : row.name}</h2>
@@ -86,15 +86,15 @@ export class GatewaySheet extends LitElement {
       ${problem === null || this.asking
         ? nothing
         : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
-      ${revoked ? nothing : this.actions(row, done)} ${this.question(row)}`;
+      ${revoked ? nothing : this.renderActions(row, done)} ${this.renderQuestion(row)}`;
   }
 
-  private actions(row: GatewayRow, done: string): TemplateResult {
+  private renderActions(row: GatewayRow, done: string): TemplateResult {
     return html`<div class="actions">
-        <t-button ?disabled=${!row.online} ?busy=${this.action.under === "link"} @click=${this.dialAgain}
+        <t-button ?disabled=${!row.online} ?busy=${this.action.runningKey === "link"} @click=${this.reconnectGateway}
           >Connect it anew</t-button
         >
-        <t-button @click=${this.ask}>Revoke…</t-button>
+        <t-button @click=${this.openQuestion}>Revoke…</t-button>
         <span class="said" role="status">${done}</span>
       </div>
       ${this.devices.length === 0
@@ -105,13 +105,13 @@ export class GatewaySheet extends LitElement {
               ${repeat(
                 this.devices,
                 ({ device }) => device,
-                (device) => this.device(row, device),
+                (device) => this.renderDevice(row, device),
               )}
             </ul>
           </details>`}`;
   }
 
-  private device(row: GatewayRow, device: DeviceRow): TemplateResult {
+  private renderDevice(row: GatewayRow, device: DeviceRow): TemplateResult {
     const again = (): void => {
       const api = new AdminApi(this.api);
       const done = `${device.name}: the gateway connects to it anew.`;
@@ -126,14 +126,14 @@ export class GatewaySheet extends LitElement {
       <t-button
         label=${`Connect ${device.name} anew`}
         ?disabled=${!row.online}
-        ?busy=${this.action.under === device.device}
+        ?busy=${this.action.runningKey === device.device}
         @click=${again}
         >Connect anew</t-button
       >
     </li>`;
   }
 
-  private question(row: GatewayRow): TemplateResult {
+  private renderQuestion(row: GatewayRow): TemplateResult {
     const name = row.name === "" ? this.siteName : row.name;
     return html`<t-confirm
       heading=${`Revoke the key of ${name}?`}
@@ -143,7 +143,7 @@ export class GatewaySheet extends LitElement {
       ?busy=${this.action.busy}
       .problem=${this.asking ? this.action.problem : null}
       @t-confirm=${this.revoke}
-      @t-close=${this.leave}
+      @t-close=${this.closeQuestion}
       ><p>
         Its link is closed at once: nothing more is seen of ${this.siteName}, and nothing there can be driven or stopped
         from here. A vehicle that is being driven comes to rest by itself. To come back, it has to be enrolled anew.
@@ -151,27 +151,27 @@ export class GatewaySheet extends LitElement {
     >`;
   }
 
-  private readonly ask = (): void => {
+  private readonly openQuestion = (): void => {
     this.action.clear();
     this.asking = true;
   };
 
-  private readonly leave = (): void => {
+  private readonly closeQuestion = (): void => {
     this.asking = false;
     this.action.clear();
   };
 
-  private readonly dialAgain = (): void => {
+  private readonly reconnectGateway = (): void => {
     const id = this.row?.id ?? "";
-    void this.do("close the link", () => new AdminApi(this.api).reconnect(id), "The link is closed; the gateway dials again.", "link");
+    void this.runAction("close the link", () => new AdminApi(this.api).reconnect(id), "The link is closed; the gateway dials again.", "link");
   };
 
   private readonly revoke = (): void => {
     const id = this.row?.id ?? "";
-    void this.do("revoke the key", () => new AdminApi(this.api).revokeGateway(id), "");
+    void this.runAction("revoke the key", () => new AdminApi(this.api).revokeGateway(id), "");
   };
 
-  private async do(asked: string, action: () => Promise<void>, done: string, key = asked): Promise<void> {
+  private async runAction(asked: string, action: () => Promise<void>, done: string, key = asked): Promise<void> {
     if (!(await this.action.run(asked, action, done, key))) return;
     this.asking = false;
     this.dispatchEvent(new CustomEvent("t-changed"));

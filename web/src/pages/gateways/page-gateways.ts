@@ -50,7 +50,7 @@ export class PageGateways extends LitElement {
 
   override willUpdate(): void {
     const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
-    this.known.ask(String(turn), async () => {
+    this.known.load(String(turn), async () => {
       const [list, devices] = await Promise.all([new AdminApi(this.api).gateways(), this.api.devices()]);
       return { ...list, devices };
     });
@@ -64,7 +64,7 @@ export class PageGateways extends LitElement {
           <h1>Gateways</h1>
           <p class="muted">Each stands beside its robots, dials this hub, and has a key of its own.</p>
         </div>
-        ${this.enrolling ? nothing : html`<t-button kind="primary" @click=${this.begin}>Enrol a gateway</t-button>`}
+        ${this.enrolling ? nothing : html`<t-button kind="primary" @click=${this.openForm}>Enrol a gateway</t-button>`}
       </div>
       ${this.enrolling
         ? html`<t-enrol
@@ -72,14 +72,14 @@ export class PageGateways extends LitElement {
             .sites=${known === undefined ? [] : [...new Set(known.gateways.map(({ site }) => site))]}
             .gateways=${known?.gateways ?? []}
             .zone=${this.sites.store?.zone ?? "UTC"}
-            @t-close=${this.end}
-            @t-changed=${this.again}
+            @t-close=${this.closeForm}
+            @t-changed=${this.retry}
           ></t-enrol>`
         : nothing}
-      ${this.trouble()} ${known === undefined ? this.waiting() : this.content(known)}`;
+      ${this.renderProblem()} ${known === undefined ? this.renderLoading() : this.renderContent(known)}`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.known;
     const { problem } = this.action;
     if (result.state === "failed") {
@@ -89,29 +89,29 @@ export class PageGateways extends LitElement {
     return problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`;
   }
 
-  private waiting(): unknown {
+  private renderLoading(): unknown {
     return this.known.result.state === "failed" ? nothing : html`<t-loading what="Loading the gateways"></t-loading>`;
   }
 
-  private content(known: Known): TemplateResult {
+  private renderContent(known: Known): TemplateResult {
     const living = known.gateways.filter((row) => row.revoked_us === 0);
     const gone = known.gateways.filter((row) => row.revoked_us > 0);
-    return html`${this.codes(known.codes)}
+    return html`${this.renderCodes(known.codes)}
       ${living.length === 0
         ? html`<t-empty heading="No gateway yet" icon="unlinked">
             <p>Enrol one: you get a command to run beside the robot, with a code that works once.</p>
           </t-empty>`
         : nothing}
-      ${this.list(living, known.devices)}
+      ${this.renderList(living, known.devices)}
       ${gone.length === 0
         ? nothing
         : html`<details>
             <summary>${gone.length === 1 ? "1 gateway was revoked" : `${String(gone.length)} gateways were revoked`}</summary>
-            ${this.list(gone, [])}
+            ${this.renderList(gone, [])}
           </details>`}`;
   }
 
-  private list(rows: readonly GatewayRow[], devices: readonly DeviceRow[]): unknown {
+  private renderList(rows: readonly GatewayRow[], devices: readonly DeviceRow[]): unknown {
     return repeat(
       rows,
       (row) => row.id,
@@ -119,14 +119,14 @@ export class PageGateways extends LitElement {
         class="sheet"
         .row=${row}
         .devices=${devices.filter(({ site }) => site === row.site)}
-        .siteName=${this.sites.store?.row(row.site)?.name ?? row.site}
+        .siteName=${this.sites.store?.siteRow(row.site)?.name ?? row.site}
         .zone=${this.sites.store?.zoneOf(row.site) ?? "UTC"}
-        @t-changed=${this.again}
+        @t-changed=${this.retry}
       ></t-gateway-sheet>`,
     );
   }
 
-  private codes(codes: readonly CodeRow[]): unknown {
+  private renderCodes(codes: readonly CodeRow[]): unknown {
     const now = Date.now() * 1000;
     const good = codes.filter((row) => row.expires_us > now);
     if (good.length === 0) return nothing;
@@ -143,8 +143,8 @@ export class PageGateways extends LitElement {
             </div>
             <t-button
               label=${`Withdraw the code for ${row.site}`}
-              ?busy=${this.action.under === row.id}
-              @click=${this.withdrawer(row)}
+              ?busy=${this.action.runningKey === row.id}
+              @click=${this.codeWithdrawer(row)}
               >Withdraw</t-button
             >
           </li>`,
@@ -153,23 +153,23 @@ export class PageGateways extends LitElement {
     </section>`;
   }
 
-  private withdrawer(row: CodeRow): () => void {
+  private codeWithdrawer(row: CodeRow): () => void {
     return () => {
       const api = new AdminApi(this.api);
-      void this.action.run("withdraw the code", () => api.withdrawCode(row.id), "", row.id).then(this.again);
+      void this.action.run("withdraw the code", () => api.withdrawCode(row.id), "", row.id).then(this.retry);
     };
   }
 
-  private readonly begin = (): void => {
+  private readonly openForm = (): void => {
     this.enrolling = true;
   };
 
-  private readonly end = (): void => {
+  private readonly closeForm = (): void => {
     this.enrolling = false;
   };
 
-  private readonly again = (): void => {
-    this.known.again();
+  private readonly retry = (): void => {
+    this.known.invalidate();
   };
 }
 

@@ -79,13 +79,13 @@ export class ExportMenu extends LitElement {
   override render(): TemplateResult {
     return html`<t-menu>
       <span slot="label">Export</span>
-      ${this.channels.length === 0 ? html`<p>Choose a signal first.</p>` : this.files()}
+      ${this.channels.length === 0 ? html`<p>Choose a signal first.</p>` : this.renderFiles()}
     </t-menu>`;
   }
 
-  private files(): TemplateResult {
+  private renderFiles(): TemplateResult {
     return html`
-      <t-choice label="How much" .options=${EXTENTS} chosen=${this.extent} @t-choose=${this.choose}></t-choice>
+      <t-choice label="How much" .options=${EXTENTS} chosen=${this.extent} @t-choose=${this.onChoose}></t-choice>
       <p>${SAYS[this.extent]} One row for each time, one column for each signal; times in UTC.</p>
       <div class="files">
         ${map(
@@ -102,7 +102,7 @@ export class ExportMenu extends LitElement {
     return { channels, ...this.span, width: this.extent === "drawn" ? this.width : 0, format };
   }
 
-  private readonly choose = (event: CustomEvent<string>): void => {
+  private readonly onChoose = (event: CustomEvent<string>): void => {
     this.extent = event.detail;
   };
 }

@@ -151,21 +151,21 @@ export class HistoryTools extends LitElement {
         label="Time range"
         .options=${QUICK}
         chosen=${quickOf(this.shown, Date.now() * 1000, clock)}
-        @t-choose=${this.quick}
+        @t-choose=${this.onQuickRange}
       ></t-choice>
       <details class="when" ?open=${this.wide.matches}>
         <summary>${this.spanText(clock)}</summary>
-        <div class="dates" @change=${this.typed}>
-          ${this.dateField("From", clock.toInput(this.span.fromUs))} ${this.dateField("To", clock.toInput(this.span.toUs))}
+        <div class="dates" @change=${this.onInput}>
+          ${this.renderDateField("From", clock.toInput(this.span.fromUs))} ${this.renderDateField("To", clock.toInput(this.span.toUs))}
           <span class="zone" title=${clock.zone}>${zoneName(this.span.toUs, clock.zone)}</span>
         </div>
       </details>
       <div class="moves">
-        <t-button label="Earlier" @click=${this.earlier}>←</t-button>
-        <t-button label="Later" @click=${this.later}>→</t-button>
-        <t-button label="Zoom in" @click=${this.closer}>+</t-button>
-        <t-button label="Zoom out" @click=${this.wider}>−</t-button>
-        <t-button pressed=${follows ? "true" : "false"} kind=${follows ? "primary" : "plain"} @click=${this.follow}
+        <t-button label="Earlier" @click=${this.moveEarlier}>←</t-button>
+        <t-button label="Later" @click=${this.moveLater}>→</t-button>
+        <t-button label="Zoom in" @click=${this.zoomIn}>+</t-button>
+        <t-button label="Zoom out" @click=${this.zoomOut}>−</t-button>
+        <t-button pressed=${follows ? "true" : "false"} kind=${follows ? "primary" : "plain"} @click=${this.toggleFollow}
           >${follows ? "Following live" : "Follow live"}</t-button
         >
       </div>
@@ -173,7 +173,7 @@ export class HistoryTools extends LitElement {
     `;
   }
 
-  private dateField(name: string, value: string): TemplateResult {
+  private renderDateField(name: string, value: string): TemplateResult {
     const invalid = this.wrong === "" ? "false" : "true";
     return html`<label
       ><span>${name}</span><input type="datetime-local" step="1" aria-invalid=${invalid} .value=${value}
@@ -190,11 +190,11 @@ export class HistoryTools extends LitElement {
     return clockOf(knownZone(this.zone));
   }
 
-  private readonly quick = (event: CustomEvent<string>): void => {
-    this.tell(quickShown(event.detail, Date.now() * 1000, this.clock()));
+  private readonly onQuickRange = (event: CustomEvent<string>): void => {
+    this.fireWindowChange(quickShown(event.detail, Date.now() * 1000, this.clock()));
   };
 
-  private readonly typed = (): void => {
+  private readonly onInput = (): void => {
     const clock = this.clock();
     const [fromUs, toUs] = [...this.inputs].map((input) => clock.fromInput(input.value));
     if (fromUs === undefined || toUs === undefined || Number.isNaN(fromUs) || Number.isNaN(toUs)) {
@@ -202,32 +202,32 @@ export class HistoryTools extends LitElement {
       return;
     }
     this.wrong = fromUs < toUs ? "" : "“From” must be before “to”.";
-    if (this.wrong === "") this.tell({ fromUs, toUs });
+    if (this.wrong === "") this.fireWindowChange({ fromUs, toUs });
   };
 
-  private readonly earlier = (): void => {
-    this.tell(pan(this.span, -lengthOf(this.span) / 2));
+  private readonly moveEarlier = (): void => {
+    this.fireWindowChange(pan(this.span, -lengthOf(this.span) / 2));
   };
 
-  private readonly later = (): void => {
-    this.tell(pan(this.span, lengthOf(this.span) / 2));
+  private readonly moveLater = (): void => {
+    this.fireWindowChange(pan(this.span, lengthOf(this.span) / 2));
   };
 
-  private readonly closer = (): void => {
-    this.tell(zoom(this.span, 0.5, (this.span.fromUs + this.span.toUs) / 2));
+  private readonly zoomIn = (): void => {
+    this.fireWindowChange(zoom(this.span, 0.5, (this.span.fromUs + this.span.toUs) / 2));
   };
 
-  private readonly wider = (): void => {
-    this.tell(zoom(this.span, 2, (this.span.fromUs + this.span.toUs) / 2));
+  private readonly zoomOut = (): void => {
+    this.fireWindowChange(zoom(this.span, 2, (this.span.fromUs + this.span.toUs) / 2));
   };
 
   /** From a window that stands still to one of the same length that goes on, and back. */
-  private readonly follow = (): void => {
-    if ("last" in this.shown) this.tell(spanOf(this.shown, this.span.toUs));
-    else this.tell({ last: Math.max(1, Math.round(lengthOf(this.span) / 1e6)) });
+  private readonly toggleFollow = (): void => {
+    if ("last" in this.shown) this.fireWindowChange(spanOf(this.shown, this.span.toUs));
+    else this.fireWindowChange({ last: Math.max(1, Math.round(lengthOf(this.span) / 1e6)) });
   };
 
-  private tell(detail: Shown): void {
+  private fireWindowChange(detail: Shown): void {
     this.wrong = "";
     this.dispatchEvent(new CustomEvent("t-shown", { detail }));
   }

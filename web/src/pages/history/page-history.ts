@@ -88,12 +88,12 @@ export class PageHistory extends LitElement {
   private readonly former = new LoadController<readonly StoredInfo[]>(this);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly window = new WindowController(this, {
-    search: () => this.router.store?.search ?? "",
-    go: (search) => this.router.store?.go(sitePath(this.site, "history") + search),
+    searchPart: () => this.router.store?.search ?? "",
+    navigate: (search) => this.router.store?.navigate(sitePath(this.site, "history") + search),
     width: () => this.width,
   });
   private readonly router = new StoreController(this, routerContext, () => {
-    this.window.rest();
+    this.window.applyAddress();
   });
   private readonly live = new LiveValuesController(this);
   private readonly films = new FilmController(
@@ -103,7 +103,7 @@ export class PageHistory extends LitElement {
       const { span } = this.window;
       const part = (us - span.fromUs) / lengthOf(span);
       // Playing, the window is turned like a page, with a little of the last one at its left.
-      this.window.move({ span: pan(span, (part - 0.05) * lengthOf(span)), settled: false });
+      this.window.applySpanChange({ span: pan(span, (part - 0.05) * lengthOf(span)), settled: false });
     },
   );
   /** The moment of the address that films were put to already. */
@@ -114,15 +114,15 @@ export class PageHistory extends LitElement {
   override connectedCallback(): void {
     super.connectedCallback();
     this.resized = new ResizeObserver(() => {
-      this.measure();
+      this.measureWidth();
     });
     this.resized.observe(this);
-    document.addEventListener("keydown", this.key);
+    document.addEventListener("keydown", this.onKeyDown);
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    document.removeEventListener("keydown", this.key);
+    document.removeEventListener("keydown", this.onKeyDown);
     this.resized?.disconnect();
     this.data?.close();
     this.data = null;
@@ -138,8 +138,8 @@ export class PageHistory extends LitElement {
     const { api, site } = this;
     // A gateway that comes back with another description has other signals.
     const described = [site, sites.catalogueOf(site)].join("\n");
-    this.detail.ask(described, () => sites.detail(site));
-    this.former.ask(described, () => api.former(site));
+    this.detail.load(described, () => sites.loadDetail(site));
+    this.former.load(described, () => api.formerChannels(site));
     const detail = this.detail.value;
     if (detail === undefined) return;
     this.rows = rowsOf(detail, this.former.value);
@@ -147,21 +147,21 @@ export class PageHistory extends LitElement {
     this.data ??= new WindowData(api, () => {
       this.requestUpdate();
     });
-    this.group();
-    this.ask(this.data, this.clock);
-    this.mark(this.data, detail);
-    this.film(detail);
-    this.live.observe(this.site, this.silent());
+    this.groupChannels();
+    this.loadWindow(this.data, this.clock);
+    this.buildMarks(this.data, detail);
+    this.loadFilms(detail);
+    this.live.observe(this.site, this.channelsWithoutData());
   }
 
   protected override updated(): void {
     // A film beside the charts takes some of their room.
     const filmed = this.films.reels.length > 0;
-    if (this.width === 0 || filmed !== this.filmed) this.measure();
+    if (this.width === 0 || filmed !== this.filmed) this.measureWidth();
     this.filmed = filmed;
   }
 
-  private measure(): void {
+  private measureWidth(): void {
     const width = this.charts?.clientWidth ?? 0;
     // A scroll bar that comes or goes is no reason to ask again.
     if (Math.abs(width - this.width) > 24) this.width = width;
@@ -174,17 +174,17 @@ export class PageHistory extends LitElement {
         <h1>History</h1>
         <p class="muted">${detail?.name ?? this.site}</p>
         ${detail === undefined ? nothing : html`<p class="utc">${utcSpan(this.window.span, detail.zone, this.window.nowUs)}</p>`}
-        ${detail === undefined ? nothing : this.menus()}
+        ${detail === undefined ? nothing : this.renderMenus()}
       </div>
       <p class="visually-hidden" aria-live="polite">${this.said}</p>
-      ${this.trouble(this.detail.result, "this site", this.siteAgain)}
-      ${detail !== undefined ? this.content(detail) : this.detail.result.state === "failed" ? nothing : html`<t-loading what="Loading the site"></t-loading>`}
+      ${this.renderProblem(this.detail.result, "this site", this.retrySite)}
+      ${detail !== undefined ? this.renderContent(detail) : this.detail.result.state === "failed" ? nothing : html`<t-loading what="Loading the site"></t-loading>`}
     `;
   }
 
-  private menus(): TemplateResult {
+  private renderMenus(): TemplateResult {
     const { view, span } = this.window;
-    const channels = this.chosen();
+    const channels = this.chosenChannels();
     const link = (shown: HistoryView["shown"]): string =>
       new URL(sitePath(this.site, "history") + writeView({ ...view, channels, shown, at: "last" in shown ? undefined : (this.films.cursorUs ?? undefined) }), location.href).href;
     return html`<div class="menus">
@@ -194,33 +194,33 @@ export class PageHistory extends LitElement {
     </div>`;
   }
 
-  private content(detail: SiteDetail): TemplateResult {
-    const chosen = this.chosen();
+  private renderContent(detail: SiteDetail): TemplateResult {
+    const chosen = this.chosenChannels();
     const { view, span } = this.window;
     return html`
-      <t-history-tools .shown=${view.shown} .span=${span} zone=${detail.zone} @t-shown=${this.showAnother}></t-history-tools>
-      <div class="body ${this.films.reels.length > 0 ? "filmed" : ""}" @t-moment=${this.momentAsked}>
+      <t-history-tools .shown=${view.shown} .span=${span} zone=${detail.zone} @t-shown=${this.onWindowChoice}></t-history-tools>
+      <div class="body ${this.films.reels.length > 0 ? "filmed" : ""}" @t-moment=${this.onMomentRequest}>
         <details class="pick" ?open=${this.wide.matches}>
           <summary>Signals <span class="count">${chosen.length}</span></summary>
-          <t-signal-picker .rows=${this.rows} .chosen=${chosen} ?incomplete=${this.former.result.state === "failed"} @t-pick=${this.pick}></t-signal-picker>
+          <t-signal-picker .rows=${this.rows} .chosen=${chosen} ?incomplete=${this.former.result.state === "failed"} @t-pick=${this.onChannelChoice}></t-signal-picker>
         </details>
         <div class="charts" aria-busy=${this.data?.now.state === "loading" ? "true" : "false"}>
-          <t-view-options .view=${view} .span=${span} zone=${detail.zone} @t-view=${this.viewChanged}></t-view-options>
-          ${this.trouble(this.data?.now, "the history of these signals", this.again)}
-          ${this.absent(chosen.length === 0)}
-          ${this.data === null || chosen.length === 0 ? nothing : this.chartList(detail, this.data)}
+          <t-view-options .view=${view} .span=${span} zone=${detail.zone} @t-view=${this.onViewChange}></t-view-options>
+          ${this.renderProblem(this.data?.now, "the history of these signals", this.retry)}
+          ${this.renderAbsent(chosen.length === 0)}
+          ${this.data === null || chosen.length === 0 ? nothing : this.renderChartList(detail, this.data)}
         </div>
-        ${this.filmPanel(detail)}
+        ${this.renderFilmPanel(detail)}
       </div>
     `;
   }
 
-  private chartList(detail: SiteDetail, data: WindowData): TemplateResult {
+  private renderChartList(detail: SiteDetail, data: WindowData): TemplateResult {
     const { now, ghost, statistics } = data;
     const { span, view } = this.window;
     const { ghostUs, painter, indent } = this;
     const cursorUs = this.shownCursor();
-    const newest = new Map(this.silent().map((address) => [address, this.live.reading(address)?.timeUs ?? 0]));
+    const newest = new Map(this.channelsWithoutData().map((address) => [address, this.live.reading(address)?.timeUs ?? 0]));
     const marks = view.without.length === 0 ? this.marks : this.marks.filter(({ kind }) => !view.without.includes(kind));
     const numbers = statistics.numbersOf(this.site, span);
     const fences = data.outliers.foundIn(this.site, span, view.outliers);
@@ -233,11 +233,11 @@ export class PageHistory extends LitElement {
         .span=${span}
         .indent=${indent}
         .more=${data.events.more}
-        problem=${data.without}
+        problem=${data.missingText}
         zone=${detail.zone}
-        @t-hide=${this.hide}
-        @t-cursor=${this.cursorMoved}
-        @click=${this.markClicked}
+        @t-hide=${this.onHiddenKinds}
+        @t-cursor=${this.onCursorMove}
+        @click=${this.onMarkClick}
       ></t-marks-lane>
       ${this.films.reels.length === 0
         ? nothing
@@ -266,17 +266,17 @@ export class PageHistory extends LitElement {
             ?joined=${view.joined}
             .loaded=${now.state === "ready"}
             zone=${detail.zone}
-            @t-span=${this.spanChanged}
-            @t-cursor=${this.cursorMoved}
-            @pointerdown=${this.chartPressed}
-            @click=${this.chartClicked}
-            @t-reset=${this.back}
+            @t-span=${this.onSpanChange}
+            @t-cursor=${this.onCursorMove}
+            @pointerdown=${this.onChartPress}
+            @click=${this.onChartClick}
+            @t-reset=${this.resetWindow}
           ></t-history-chart>`,
       )}
       <t-anomalies
         site=${this.site}
         edition=${detail.catalogue}
-        .channels=${this.chosen()}
+        .channels=${this.chosenChannels()}
         .span=${span}
         .indent=${indent}
         .painter=${painter}
@@ -291,7 +291,7 @@ export class PageHistory extends LitElement {
       </p>`;
   }
 
-  private filmPanel(detail: SiteDetail): unknown {
+  private renderFilmPanel(detail: SiteDetail): unknown {
     const { films } = this;
     if (films.reels.length === 0 || films.us === null) return nothing;
     return html`<t-film-panel
@@ -304,11 +304,11 @@ export class PageHistory extends LitElement {
       .speed=${films.speed}
       .chosen=${this.window.view.films ?? null}
       zone=${detail.zone}
-      @t-cameras=${this.camerasChosen}
+      @t-cameras=${this.onCamerasChange}
     ></t-film-panel>`;
   }
 
-  private trouble(load: { readonly state: string; readonly error?: unknown } | undefined, about: string, again: () => void): unknown {
+  private renderProblem(load: { readonly state: string; readonly error?: unknown } | undefined, about: string, again: () => void): unknown {
     if (load?.state !== "failed") return nothing;
     const advice = adviceFor(load.error, about);
     return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${again}></t-problem>`;
@@ -317,17 +317,17 @@ export class PageHistory extends LitElement {
   // ── what is shown ───────────────────────────────────────────────────────────────────────
 
   /** What the address asks for and is not here; what to do when nothing is chosen at all. @param empty nothing of it is here */
-  private absent(empty: boolean): unknown {
+  private renderAbsent(empty: boolean): unknown {
     const known = new Set(this.rows.map(({ address }) => address));
     const absent = (this.window.view.channels ?? []).filter((address) => !known.has(address));
-    if (absent.length === 0) return empty ? nothingChosen(this.rows) : nothing;
+    if (absent.length === 0) return empty ? renderNothingChosen(this.rows) : nothing;
     const { state } = this.former.result;
     if (state === "idle" || state === "loading") return empty ? html`<t-loading what="Looking for signals of before"></t-loading>` : nothing;
     const said = html`<p class="hint">Not at this site, or not open to you: ${absent.join(", ")}</p>`;
     return empty ? html`<t-empty heading="No such signal" icon="history">${said}</t-empty>` : said;
   }
 
-  private chosen(): string[] {
+  private chosenChannels(): string[] {
     const { channels } = this.window.view;
     if (channels === null) return firstChoice(this.rows);
     const known = new Set(this.rows.map(({ address }) => address));
@@ -340,18 +340,18 @@ export class PageHistory extends LitElement {
     return films.playing ? films.us : (this.cursorUs ?? films.cursorUs);
   }
 
-  private film(detail: SiteDetail): void {
+  private loadFilms(detail: SiteDetail): void {
     const { at, shown } = this.window.view;
     const names = new Map(detail.devices.flatMap(({ streams }) => streams.map(({ address, name }) => [address, name])));
-    this.films.ask(this.site, this.window.span, names);
+    this.films.load(this.site, this.window.span, names);
     if (at !== this.putTo && this.films.reels.length > 0) {
       this.putTo = at;
       if (at !== undefined && !("last" in shown)) this.films.seek(at);
     }
   }
 
-  private group(): void {
-    const chosen = this.chosen();
+  private groupChannels(): void {
+    const chosen = this.chosenChannels();
     const { most, axisWidth } = axesFor(this.window.view.joined, this.width);
     const rows = this.rows.filter(({ address }) => chosen.includes(address));
     const kinds = rows.map(({ address, former }) => `${address}${former ? " -" : ""}`);
@@ -363,15 +363,15 @@ export class PageHistory extends LitElement {
     this.indent = indentOf(Math.max(1, ...this.groups.map(({ rows }) => unitsOf(rows).length)), axisWidth);
   }
 
-  private ask(data: WindowData, clock: ZoneClock): void {
-    const { span, view, moving, following } = this.window;
+  private loadWindow(data: WindowData, clock: ZoneClock): void {
+    const { span, view, moving, isFollowing: following } = this.window;
     this.ghostUs = ghostUs(span, view.versus, clock);
     if (this.width === 0) return;
     const channels = this.groups.flatMap(({ rows }) => rows).map(({ address, maxAge }) => ({ address, maxAge }));
-    data.ask({ site: this.site, channels, span, width: this.width, ghostUs: this.ghostUs, moving: moving !== null, following, outliers: view.outliers });
+    data.loadWindow({ site: this.site, channels, span, width: this.width, ghostUs: this.ghostUs, moving: moving !== null, following, outliers: view.outliers });
   }
 
-  private mark({ events }: WindowData, detail: SiteDetail): void {
+  private buildMarks({ events }: WindowData, detail: SiteDetail): void {
     if (events === this.markedOf) return;
     // Nothing new happened: charts that got another list would be drawn again for it.
     const same = JSON.stringify(events.events) === JSON.stringify(this.markedOf?.events ?? []);
@@ -381,37 +381,37 @@ export class PageHistory extends LitElement {
   }
 
   /** Chosen channels of which nothing has come for this window. */
-  private silent(): string[] {
+  private channelsWithoutData(): string[] {
     const loader = this.data?.now;
     if (loader?.state !== "ready") return [];
     const live = new Set(this.rows.filter(({ former }) => !former).map(({ address }) => address));
-    return this.chosen().filter((address) => live.has(address) && loader.data.get(address)?.count === 0);
+    return this.chosenChannels().filter((address) => live.has(address) && loader.data.get(address)?.count === 0);
   }
 
-  private readonly showAnother = (event: CustomEvent<HistoryView["shown"]>): void => {
-    this.window.show({ shown: event.detail });
+  private readonly onWindowChoice = (event: CustomEvent<HistoryView["shown"]>): void => {
+    this.window.updateView({ shown: event.detail });
   };
 
-  private readonly hide = (event: CustomEvent<readonly MarkKind[]>): void => {
-    this.window.show({ without: event.detail });
+  private readonly onHiddenKinds = (event: CustomEvent<readonly MarkKind[]>): void => {
+    this.window.updateView({ without: event.detail });
   };
 
-  private readonly viewChanged = (event: CustomEvent<Partial<HistoryView>>): void => {
-    this.window.show(event.detail);
+  private readonly onViewChange = (event: CustomEvent<Partial<HistoryView>>): void => {
+    this.window.updateView(event.detail);
   };
 
-  private readonly pick = (event: CustomEvent<readonly string[]>): void => {
-    this.window.show({ channels: event.detail });
+  private readonly onChannelChoice = (event: CustomEvent<readonly string[]>): void => {
+    this.window.updateView({ channels: event.detail });
   };
 
-  private readonly spanChanged = (event: CustomEvent<SpanChange>): void => {
-    this.window.move(event.detail);
+  private readonly onSpanChange = (event: CustomEvent<SpanChange>): void => {
+    this.window.applySpanChange(event.detail);
   };
 
-  private readonly key = (event: KeyboardEvent): void => {
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
     const { clock } = this;
     if (clock === null || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (this.films.reels.length > 0 && !isTaken(event.key, event.composedPath()) && this.panel?.keyed(event.key) === true) {
+    if (this.films.reels.length > 0 && !isTaken(event.key, event.composedPath()) && this.panel?.handleKey(event.key) === true) {
       event.preventDefault();
       return;
     }
@@ -419,57 +419,57 @@ export class PageHistory extends LitElement {
     const wish = pageWish(event.key, event.shiftKey, this.window.span, clock);
     if (wish === null) return;
     event.preventDefault();
-    if (wish.wish === "back") this.window.back();
-    else if (wish.wish === "shown") this.window.show({ shown: wish.shown });
-    else this.window.move({ span: wish.span, settled: false });
+    if (wish.wish === "back") this.window.resetWindow();
+    else if (wish.wish === "shown") this.window.updateView({ shown: wish.shown });
+    else this.window.applySpanChange({ span: wish.span, settled: false });
     const { fromUs, toUs } = this.window.span;
     this.said = `${momentText(fromUs, clock.zone, DAY_US)} to ${momentText(toUs, clock.zone, DAY_US)}`;
   };
 
-  private readonly cursorMoved = (event: CustomEvent<number | null>): void => {
+  private readonly onCursorMove = (event: CustomEvent<number | null>): void => {
     this.cursorUs = event.detail;
     // The film goes where the pointer is, but not while it plays: then a click says so.
-    if (event.detail !== null && !this.films.playing && this.films.us !== null) this.films.glance(event.detail);
+    if (event.detail !== null && !this.films.playing && this.films.us !== null) this.films.previewMoment(event.detail);
   };
 
-  private readonly chartPressed = (event: PointerEvent): void => {
+  private readonly onChartPress = (event: PointerEvent): void => {
     this.pressedX = event.clientX;
   };
 
-  private readonly chartClicked = (event: MouseEvent): void => {
-    if (Math.abs(event.clientX - this.pressedX) < LEAST_DRAG) this.markClicked();
+  private readonly onChartClick = (event: MouseEvent): void => {
+    if (Math.abs(event.clientX - this.pressedX) < LEAST_DRAG) this.onMarkClick();
   };
 
-  private readonly markClicked = (): void => {
+  private readonly onMarkClick = (): void => {
     if (this.cursorUs !== null && this.films.us !== null) this.films.seek(this.cursorUs);
   };
 
-  private readonly momentAsked = (event: CustomEvent<number>): void => {
+  private readonly onMomentRequest = (event: CustomEvent<number>): void => {
     this.cursorUs = null;
     this.films.seek(event.detail);
     const { fromUs, toUs } = this.window.span;
-    if (event.detail < fromUs || event.detail > toUs) this.window.move({ span: pan(this.window.span, event.detail - (fromUs + toUs) / 2), settled: true });
+    if (event.detail < fromUs || event.detail > toUs) this.window.applySpanChange({ span: pan(this.window.span, event.detail - (fromUs + toUs) / 2), settled: true });
   };
 
-  private readonly camerasChosen = (event: CustomEvent<readonly string[]>): void => {
-    this.window.show({ films: event.detail });
+  private readonly onCamerasChange = (event: CustomEvent<readonly string[]>): void => {
+    this.window.updateView({ films: event.detail });
   };
 
-  private readonly back = (): void => {
-    this.window.back();
+  private readonly resetWindow = (): void => {
+    this.window.resetWindow();
   };
 
-  private readonly again = (): void => {
-    this.data?.forget();
+  private readonly retry = (): void => {
+    this.data?.invalidate();
     this.requestUpdate();
   };
 
-  private readonly siteAgain = (): void => {
-    this.detail.again();
+  private readonly retrySite = (): void => {
+    this.detail.invalidate();
   };
 }
 
-function nothingChosen(rows: readonly Row[]): TemplateResult {
+function renderNothingChosen(rows: readonly Row[]): TemplateResult {
   return rows.length === 0
     ? html`<t-empty heading="Nothing to show" icon="history"><p>This site has no signals that you may see.</p></t-empty>`
     : html`<t-empty heading="Choose a signal" icon="history"

@@ -62,7 +62,7 @@ export class ShareMenu extends LitElement {
       ${
         this.live === ""
           ? nothing
-          : html`<t-choice label="What the link opens" .options=${KINDS} chosen=${this.kind} @t-choose=${this.choose}></t-choice>`
+          : html`<t-choice label="What the link opens" .options=${KINDS} chosen=${this.kind} @t-choose=${this.onChoose}></t-choice>`
       }
       <input type="text" readonly aria-label="Link" .value=${this.link()} />
       <t-button kind="primary" @click=${this.copy}>Copy link</t-button>
@@ -74,7 +74,7 @@ export class ShareMenu extends LitElement {
     return this.kind === "live" && this.live !== "" ? this.live : this.fixed;
   }
 
-  private readonly choose = (event: CustomEvent<string>): void => {
+  private readonly onChoose = (event: CustomEvent<string>): void => {
     this.kind = event.detail;
   };
 

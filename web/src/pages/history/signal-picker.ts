@@ -104,29 +104,29 @@ export class SignalPicker extends LitElement {
     const devices = [...new Set(described.map(({ device }) => device))];
     return html`
       <div class="head">
-        <input type="search" placeholder="Filter" aria-label="Filter signals" @input=${this.typed} />
-        <t-button kind="quiet" ?disabled=${this.chosen.length === 0} @click=${this.none}>Clear</t-button>
+        <input type="search" placeholder="Filter" aria-label="Filter signals" @input=${this.onInput} />
+        <t-button kind="quiet" ?disabled=${this.chosen.length === 0} @click=${this.clearChoice}>Clear</t-button>
       </div>
       ${repeat(
         devices,
         (device) => device.id,
-        (device) => html`<fieldset @change=${this.toggled}>
+        (device) => html`<fieldset @change=${this.onToggle}>
           <legend>${device.name}</legend>
-          ${this.boxes(described.filter((row) => row.device === device))}
+          ${this.renderBoxes(described.filter((row) => row.device === device))}
         </fieldset>`,
       )}
       ${former.length === 0
         ? nothing
-        : html`<fieldset class="former" @change=${this.toggled}>
+        : html`<fieldset class="former" @change=${this.onToggle}>
             <legend>No longer in the description</legend>
-            ${this.boxes(former)}
+            ${this.renderBoxes(former)}
           </fieldset>`}
       ${this.incomplete ? html`<p class="muted">What is no longer described cannot be listed now.</p>` : nothing}
       ${fits.length === 0 && this.rows.length > 0 ? html`<p class="muted">No signal is called like this.</p>` : nothing}
     `;
   }
 
-  private boxes(rows: readonly Row[]): unknown {
+  private renderBoxes(rows: readonly Row[]): unknown {
     return repeat(
       rows,
       (row) => row.address,
@@ -138,24 +138,24 @@ export class SignalPicker extends LitElement {
     );
   }
 
-  private readonly typed = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     if (event.target instanceof HTMLInputElement) this.filter = event.target.value;
   };
 
-  private readonly toggled = (event: Event): void => {
+  private readonly onToggle = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     const { value, checked } = event.target;
     const next = new Set(this.chosen);
     if (checked) next.add(value);
     else next.delete(value);
-    this.tell(this.rows.map(({ address }) => address).filter((address) => next.has(address)));
+    this.fireChoice(this.rows.map(({ address }) => address).filter((address) => next.has(address)));
   };
 
-  private readonly none = (): void => {
-    this.tell([]);
+  private readonly clearChoice = (): void => {
+    this.fireChoice([]);
   };
 
-  private tell(detail: readonly string[]): void {
+  private fireChoice(detail: readonly string[]): void {
     this.dispatchEvent(new CustomEvent("t-pick", { detail }));
   }
 }

@@ -57,18 +57,18 @@ export class ViewOptions extends LitElement {
     const known = versus === 0 || DAYS.some(({ days }) => days === versus);
     const other = this.choosing || !known;
     return html`
-      <t-button pressed=${view.joined ? "true" : "false"} @click=${this.join}>Units in one chart</t-button>
-      <t-outlier-tool .k=${view.outliers} @t-outliers=${this.pointOut}></t-outlier-tool>
+      <t-button pressed=${view.joined ? "true" : "false"} @click=${this.onJoinChange}>Units in one chart</t-button>
+      <t-outlier-tool .k=${view.outliers} @t-outliers=${this.onOutliersChange}></t-outlier-tool>
       <label
         >Compare with
-        <select @change=${this.compare}>
+        <select @change=${this.onCompareChange}>
           <option value="0" .selected=${versus === 0 && !other}>nothing</option>
           ${map(DAYS, ({ days, name }) => html`<option value=${days} .selected=${days === versus && !other}>${name}</option>`)}
           <option value=${OTHER} .selected=${other}>another day…</option>
         </select>
       </label>
       ${other
-        ? html`<input type="date" aria-label="Day to compare with" .value=${this.clock().toInput(this.then()).slice(0, 10)} @change=${this.dated} />`
+        ? html`<input type="date" aria-label="Day to compare with" .value=${this.clock().toInput(this.comparedDayUs()).slice(0, 10)} @change=${this.onDateChange} />`
         : nothing}
     `;
   }
@@ -77,25 +77,25 @@ export class ViewOptions extends LitElement {
     return clockOf(knownZone(this.zone));
   }
 
-  private then(): number {
+  private comparedDayUs(): number {
     return this.clock().sameTime(this.span.fromUs, -(this.view?.versus ?? 0));
   }
 
-  private readonly join = (): void => {
-    this.tell({ joined: this.view?.joined !== true });
+  private readonly onJoinChange = (): void => {
+    this.fireChange({ joined: this.view?.joined !== true });
   };
 
-  private readonly pointOut = (event: CustomEvent<number>): void => {
-    this.tell({ outliers: event.detail });
+  private readonly onOutliersChange = (event: CustomEvent<number>): void => {
+    this.fireChange({ outliers: event.detail });
   };
 
-  private readonly compare = (event: Event): void => {
+  private readonly onCompareChange = (event: Event): void => {
     if (!(event.target instanceof HTMLSelectElement)) return;
     this.choosing = event.target.value === OTHER;
-    if (!this.choosing) this.tell({ versus: Number(event.target.value) });
+    if (!this.choosing) this.fireChange({ versus: Number(event.target.value) });
   };
 
-  private readonly dated = (event: Event): void => {
+  private readonly onDateChange = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     const clock = this.clock();
     // Days are counted at their middle: those on which summer time begins or ends have another length.
@@ -103,10 +103,10 @@ export class ViewOptions extends LitElement {
     const now = clock.fromInput(`${clock.toInput(this.span.fromUs).slice(0, 10)}T12:00:00`);
     if (!Number.isFinite(then)) return;
     this.choosing = false;
-    this.tell({ versus: Math.round((now - then) / DAY_US) });
+    this.fireChange({ versus: Math.round((now - then) / DAY_US) });
   };
 
-  private tell(detail: Partial<HistoryView>): void {
+  private fireChange(detail: Partial<HistoryView>): void {
     this.dispatchEvent(new CustomEvent("t-view", { detail }));
   }
 }

@@ -8,9 +8,9 @@ import { readView, spanOf, writeView, type HistoryView } from "./history-query.j
 
 /** The address bar, as far as it is this page's. */
 export interface Bar {
-  search(): string;
+  searchPart(): string;
   /** Goes to the same page with another search part. */
-  go(search: string): void;
+  navigate(search: string): void;
   /** Pixels of a chart's width. */
   width(): number;
 }
@@ -41,34 +41,34 @@ export class WindowController implements ReactiveController {
   }
 
   hostConnected(): void {
-    this.follow();
+    this.followNow();
   }
 
   hostDisconnected(): void {
     clearTimeout(this.timer);
-    this.rest();
+    this.applyAddress();
     this.before.length = 0;
   }
 
   get view(): HistoryView {
-    return readView(this.bar.search());
+    return readView(this.bar.searchPart());
   }
 
   get span(): Span {
     return this.moving ?? spanOf(this.view.shown, this.nowUs);
   }
 
-  get following(): boolean {
+  get isFollowing(): boolean {
     return this.moving === null && "last" in this.view.shown;
   }
 
   /** The address has changed: it says what is shown. */
-  rest(): void {
+  applyAddress(): void {
     clearTimeout(this.settling);
     this.moving = null;
   }
 
-  show(part: Partial<HistoryView>): void {
+  updateView(part: Partial<HistoryView>): void {
     const now = this.view;
     if (part.shown !== undefined) {
       this.before.push(now.shown);
@@ -76,52 +76,52 @@ export class WindowController implements ReactiveController {
     }
     // Another window begins where its own films do.
     const at = part.shown === undefined ? now.at : undefined;
-    this.go({ ...now, at, ...part });
+    this.showView({ ...now, at, ...part });
   }
 
   /** Fingers, keys or the wheel ask for a window. */
-  move({ span, settled }: SpanChange): void {
+  applySpanChange({ span, settled }: SpanChange): void {
     clearTimeout(this.settling);
     const latest = Date.now() * 1000 + Math.max(lengthOf(span) * AHEAD, SECOND_US);
     const next = notAfter(span, latest);
     if (settled) {
-      this.show({ shown: { fromUs: Math.round(next.fromUs), toUs: Math.round(next.toUs) } });
+      this.updateView({ shown: { fromUs: Math.round(next.fromUs), toUs: Math.round(next.toUs) } });
       return;
     }
     this.moving = next;
     this.settling = setTimeout(() => {
-      this.move({ span: next, settled: true });
+      this.applySpanChange({ span: next, settled: true });
     }, SETTLE_MS);
     this.host.requestUpdate();
   }
 
   /** The window from before; without one, twice as much about the same middle. */
-  back(): void {
+  resetWindow(): void {
     const shown = this.before.pop();
-    if (shown !== undefined) this.go({ ...this.view, shown });
-    else this.move({ span: zoom(this.span, 2, (this.span.fromUs + this.span.toUs) / 2), settled: false });
+    if (shown !== undefined) this.showView({ ...this.view, shown });
+    else this.applySpanChange({ span: zoom(this.span, 2, (this.span.fromUs + this.span.toUs) / 2), settled: false });
   }
 
-  private go(view: HistoryView): void {
-    this.rest();
+  private showView(view: HistoryView): void {
+    this.applyAddress();
     this.nowUs = Date.now() * 1000;
-    this.bar.go(writeView(view));
+    this.bar.navigate(writeView(view));
     this.host.requestUpdate();
-    this.follow();
+    this.followNow();
   }
 
   /** Moves the window on, as often as it is worth it. */
-  private follow(): void {
+  private followNow(): void {
     clearTimeout(this.timer);
     const { shown } = this.view;
     const pixelMs = "last" in shown ? (shown.last * 1000) / Math.max(300, this.bar.width()) : Infinity;
     const everyMs = Math.min(HOUR_US / 1000, Math.max(FOLLOW_LEAST_MS, pixelMs * FOLLOW_PIXELS));
     this.timer = setTimeout(() => {
-      if (document.visibilityState === "visible" && this.following) {
+      if (document.visibilityState === "visible" && this.isFollowing) {
         this.nowUs = Date.now() * 1000;
         this.host.requestUpdate();
       }
-      this.follow();
+      this.followNow();
     }, everyMs);
   }
 }

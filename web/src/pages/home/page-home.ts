@@ -55,17 +55,17 @@ export class PageHome extends LitElement {
         <h1>Sites</h1>
         ${sites.list.length === 0 ? nothing : html`<p class="muted">${summary(sites)}</p>`}
       </div>
-      ${this.trouble(sites)} ${this.content(sites)}
+      ${this.renderProblem(sites)} ${this.renderContent(sites)}
     `;
   }
 
-  private trouble(sites: Sites): unknown {
+  private renderProblem(sites: Sites): unknown {
     if (sites.status !== "failed") return nothing;
-    const advice = adviceFor(sites.error, "the list of sites");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    const advice = adviceFor(sites.renderError, "the list of sites");
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
   }
 
-  private content(sites: Sites): unknown {
+  private renderContent(sites: Sites): unknown {
     if (sites.list.length > 0) {
       const alone = sites.list.length === 1;
       return html`<ul class=${alone ? "sites alone" : "sites"}>
@@ -89,7 +89,7 @@ export class PageHome extends LitElement {
     }
   }
 
-  private readonly again = (): void => {
+  private readonly retry = (): void => {
     void this.sites.store?.load();
   };
 }

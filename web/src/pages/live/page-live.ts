@@ -76,25 +76,25 @@ export class PageLive extends LitElement {
   private readonly watching = new DetectorsController(this);
   private readonly action = new ActionController(this);
   private readonly link = new LinkController(this, (connection) => [
-    connection.on("event", (news) => {
+    connection.onMessage("event", (news) => {
       if (news.site !== this.site) return;
       this.marks.add([news]);
       this.requestUpdate();
     }),
-    connection.on("subscribed", ({ refused }) => {
+    connection.onMessage("subscribed", ({ refused }) => {
       if (refused.length > 0) this.refused = new Set([...this.refused, ...refused]);
     }),
   ]);
 
   override connectedCallback(): void {
     super.connectedCallback();
-    window.addEventListener("keydown", this.key);
+    window.addEventListener("keydown", this.onKeyDown);
     this.requestUpdate();
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    window.removeEventListener("keydown", this.key);
+    window.removeEventListener("keydown", this.onKeyDown);
     this.feed?.close();
     this.feed = null;
   }
@@ -106,19 +106,19 @@ export class PageLive extends LitElement {
       this.feed?.close();
       this.feed = null;
       this.marks.clear();
-      void this.lookBack();
+      void this.loadPastEvents();
     }
     if (sites === undefined || connection === undefined || this.api === undefined) return;
-    this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)} ${String(sites.row(this.site)?.online)}`, () => sites.detail(this.site));
+    this.detail.load(`${this.site} ${sites.catalogueOf(this.site)} ${String(sites.siteRow(this.site)?.online)}`, () => sites.loadDetail(this.site));
     const detail = this.detail.value;
     if (detail === undefined || !this.isConnected) return;
-    this.feed ??= new ChartFeed(this.site, connection, this.api, this.cameIn, this.lengthUs);
-    this.watching.ask(this.api, this.site, detail.catalogue);
-    const signals = this.groups(detail).flatMap((group) => group.signals);
+    this.feed ??= new ChartFeed(this.site, connection, this.api, this.onSiteLoaded, this.lengthUs);
+    this.watching.loadDetectors(this.api, this.site, detail.catalogue);
+    const signals = this.groupSignals(detail).flatMap((group) => group.signals);
     const shown = new Set(signals.map(({ address }) => address));
     const { book } = this.watching;
-    this.feed.listen(signals, book.list.filter(({ address }) => shown.has(address)).map(({ scores }) => scores));
-    if (book.list !== this.bookOf) this.sort(book.list);
+    this.feed.subscribeSignals(signals, book.list.filter(({ address }) => shown.has(address)).map(({ scores }) => scores));
+    if (book.list !== this.bookOf) this.sortByMember(book.list);
   }
 
   override render(): TemplateResult {
@@ -130,13 +130,13 @@ export class PageLive extends LitElement {
           <p class="muted">${detail?.name ?? this.site}</p>
           ${detail === undefined ? nothing : html`<t-clock zone=${detail.zone}></t-clock>`}
         </div>
-        ${detail === undefined ? nothing : this.tools(detail)}
+        ${detail === undefined ? nothing : this.renderTools(detail)}
       </div>
-      ${this.trouble()} ${this.said()} ${detail === undefined ? this.waiting() : this.content(detail)}
+      ${this.renderProblem()} ${this.renderMessage()} ${detail === undefined ? this.renderLoading() : this.renderContent(detail)}
     `;
   }
 
-  private tools(detail: SiteDetail): TemplateResult {
+  private renderTools(detail: SiteDetail): TemplateResult {
     const secondary = detail.devices.flatMap(({ signals }) => signals).filter(({ primary }) => !primary).length;
     return html`<div class="tools" role="toolbar" aria-label="Charts">
       <t-choice label="Time shown" .options=${WINDOWS} chosen=${this.seconds} @t-choose=${this.chooseWindow}></t-choice>
@@ -154,23 +154,23 @@ export class PageLive extends LitElement {
               >Show all <span class="count">+${secondary}</span></t-button
             >`
       }
-      <t-outlier-tool .k=${this.outliers} @t-outliers=${this.pointOut}></t-outlier-tool>
+      <t-outlier-tool .k=${this.outliers} @t-outliers=${this.onOutliersChange}></t-outlier-tool>
       <input
         type="search"
         aria-label="Filter signals"
         placeholder="Filter"
         .value=${this.filter}
-        @input=${this.typeFilter}
+        @input=${this.onFilterInput}
       />
     </div>`;
   }
 
   /** What stands between the person and fresh values, said once, above all. */
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const detail = this.detail.result;
     if (detail.state === "failed") {
       const advice = adviceFor(detail.error, "this site");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
     }
     if (this.feed?.backfill === "failed") {
       return html`<t-banner>Earlier samples could not be loaded; the charts fill as new ones come.</t-banner>`;
@@ -179,42 +179,42 @@ export class PageLive extends LitElement {
   }
 
   /** What became of "not an anomaly", and whether there are scores at all. */
-  private said(): TemplateResult {
-    const { problem, done } = this.action;
+  private renderMessage(): TemplateResult {
+    const { problem, doneText: done } = this.action;
     const failed = this.watching.state === "failed";
     return html`<p class="said" role="status">${done}</p>
       ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
       ${
         failed
-          ? html`<t-banner>The anomaly detectors could not be asked; charts go on without them. <t-button kind="quiet" @click=${this.watchAgain}>Try again</t-button></t-banner>`
+          ? html`<t-banner>The anomaly detectors could not be asked; charts go on without them. <t-button kind="quiet" @click=${this.resumeFollowing}>Try again</t-button></t-banner>`
           : nothing
       }`;
   }
 
   /** Lists that stay the same while nothing new is known: tiles are drawn again for others only. */
-  private sort(list: readonly Detector[]): void {
+  private sortByMember(list: readonly Detector[]): void {
     this.bookOf = list;
     const addresses = new Set(list.map(({ address }) => address));
     const { book } = this.watching;
-    this.detectorsOf = new Map([...addresses].map((address) => [address, book.of(address)]));
+    this.detectorsOf = new Map([...addresses].map((address) => [address, book.detectorsOf(address)]));
     this.anomaliesOf = new Map([...addresses].map((address) => [address, book.anomalies(address)]));
   }
 
-  private waiting(): unknown {
+  private renderLoading(): unknown {
     return this.detail.result.state === "failed" ? nothing : html`<t-loading what="Loading the site"></t-loading>`;
   }
 
-  private content(detail: SiteDetail): TemplateResult {
-    const groups = this.groups(detail);
-    if (groups.length === 0) return this.empty(detail);
+  private renderContent(detail: SiteDetail): TemplateResult {
+    const groups = this.groupSignals(detail);
+    if (groups.length === 0) return this.renderEmpty(detail);
     return html`${repeat(
       groups,
       ({ device }) => device.id,
-      (group) => this.group(group, detail),
+      (group) => this.renderGroup(group, detail),
     )}`;
   }
 
-  private group({ device, signals }: Group, detail: SiteDetail): TemplateResult {
+  private renderGroup({ device, signals }: Group, detail: SiteDetail): TemplateResult {
     return html`<section aria-labelledby=${`device-${device.id}`}>
       <h2 id=${`device-${device.id}`}>${device.name}</h2>
       <div class="charts">
@@ -229,14 +229,14 @@ export class PageLive extends LitElement {
               .painter=${this.painter}
               .colour=${device.signals.indexOf(signal)}
               .paused=${this.paused}
-              .cut=${this.cut()}
+              .cut=${this.isLinkLost()}
               .outliers=${this.outliers}
-              .marks=${this.marks.of(device.id)}
+              .marks=${this.marks.marksOf(device.id)}
               .detectors=${this.detectorsOf.get(signal.address) ?? NO_DETECTORS}
               .anomalies=${this.anomaliesOf.get(signal.address) ?? NO_ANOMALIES}
               ?may-forgive=${this.watching.book.mayForgive}
               ?busy=${this.action.busy}
-              @t-forgive=${this.forgiveIt}
+              @t-forgive=${this.onForgive}
               .forbidden=${signal.channels.some((channel) => this.refused.has(channel))}
               zone=${detail.zone}
             ></t-chart-tile>`,
@@ -246,11 +246,11 @@ export class PageLive extends LitElement {
   }
 
   /** The shell says so in words; here it keeps young values from looking fresh. */
-  private cut(): boolean {
-    return this.link.state === "lost" || this.sites.store?.row(this.site)?.online === false;
+  private isLinkLost(): boolean {
+    return this.link.state === "lost" || this.sites.store?.siteRow(this.site)?.online === false;
   }
 
-  private empty(detail: SiteDetail): TemplateResult {
+  private renderEmpty(detail: SiteDetail): TemplateResult {
     if (detail.devices.every(({ signals }) => signals.length === 0)) {
       return html`<t-empty heading="Nothing to show" icon="live"
         ><p>This site has no signals that you may see. They are named in its site description.</p></t-empty
@@ -263,7 +263,7 @@ export class PageLive extends LitElement {
   }
 
   // A filter looks through all signals: who types a name wants to find it.
-  private groups(detail: SiteDetail): Group[] {
+  private groupSignals(detail: SiteDetail): Group[] {
     const words = this.filter.toLowerCase().split(/\s+/).filter(Boolean);
     const fits = (device: DeviceInfo, signal: SignalInfo): boolean => {
       if (words.length === 0) return this.all || signal.primary;
@@ -279,13 +279,13 @@ export class PageLive extends LitElement {
     return Number(this.seconds) * SECOND_US;
   }
 
-  private readonly cameIn = (): void => {
-    this.painter.wake();
+  private readonly onSiteLoaded = (): void => {
+    this.painter.wakeUp();
     if (this.feed?.backfill === "failed") this.requestUpdate();
   };
 
   /** What alarms did in the longest window that can be shown. Without it the charts are as good. */
-  private async lookBack(): Promise<void> {
+  private async loadPastEvents(): Promise<void> {
     const { site, api } = this;
     if (site === "" || api === undefined) return;
     const query = new URLSearchParams({ kind: "alarm", from_us: String(Math.round(Date.now() * 1000 - LONGEST_US)), limit: "200" });
@@ -295,15 +295,15 @@ export class PageLive extends LitElement {
     this.requestUpdate();
   }
 
-  private readonly again = (): void => {
-    this.detail.again();
+  private readonly retry = (): void => {
+    this.detail.invalidate();
   };
 
-  private readonly watchAgain = (): void => {
-    this.watching.again();
+  private readonly resumeFollowing = (): void => {
+    this.watching.retry();
   };
 
-  private readonly forgiveIt = (event: CustomEvent<Detector>): void => {
+  private readonly onForgive = (event: CustomEvent<Detector>): void => {
     event.stopPropagation();
     void this.forgive(event.detail);
   };
@@ -312,19 +312,19 @@ export class PageLive extends LitElement {
     const { api, site } = this;
     if (api === undefined) return;
     // How it stands then comes over the socket, to every page.
-    await this.action.run("tell the detector", () => api.forgive(site, address, detector), `Noted: ${address} is as usual for “${name}”.`);
+    await this.action.run("tell the detector", () => api.dismissAnomaly(site, address, detector), `Noted: ${address} is as usual for “${name}”.`);
   }
 
   private readonly chooseWindow = (event: CustomEvent<string>): void => {
     this.seconds = event.detail;
-    this.feed?.show(this.lengthUs);
+    this.feed?.setLength(this.lengthUs);
   };
 
   private readonly togglePause = (): void => {
     this.paused = !this.paused;
   };
 
-  private readonly pointOut = (event: CustomEvent<number>): void => {
+  private readonly onOutliersChange = (event: CustomEvent<number>): void => {
     this.outliers = event.detail;
   };
 
@@ -332,7 +332,7 @@ export class PageLive extends LitElement {
     this.all = !this.all;
   };
 
-  private readonly typeFilter = (event: Event): void => {
+  private readonly onFilterInput = (event: Event): void => {
     if (event.target instanceof HTMLInputElement) this.filter = event.target.value.trim();
   };
 
@@ -341,7 +341,7 @@ export class PageLive extends LitElement {
     this.all = true;
   };
 
-  private readonly key = (event: KeyboardEvent): void => {
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
     if (event.key !== " " || event.repeat || event.defaultPrevented || event.ctrlKey || event.altKey || event.metaKey) return;
     // Space already means something on a button, a field, a choice.
     const target = event.composedPath()[0];

@@ -51,10 +51,10 @@ export class InSight extends LitElement {
   constructor() {
     super();
     new LinkController(this, (connection) => [
-      connection.on("sighting", (news) => {
+      connection.onMessage("sighting", (news) => {
         if (news.site !== this.site) return;
         clearTimeout(this.timer);
-        this.timer = setTimeout(() => void this.load(), SOON_MS);
+        this.timer = setTimeout(() => void this.loadSightings(), SOON_MS);
       }),
     ]);
   }
@@ -66,11 +66,11 @@ export class InSight extends LitElement {
 
   override willUpdate(): void {
     const sites = this.sites.store;
-    if (sites !== undefined) this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
+    if (sites !== undefined) this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     if (this.asked === this.site) return;
     this.asked = this.site;
     this.rows = [];
-    void this.load();
+    void this.loadSightings();
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -105,10 +105,10 @@ export class InSight extends LitElement {
     return streams.find(({ address }) => address === camera)?.name ?? camera;
   }
 
-  private async load(): Promise<void> {
+  private async loadSightings(): Promise<void> {
     const { site } = this;
     try {
-      const found = await new SightingsApi(this.api, site).find(`open=true&limit=${String(MOST)}`);
+      const found = await new SightingsApi(this.api, site).findSightings(`open=true&limit=${String(MOST)}`);
       if (site !== this.site) return;
       this.rows = found.sightings;
       this.more = found.more;

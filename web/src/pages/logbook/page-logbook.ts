@@ -21,7 +21,7 @@ import type { SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { RecordingsApi, type RecordingRow } from "../../wire/recordings-api.js";
 import { sightingPicturePath } from "../../wire/sightings-api.js";
-import { listed } from "../infinite-list-view.js";
+import { renderListed } from "../infinite-list-view.js";
 import { historyQuery } from "../sightings/sightings-query.js";
 import {
   KINDS,
@@ -93,21 +93,21 @@ export class PageLogbook extends LitElement {
   constructor() {
     super();
     new LinkController(this, (connection) => [
-      connection.on("event", (news) => {
+      connection.onMessage("event", (news) => {
         if (news.site !== this.site) return;
-        this.list.soon();
+        this.list.scheduleRefresh();
         // One that has come to the hub is linked from what it holds.
-        if (news.kind.startsWith("recording")) this.recordings.again();
+        if (news.kind.startsWith("recording")) this.recordings.invalidate();
       }),
     ]);
   }
 
   override willUpdate(): void {
     const sites = this.sites.store;
-    if (sites !== undefined) this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
+    if (sites !== undefined) this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     // Who may not see them has no links to them, and that is all.
-    this.recordings.ask(this.site, async () => (await new RecordingsApi(this.api).list(this.site)).recordings);
-    this.list.ask(`${this.site}\n${writeFilter(this.filter())}`);
+    this.recordings.load(this.site, async () => (await new RecordingsApi(this.api).list(this.site)).recordings);
+    this.list.load(`${this.site}\n${writeFilter(this.filter())}`);
   }
 
   override render(): TemplateResult {
@@ -115,7 +115,7 @@ export class PageLogbook extends LitElement {
     return html`<div class="head">
         <div>
           <h1>Logbook</h1>
-          <p class="muted">What happened at ${this.sites.store?.row(this.site)?.name ?? this.site}, who did it and why; newest first.</p>
+          <p class="muted">What happened at ${this.sites.store?.siteRow(this.site)?.name ?? this.site}, who did it and why; newest first.</p>
         </div>
         <div class="actions">
           <a href="/alarms">Alarms</a>
@@ -124,7 +124,7 @@ export class PageLogbook extends LitElement {
         </div>
       </div>
       <section class="sheet" aria-label="Filter">
-        <form class="filter" novalidate @submit=${this.form.chosen} @input=${this.form.typed}>
+        <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
           <t-field label="Search"><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
           <t-field label="What">
             <select name="kind">
@@ -142,27 +142,27 @@ export class PageLogbook extends LitElement {
             </select>
           </t-field>
           <label class="tick"><input name="bad" type="checkbox" .checked=${filter.bad} /> Only what went wrong</label>
-          <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clear}>Clear</t-button>
+          <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
         </form>
       </section>
       ${showsInSight(filter) ? html`<t-in-sight .site=${this.site} .zone=${this.sites.store?.zoneOf(this.site) ?? "UTC"}></t-in-sight>` : nothing}
-      ${listed(this.list, {
+      ${renderListed(this.list, {
         label: "Events",
         what: "the logbook",
-        row: (row) => this.row(row),
-        nothing: () => this.nothing(filter),
+        row: (row) => this.renderRow(row),
+        nothing: () => this.renderEmpty(filter),
       })}`;
   }
 
-  private nothing(filter: LogbookFilter): TemplateResult {
+  private renderEmpty(filter: LogbookFilter): TemplateResult {
     const all = writeFilter(filter) === "";
     return html`<t-empty heading="Nothing fits" icon="logbook">
       <p>${all ? "Nothing has happened yet." : "Nothing in the logbook is like this."}</p>
-      ${all ? nothing : html`<t-button @click=${this.form.clear}>Show everything</t-button>`}
+      ${all ? nothing : html`<t-button @click=${this.form.clearFilter}>Show everything</t-button>`}
     </t-empty>`;
   }
 
-  private row(row: EventShape): TemplateResult {
+  private renderRow(row: EventShape): TemplateResult {
     const zone = this.sites.store?.zoneOf(this.site) ?? "UTC";
     const seen = row.sighting ?? null;
     const device = this.detail.value?.devices.find(({ id }) => id === row.device);

@@ -19,7 +19,7 @@ export class PageLogout extends LitElement {
 
   override render(): TemplateResult {
     const session = this.session.store;
-    if (session?.leaving === true) return html`<t-loading what="Logging out"></t-loading>`;
+    if (session?.isSigningOut === true) return html`<t-loading what="Logging out"></t-loading>`;
     const person = session?.person ?? null;
     // An address that somebody else wrote must not end a session: it is asked for.
     return person === null
@@ -31,12 +31,12 @@ export class PageLogout extends LitElement {
       : html`<div class="sheet">
           <h1>Log out?</h1>
           <p>You are signed in as ${person.name}. A device that you hold is let go.</p>
-          <t-button kind="primary" @click=${this.leave}>Log out</t-button>
+          <t-button kind="primary" @click=${this.endSession}>Log out</t-button>
           <p><a href="/">Stay signed in</a></p>
         </div>`;
   }
 
-  private readonly leave = (): void => {
+  private readonly endSession = (): void => {
     void this.action.run("log you out", () => this.session.store?.logout() ?? Promise.resolve());
   };
 }

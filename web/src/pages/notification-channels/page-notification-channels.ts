@@ -49,10 +49,10 @@ export class PageWays extends LitElement {
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly known = new LoadController<readonly WayShape[]>(this);
   private readonly action = new ActionController(this);
-  private readonly tester = new Tester(this, this.action, (id) => new NotifyApi(this.api).testWay(id));
+  private readonly tester = new Tester(this, this.action, (id) => new NotifyApi(this.api).testChannel(id));
 
   override willUpdate(): void {
-    this.known.ask("ways", async () => (await new NotifyApi(this.api).ways()).ways);
+    this.known.load("ways", async () => (await new NotifyApi(this.api).listChannels()).ways);
   }
 
   override render(): TemplateResult {
@@ -64,36 +64,36 @@ export class PageWays extends LitElement {
           <h1>Notification</h1>
           <p class="muted">The servers by which people are told of alarms. Each person then chooses on the account page.</p>
         </div>
-        ${this.editing === null ? html`<t-button class="add" kind="primary" @click=${this.add}>Add a way</t-button>` : nothing}
+        ${this.editing === null ? html`<t-button class="add" kind="primary" @click=${this.addChannel}>Add a way</t-button>` : nothing}
       </div>
       ${advice === null ? nothing : html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`}
-      ${this.editing === null ? this.trouble() : nothing}
+      ${this.editing === null ? this.renderProblem() : nothing}
       ${this.editing === null
         ? nothing
         : // Another form for each: what is typed for one way, a password too, is for no other.
-          keyed(this.editing, this.wish(value?.find(({ id }) => id === this.editing)))}
-      ${value === undefined ? (advice === null ? html`<t-loading what="Loading the ways"></t-loading>` : nothing) : this.list(value)}
+          keyed(this.editing, this.renderForm(value?.find(({ id }) => id === this.editing)))}
+      ${value === undefined ? (advice === null ? html`<t-loading what="Loading the ways"></t-loading>` : nothing) : this.renderList(value)}
       <t-confirm
         ?open=${this.removing !== null}
         heading="Remove ${this.removing?.name ?? "this way"}?"
         action="Remove"
         ?busy=${this.action.busy}
         .problem=${this.action.problem}
-        @t-confirm=${this.erase}
-        @t-close=${this.unask}
+        @t-confirm=${this.removeChannel}
+        @t-close=${this.closeQuestion}
       >
         <p>Nobody is told by it any more; the rules that use it go, too.</p>
       </t-confirm>`;
   }
 
-  private trouble(): TemplateResult | typeof nothing {
+  private renderProblem(): TemplateResult | typeof nothing {
     const { problem } = this.action;
     // What is to be removed says it where it is asked.
     if (problem === null || this.removing !== null) return nothing;
     return html`<t-problem class="wide" what=${problem.what} how=${problem.how}></t-problem>`;
   }
 
-  private list(ways: readonly WayShape[]): TemplateResult {
+  private renderList(ways: readonly WayShape[]): TemplateResult {
     if (ways.length === 0) {
       return html`<t-empty heading="Nobody is told of alarms yet" icon="bell"><p>They are on every page all the same.</p></t-empty>`;
     }
@@ -102,13 +102,13 @@ export class PageWays extends LitElement {
         ${repeat(
           ways,
           ({ id }) => id,
-          (way) => this.way(way),
+          (way) => this.renderFilmLink(way),
         )}
       </ul>
     </section>`;
   }
 
-  private way(way: WayShape): TemplateResult {
+  private renderFilmLink(way: WayShape): TemplateResult {
     const kind = KINDS.find((one) => one.kind === way.kind)?.name ?? way.kind;
     return html`<li data-way=${way.id}>
       <div>
@@ -118,41 +118,41 @@ export class PageWays extends LitElement {
           ${way.sender === "" ? nothing : html`<span>${way.sender}</span>`}
           ${way.secrets.length === 0 || way.kind === "push" ? nothing : html`<span>${way.secrets.join(", ")} kept, never shown</span>`}
         </div>
-        <t-went .went=${this.tester.went(way.id)}></t-went>
+        <t-went .went=${this.tester.lastResult(way.id)}></t-went>
       </div>
       <div class="actions">
-        <t-button label=${`Send a test: ${way.name}`} ?busy=${this.tester.busy(way.id)} @click=${this.tester.presser(way.id)}>Send a test</t-button>
-        <t-button class="change" label=${`Change ${way.name}`} @click=${this.changer(way)}>Change…</t-button>
-        <t-button label=${`Remove ${way.name}`} @click=${this.asker(way)}>Remove…</t-button>
+        <t-button label=${`Send a test: ${way.name}`} ?busy=${this.tester.isRunning(way.id)} @click=${this.tester.testAction(way.id)}>Send a test</t-button>
+        <t-button class="change" label=${`Change ${way.name}`} @click=${this.editOpener(way)}>Change…</t-button>
+        <t-button label=${`Remove ${way.name}`} @click=${this.removeAsker(way)}>Remove…</t-button>
       </div>
     </li>`;
   }
 
-  private wish(way: WayShape | undefined): TemplateResult {
+  private renderForm(way: WayShape | undefined): TemplateResult {
     return html`<section class="sheet" aria-labelledby="wish">
       <h2 id="wish">${way === undefined ? "A new way" : `Change ${way.name}`}</h2>
-      <form class="entry" novalidate autocomplete="off" @submit=${this.submitted}>
+      <form class="entry" novalidate autocomplete="off" @submit=${this.onSubmit}>
         <t-field label="Name"><input name="name" maxlength="200" .value=${way?.name ?? ""} /></t-field>
         ${way === undefined
           ? html`<t-field label="Kind">
-              <select name="kind" @change=${this.choose}>
+              <select name="kind" @change=${this.onKindChange}>
                 ${map(KINDS, ({ kind, name }) => html`<option value=${kind} .selected=${kind === this.kind}>${name}</option>`)}
               </select>
             </t-field>`
           : nothing}
-        ${this.fields(way)}
+        ${this.renderFields(way)}
         <div class="actions">
           <t-button type="submit" kind="primary" ?busy=${this.action.busy}>${way === undefined ? "Add it" : "Save"}</t-button>
-          <t-button @click=${this.close}>Cancel</t-button>
+          <t-button @click=${this.closeForm}>Cancel</t-button>
         </div>
-        ${this.trouble()}
+        ${this.renderProblem()}
       </form>
     </section>`;
   }
 
-  private fields(way: WayShape | undefined): TemplateResult {
+  private renderFields(way: WayShape | undefined): TemplateResult {
     const kept = (name: string): string => (way?.secrets.includes(name) === true ? "Kept; write only to change it" : "");
-    const secret = (name: string, label: string, hint: string): TemplateResult =>
+    const renderSecret = (name: string, label: string, hint: string): TemplateResult =>
       html`<t-field label=${label} hint=${kept(name) || hint}><input name=${name} type="password" autocomplete="new-password" maxlength="2000" /></t-field>`;
     switch (this.kind) {
       case "mail":
@@ -165,12 +165,12 @@ export class PageWays extends LitElement {
           </t-field>
           <t-field label="Sender"><input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} /></t-field>
           <t-field label="User"><input name="user" maxlength="200" .value=${way?.user ?? ""} /></t-field>
-          ${secret("password", "Password", "Kept sealed, and never shown again")}`;
+          ${renderSecret("password", "Password", "Kept sealed, and never shown again")}`;
       case "webhook":
-        return html`${secret("url", "Address", "https://…; kept sealed, and never shown again")}
-        ${secret("token", "Bearer token", "If the other side wants one")}`;
+        return html`${renderSecret("url", "Address", "https://…; kept sealed, and never shown again")}
+        ${renderSecret("token", "Bearer token", "If the other side wants one")}`;
       case "chat":
-        return html`${secret("url", "Address", "ntfys://host/topic, matrixs://user:password@host/#room, tgram://token/chat")}`;
+        return html`${renderSecret("url", "Address", "ntfys://host/topic, matrixs://user:password@host/#room, tgram://token/chat")}`;
       case "push":
         return html`<t-field label="Mail address of an admin" hint="For the push services, if something is wrong">
           <input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} />
@@ -178,17 +178,17 @@ export class PageWays extends LitElement {
     }
   }
 
-  private readonly add = (): void => {
-    this.begin("", "mail");
+  private readonly addChannel = (): void => {
+    this.openForm("", "mail");
   };
 
-  private changer(way: WayShape): () => void {
+  private editOpener(way: WayShape): () => void {
     return () => {
-      this.begin(way.id, way.kind);
+      this.openForm(way.id, way.kind);
     };
   }
 
-  private begin(id: string, kind: Kind): void {
+  private openForm(id: string, kind: Kind): void {
     this.action.clear();
     this.kind = kind;
     this.editing = id;
@@ -196,18 +196,18 @@ export class PageWays extends LitElement {
   }
 
   /** Back to the button that opened the form. */
-  private readonly close = (): void => {
+  private readonly closeForm = (): void => {
     const { editing } = this;
     this.action.clear();
     this.editing = null;
     void focusIn(this, editing === null || editing === "" ? ".add" : `li[data-way="${editing}"] .change`);
   };
 
-  private readonly choose = (event: Event): void => {
+  private readonly onKindChange = (event: Event): void => {
     if (event.target instanceof HTMLSelectElement) this.kind = event.target.value as Kind;
   };
 
-  private readonly submitted = (event: Event): void => {
+  private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
     if (this.editing === null || !(event.currentTarget instanceof HTMLFormElement)) return;
     const data = new FormData(event.currentTarget);
@@ -220,29 +220,29 @@ export class PageWays extends LitElement {
       security: security === "tls" || security === "none" ? security : "starttls", sender: text("sender"), user: text("user"), secrets,
     };
     const id = this.editing;
-    void this.action.run("keep the way", () => new NotifyApi(this.api).putWay(id, way)).then((done) => {
-      if (done) this.close();
-      this.known.again();
+    void this.action.run("keep the way", () => new NotifyApi(this.api).saveChannel(id, way)).then((done) => {
+      if (done) this.closeForm();
+      this.known.invalidate();
     });
   };
 
-  private asker(way: WayShape): () => void {
+  private removeAsker(way: WayShape): () => void {
     return () => {
       this.action.clear();
       this.removing = way;
     };
   }
 
-  private readonly unask = (): void => {
+  private readonly closeQuestion = (): void => {
     this.removing = null;
   };
 
-  private readonly erase = (): void => {
+  private readonly removeChannel = (): void => {
     const way = this.removing;
     if (way === null) return;
-    void this.action.run("remove the way", () => new NotifyApi(this.api).removeWay(way.id)).then((done) => {
+    void this.action.run("remove the way", () => new NotifyApi(this.api).removeChannel(way.id)).then((done) => {
       if (done) this.removing = null;
-      this.known.again();
+      this.known.invalidate();
     });
   };
 }

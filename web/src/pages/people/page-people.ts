@@ -58,7 +58,7 @@ export class PagePeople extends LitElement {
   private readonly action = new ActionController(this);
 
   override willUpdate(): void {
-    this.everyone.ask("everyone", async () => {
+    this.everyone.load("everyone", async () => {
       const api = new AdminApi(this.api);
       const [people, roles] = await Promise.all([api.people(), api.roles()]);
       return { people, roles };
@@ -75,34 +75,34 @@ export class PagePeople extends LitElement {
         </div>
         ${this.adding || everyone === undefined
           ? nothing
-          : html`<t-button kind="primary" @click=${this.begin}>Add a person</t-button>`}
+          : html`<t-button kind="primary" @click=${this.openForm}>Add a person</t-button>`}
       </div>
-      <p class="visually-hidden" role="status">${this.action.done}</p>
+      <p class="visually-hidden" role="status">${this.action.doneText}</p>
       ${this.adding && everyone !== undefined
         ? html`<t-person-form
             class="sheet"
             .roles=${everyone.roles}
             .problem=${this.action.problem}
             ?busy=${this.action.busy}
-            @t-add=${this.add}
-            @t-cancel=${this.cancel}
+            @t-add=${this.addPerson}
+            @t-cancel=${this.closeForm}
           ></t-person-form>`
         : nothing}
-      ${this.trouble()} ${everyone === undefined ? this.waiting() : this.list(everyone)}`;
+      ${this.renderProblem()} ${everyone === undefined ? this.renderLoading() : this.renderList(everyone)}`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.everyone;
     if (result.state !== "failed") return nothing;
     const advice = adviceFor(result.error, "the list of people");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
   }
 
-  private waiting(): unknown {
+  private renderLoading(): unknown {
     return this.everyone.result.state === "failed" ? nothing : html`<t-loading what="Loading the people"></t-loading>`;
   }
 
-  private list({ people, roles }: Everyone): TemplateResult {
+  private renderList({ people, roles }: Everyone): TemplateResult {
     const me = this.session.store?.person?.name ?? "";
     return html`<ul class="sheet">
       ${repeat(
@@ -115,41 +115,41 @@ export class PagePeople extends LitElement {
             .zone=${this.sites.store?.zone ?? "UTC"}
             ?self=${row.name === me}
             ?open=${row.id === this.open}
-            @t-toggle=${this.toggler(row)}
-            @t-changed=${this.again}
+            @t-toggle=${this.detailsToggler(row)}
+            @t-changed=${this.retry}
           ></t-person-row>
         </li>`,
       )}
     </ul>`;
   }
 
-  private toggler(row: PersonRow): () => void {
+  private detailsToggler(row: PersonRow): () => void {
     return () => {
       this.open = this.open === row.id ? "" : row.id;
     };
   }
 
-  private readonly begin = (): void => {
+  private readonly openForm = (): void => {
     this.adding = true;
     this.action.clear();
   };
 
-  private readonly cancel = (): void => {
+  private readonly closeForm = (): void => {
     this.adding = false;
     this.action.clear();
   };
 
-  private readonly again = (): void => {
-    this.everyone.again();
+  private readonly retry = (): void => {
+    this.everyone.invalidate();
   };
 
-  private readonly add = (event: CustomEvent<NewPerson>): void => {
+  private readonly addPerson = (event: CustomEvent<NewPerson>): void => {
     const { name, password, role } = event.detail;
     const api = new AdminApi(this.api);
     void this.action.run(`add ${name}`, () => api.addPerson(name, password, role), `${name} is added.`).then((done) => {
       if (!done) return;
       this.adding = false;
-      this.again();
+      this.retry();
     });
   };
 }

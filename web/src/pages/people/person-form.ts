@@ -57,11 +57,11 @@ export class PersonForm extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<form novalidate @submit=${this.submit}>
+    return html`<form novalidate @submit=${this.onSubmit}>
       <h2>Add a person</h2>
       <div class="fields">
         <t-field label="Name" error=${this.errors.name}>
-          <input id="name" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="100" @input=${this.type} />
+          <input id="name" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="100" @input=${this.onInput} />
         </t-field>
         <t-field label="Role" hint="What it may do stands on the page of roles.">
           <select id="role">
@@ -72,10 +72,10 @@ export class PersonForm extends LitElement {
           </select>
         </t-field>
         <t-field label="First password" hint="Tell it to the person; they can change it." error=${this.errors.password}>
-          <input id="password" type="password" autocomplete="new-password" @input=${this.type} />
+          <input id="password" type="password" autocomplete="new-password" @input=${this.onInput} />
         </t-field>
         <t-field label="First password, once more">
-          <input id="again" type="password" autocomplete="new-password" @input=${this.type} />
+          <input id="again" type="password" autocomplete="new-password" @input=${this.onInput} />
         </t-field>
       </div>
       <t-rules .rules=${this.rules()}></t-rules>
@@ -84,7 +84,7 @@ export class PersonForm extends LitElement {
         : html`<t-problem what=${this.problem.what} how=${this.problem.how}></t-problem>`}
       <div class="actions">
         <t-button type="submit" kind="primary" ?busy=${this.busy}>Add this person</t-button>
-        <t-button @click=${this.cancel}>Cancel</t-button>
+        <t-button @click=${this.onCancel}>Cancel</t-button>
       </div>
     </form>`;
   }
@@ -93,17 +93,17 @@ export class PersonForm extends LitElement {
     return passwordRules(this.typed.password, this.typed.name, this.typed.again);
   }
 
-  private readonly type = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     this.typed = { ...this.typed, [event.target.id]: event.target.value };
     this.errors = { name: "", password: "" };
   };
 
-  private readonly cancel = (): void => {
+  private readonly onCancel = (): void => {
     this.dispatchEvent(new CustomEvent("t-cancel"));
   };
 
-  private readonly submit = (event: SubmitEvent): void => {
+  private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     if (this.busy) return;
     const name = this.typed.name.trim();

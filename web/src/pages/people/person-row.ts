@@ -118,44 +118,44 @@ export class PersonLine extends LitElement {
           >${this.open ? "Close" : "Edit"}</t-button
         >
       </div>
-      ${this.open ? this.more(row) : nothing} ${this.asked(row)}`;
+      ${this.open ? this.renderDetails(row) : nothing} ${this.renderQuestion(row)}`;
   }
 
-  private more(row: PersonRow): TemplateResult {
-    const { problem, done } = this.action;
+  private renderDetails(row: PersonRow): TemplateResult {
+    const { problem, doneText: done } = this.action;
     return html`<div class="more">
       ${problem === null || this.question !== ""
         ? nothing
         : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
-      <form novalidate @submit=${this.giveRole}>
+      <form novalidate @submit=${this.changeRole}>
         <t-field label="Role" hint="They are signed out, and have it when they sign in again.">
           <select id="role">
             ${map(this.roles, ({ name }) => html`<option value=${name} .selected=${name === row.role}>${name}</option>`)}
           </select>
         </t-field>
-        <t-button type="submit" ?busy=${this.action.under === "role"}>Give this role</t-button>
+        <t-button type="submit" ?busy=${this.action.runningKey === "role"}>Give this role</t-button>
       </form>
-      <form novalidate @submit=${this.givePassword}>
+      <form novalidate @submit=${this.changePassword}>
         <t-field label="New password" hint="All their sessions end with it." error=${this.trouble}>
           <input id="password" type="password" autocomplete="new-password" />
         </t-field>
-        <t-button type="submit" ?busy=${this.action.under === "password"}>Set this password</t-button>
+        <t-button type="submit" ?busy=${this.action.runningKey === "password"}>Set this password</t-button>
       </form>
       <div class="actions">
-        <t-button ?disabled=${row.sessions === 0} ?busy=${this.action.under === "sessions"} @click=${this.endSessions}
+        <t-button ?disabled=${row.sessions === 0} ?busy=${this.action.runningKey === "sessions"} @click=${this.endSessions}
           >End all sessions</t-button
         >
-        ${row.factor ? html`<t-button @click=${this.ask("factor")}>Remove the second factor…</t-button>` : nothing}
+        ${row.factor ? html`<t-button @click=${this.questionOpener("factor")}>Remove the second factor…</t-button>` : nothing}
         ${row.disabled
-          ? html`<t-button ?busy=${this.action.under === "enable"} @click=${this.enable}>Enable</t-button>`
-          : html`<t-button @click=${this.ask("disable")}>Disable…</t-button>`}
-        <t-button @click=${this.ask("remove")}>Remove…</t-button>
+          ? html`<t-button ?busy=${this.action.runningKey === "enable"} @click=${this.enable}>Enable</t-button>`
+          : html`<t-button @click=${this.questionOpener("disable")}>Disable…</t-button>`}
+        <t-button @click=${this.questionOpener("remove")}>Remove…</t-button>
         <span class="said" role="status">${done}</span>
       </div>
     </div>`;
   }
 
-  private asked(row: PersonRow): TemplateResult {
+  private renderQuestion(row: PersonRow): TemplateResult {
     const words = WORDS[this.question];
     return html`<t-confirm
       heading=${words.heading.replace("{}", row.name)}
@@ -163,20 +163,20 @@ export class PersonLine extends LitElement {
       ?open=${this.question !== ""}
       ?busy=${this.action.busy}
       .problem=${this.question === "" ? null : this.action.problem}
-      @t-confirm=${this.doIt}
-      @t-close=${this.leave}
+      @t-confirm=${this.confirmQuestion}
+      @t-close=${this.closeQuestion}
       ><p>${words.what}</p></t-confirm
     >`;
   }
 
-  private ask(question: Question): () => void {
+  private questionOpener(question: Question): () => void {
     return () => {
       this.action.clear();
       this.question = question;
     };
   }
 
-  private readonly leave = (): void => {
+  private readonly closeQuestion = (): void => {
     this.question = "";
     this.action.clear();
   };
@@ -187,7 +187,7 @@ export class PersonLine extends LitElement {
     this.dispatchEvent(new CustomEvent("t-toggle"));
   };
 
-  private readonly doIt = (): void => {
+  private readonly confirmQuestion = (): void => {
     const { row, question } = this;
     if (row === null) return;
     const api = new AdminApi(this.api);
@@ -195,35 +195,35 @@ export class PersonLine extends LitElement {
       case "":
         return;
       case "remove":
-        void this.do(`remove ${row.name}`, () => api.removePerson(row.id), "");
+        void this.runAction(`remove ${row.name}`, () => api.removePerson(row.id), "");
         return;
       case "factor":
-        void this.do("remove the second factor", () => api.removeFactor(row.id), "The second factor is removed.");
+        void this.runAction("remove the second factor", () => api.removeFactor(row.id), "The second factor is removed.");
         return;
       case "disable":
-        void this.do(`disable ${row.name}`, () => api.changePerson(row.id, { disabled: true }), "Disabled.");
+        void this.runAction(`disable ${row.name}`, () => api.changePerson(row.id, { disabled: true }), "Disabled.");
     }
   };
 
   private readonly enable = (): void => {
     const id = this.row?.id ?? "";
-    void this.do("enable this person", () => new AdminApi(this.api).changePerson(id, { disabled: false }), "Enabled.", "enable");
+    void this.runAction("enable this person", () => new AdminApi(this.api).changePerson(id, { disabled: false }), "Enabled.", "enable");
   };
 
   private readonly endSessions = (): void => {
     const id = this.row?.id ?? "";
-    void this.do("end the sessions", () => new AdminApi(this.api).endSessions(id), "All sessions are ended.", "sessions");
+    void this.runAction("end the sessions", () => new AdminApi(this.api).endSessions(id), "All sessions are ended.", "sessions");
   };
 
-  private readonly giveRole = (event: SubmitEvent): void => {
+  private readonly changeRole = (event: SubmitEvent): void => {
     event.preventDefault();
     const id = this.row?.id ?? "";
     const role = this.roleBox.value;
     if (role === this.row?.role) return;
-    void this.do("change the role", () => new AdminApi(this.api).changePerson(id, { role }), `The role is ${role} now.`, "role");
+    void this.runAction("change the role", () => new AdminApi(this.api).changePerson(id, { role }), `The role is ${role} now.`, "role");
   };
 
-  private readonly givePassword = (event: SubmitEvent): void => {
+  private readonly changePassword = (event: SubmitEvent): void => {
     event.preventDefault();
     const { row } = this;
     if (row === null) return;
@@ -231,12 +231,12 @@ export class PersonLine extends LitElement {
     this.trouble = passwordTrouble(passwordRules(password, row.name, password));
     if (this.trouble !== "") return;
     const change = (): Promise<unknown> => new AdminApi(this.api).changePerson(row.id, { password });
-    void this.do("set the password", change, "The password is set.", "password").then((done) => {
+    void this.runAction("set the password", change, "The password is set.", "password").then((done) => {
       if (done) this.password.value = "";
     });
   };
 
-  private async do(asked: string, action: () => Promise<unknown>, done: string, key = asked): Promise<boolean> {
+  private async runAction(asked: string, action: () => Promise<unknown>, done: string, key = asked): Promise<boolean> {
     if (!(await this.action.run(asked, action, done, key))) return false;
     this.question = "";
     this.dispatchEvent(new CustomEvent("t-changed"));

@@ -69,7 +69,7 @@ export class PagePublic extends LitElement {
     const sites = this.sites.store;
     if (sites?.status !== "ready") return;
     const question = sites.list.map((row) => `${row.site} ${sites.catalogueOf(row.site)}`).join("\n");
-    this.details.ask(question, () => Promise.all(sites.list.map((row) => sites.detail(row.site))));
+    this.details.load(question, () => Promise.all(sites.list.map((row) => sites.loadDetail(row.site))));
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -81,18 +81,18 @@ export class PagePublic extends LitElement {
           <p class="muted">What everybody may see who signs in here.</p>
         </div>
       </div>
-      ${this.trouble(sites)} ${this.content(sites)}`;
+      ${this.renderProblem(sites)} ${this.renderContent(sites)}`;
   }
 
-  private trouble(sites: Sites): unknown {
+  private renderProblem(sites: Sites): unknown {
     const { result } = this.details;
-    const error = sites.status === "failed" ? sites.error : result.state === "failed" ? result.error : null;
+    const error = sites.status === "failed" ? sites.renderError : result.state === "failed" ? result.error : null;
     if (error === null) return nothing;
     const advice = adviceFor(error, "the public data");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
   }
 
-  private content(sites: Sites): unknown {
+  private renderContent(sites: Sites): unknown {
     const details = this.details.value;
     if (details === undefined) {
       const failed = sites.status === "failed" || this.details.result.state === "failed";
@@ -109,12 +109,12 @@ export class PagePublic extends LitElement {
     return repeat(
       shown,
       ({ detail }) => detail.site,
-      ({ detail, devices }) => this.siteView(detail, devices, sites),
+      ({ detail, devices }) => this.renderSiteView(detail, devices, sites),
     );
   }
 
-  private siteView(detail: SiteDetail, devices: readonly PublicDevice[], sites: Sites): TemplateResult {
-    const row = sites.row(detail.site);
+  private renderSiteView(detail: SiteDetail, devices: readonly PublicDevice[], sites: Sites): TemplateResult {
+    const row = sites.siteRow(detail.site);
     const online = (row?.online ?? detail.online) && this.link.state === "open";
     return html`<section aria-labelledby=${`site-${detail.site}`}>
       <div class="site">
@@ -131,13 +131,13 @@ export class PagePublic extends LitElement {
         ${repeat(
           devices,
           ({ device }) => device.id,
-          (one) => this.deviceView(detail.site, one, online),
+          (one) => this.renderDeviceView(detail.site, one, online),
         )}
       </div>
     </section>`;
   }
 
-  private deviceView(site: string, { device, signals, streams }: PublicDevice, online: boolean): TemplateResult {
+  private renderDeviceView(site: string, { device, signals, streams }: PublicDevice, online: boolean): TemplateResult {
     return html`<div class="sheet">
       <h3><a href=${devicePath(site, device.id)}>${device.name}</a></h3>
       ${repeat(
@@ -164,9 +164,9 @@ export class PagePublic extends LitElement {
     </div>`;
   }
 
-  private readonly again = (): void => {
+  private readonly retry = (): void => {
     void this.sites.store?.load();
-    this.details.again();
+    this.details.invalidate();
   };
 }
 

@@ -103,18 +103,18 @@ export class PageRecordings extends LitElement {
 
   override willUpdate(): void {
     const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
-    this.known.ask(`${this.site} ${String(turn)}`, () => new RecordingsApi(this.api).list(this.site));
+    this.known.load(`${this.site} ${String(turn)}`, () => new RecordingsApi(this.api).list(this.site));
   }
 
   /** Brings the recording into view that holds the moment which the address names. */
   override updated(): void {
-    const named = this.named();
+    const named = this.siteId();
     if (named === this.shownFor || this.atMoment === null) return;
     this.shownFor = named;
     this.atMoment.scrollIntoView({ block: "center" });
   }
 
-  private named(): string {
+  private siteId(): string {
     return new URLSearchParams(this.router.store?.search ?? "").get("at") ?? "";
   }
 
@@ -124,16 +124,16 @@ export class PageRecordings extends LitElement {
         <div>
           <h1>Recordings</h1>
           <p class="muted">
-            Raw topics of ${this.sites.store?.row(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick
+            Raw topics of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick
             and <code>ros2 bag</code>, and films of its cameras, which play beside the history.
           </p>
         </div>
         <a href=${sitePath(this.site, "history")}>History</a>
       </div>
-      ${this.trouble()} ${known === undefined ? this.waiting() : this.content(known)}`;
+      ${this.renderProblem()} ${known === undefined ? this.renderLoading() : this.renderContent(known)}`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.known;
     const { problem } = this.action;
     if (result.state === "failed") {
@@ -145,14 +145,14 @@ export class PageRecordings extends LitElement {
     return problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`;
   }
 
-  private waiting(): unknown {
+  private renderLoading(): unknown {
     return this.known.result.state === "failed" ? nothing : html`<t-loading what="Loading the recordings"></t-loading>`;
   }
 
-  private content(known: RecordingList): TemplateResult {
+  private renderContent(known: RecordingList): TemplateResult {
     const rows = known.recordings;
     const total = rows.reduce((sum, row) => sum + row.have, 0);
-    return html`${this.recorder(known.recorder, known.zone)}
+    return html`${this.renderRecorder(known.recorder, known.zone)}
       ${rows.length === 0
         ? html`<t-empty heading="Nothing was recorded yet" icon="history">
             <p>What is recorded at the gateway comes here by itself.</p>
@@ -163,7 +163,7 @@ export class PageRecordings extends LitElement {
               ${repeat(
                 rows,
                 (row) => row.id,
-                (row) => this.row(row, known),
+                (row) => this.renderRow(row, known),
               )}
             </ul>
           </section>`}
@@ -173,15 +173,15 @@ export class PageRecordings extends LitElement {
         action="Delete"
         ?busy=${this.action.busy}
         .problem=${this.action.problem}
-        @t-confirm=${this.erase}
-        @t-close=${this.keep}
+        @t-confirm=${this.removeRecording}
+        @t-close=${this.closeQuestion}
       >
         <p>${this.removing?.why ?? ""}</p>
         <p>Its file is gone for good then; the history stays.</p>
       </t-confirm>`;
   }
 
-  private recorder(now: RecorderRow, zone: string): TemplateResult {
+  private renderRecorder(now: RecorderRow, zone: string): TemplateResult {
     if (!now.described) {
       return html`<section class="sheet" aria-label="Recorder">
         <p class="muted">
@@ -199,7 +199,7 @@ export class PageRecordings extends LitElement {
       ${now.on ? html`<p class="why">${now.why}${now.who === "" ? "" : ` · ${now.who}`}</p>` : nothing}
       ${now.filming.length === 0 ? nothing : html`<p class="why">Filming: ${now.filming.join(", ")}</p>`}
       ${now.problem === "" ? nothing : html`<t-problem what="The last recording failed." how=${now.problem}></t-problem>`}
-      ${now.may_record && now.topics.length + now.cameras.length > 0 ? this.control(now) : nothing}
+      ${now.may_record && now.topics.length + now.cameras.length > 0 ? this.renderControl(now) : nothing}
       ${now.cameras.length === 0
         ? nothing
         : html`<p class="note">
@@ -214,27 +214,27 @@ export class PageRecordings extends LitElement {
     </section>`;
   }
 
-  private control(now: RecorderRow): TemplateResult {
+  private renderControl(now: RecorderRow): TemplateResult {
     if (now.on) {
-      return html`<div class="actions"><t-button kind="primary" ?busy=${this.action.under === "end"} @click=${this.end}>End the recording</t-button></div>`;
+      return html`<div class="actions"><t-button kind="primary" ?busy=${this.action.runningKey === "end"} @click=${this.stopRecording}>End the recording</t-button></div>`;
     }
-    return html`<form @submit=${this.begin}>
+    return html`<form @submit=${this.startRecording}>
       <t-field label="Why (optional)">
-        <input maxlength="500" autocomplete="off" .value=${this.why} @input=${this.typed} ?disabled=${!now.online} />
+        <input maxlength="500" autocomplete="off" .value=${this.why} @input=${this.onInput} ?disabled=${!now.online} />
       </t-field>
-      <t-button type="submit" kind="primary" ?disabled=${!now.online} ?busy=${this.action.under === "begin"}>Record</t-button>
+      <t-button type="submit" kind="primary" ?disabled=${!now.online} ?busy=${this.action.runningKey === "begin"}>Record</t-button>
     </form>
     <p class="note">
       It begins ${formatDuration(now.before_s)} ago: so much is held at the gateway at all times.
     </p>`;
   }
 
-  private row(row: RecordingRow, known: RecordingList): TemplateResult {
+  private renderRow(row: RecordingRow, known: RecordingList): TemplateResult {
     const [kind, word] = STATES[row.state];
     const { zone, recorder } = known;
     const part = row.size > 0 ? row.have / row.size : 0;
     const told = row.state === "uploading" ? `${word}, ${formatNumber(100 * part, 0)} %` : word;
-    const at = this.named() === "" ? NaN : Number(this.named());
+    const at = this.siteId() === "" ? NaN : Number(this.siteId());
     const named = row.begin_us <= at && at <= row.end_us;
     return html`<li class=${named ? "named" : ""} aria-current=${named ? "true" : nothing}>
       <div>
@@ -260,64 +260,64 @@ export class PageRecordings extends LitElement {
         ${row.state === "complete"
           ? html`<a href=${recordingPath(this.site, row.id)} download aria-label=${`Download ${row.id}`}>Download</a>`
           : nothing}
-        <a href=${this.around(row)} aria-label=${row.stream === "" ? `The history around ${row.id}` : `Watch ${row.id}`}
+        <a href=${this.historyAround(row)} aria-label=${row.stream === "" ? `The history around ${row.id}` : `Watch ${row.id}`}
           >${row.stream === "" ? "History" : "Watch"}</a
         >
         ${recorder.may_delete
-          ? html`<t-button label=${`Delete ${row.id}`} @click=${this.asker(row)}>Delete</t-button>`
+          ? html`<t-button label=${`Delete ${row.id}`} @click=${this.removeAsker(row)}>Delete</t-button>`
           : nothing}
       </div>
     </li>`;
   }
 
   /** The history page at the recording's time. */
-  private around(row: RecordingRow): string {
+  private historyAround(row: RecordingRow): string {
     const from = row.begin_us - AROUND_S * 1e6;
     const to = row.end_us + AROUND_S * 1e6;
     const film = row.stream === "" ? "" : `&at=${String(row.begin_us)}`;
     return `${sitePath(this.site, "history")}?from=${String(from)}&to=${String(to)}${film}`;
   }
 
-  private readonly typed = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     if (event.target instanceof HTMLInputElement) this.why = event.target.value;
   };
 
-  private readonly begin = (event: Event): void => {
+  private readonly startRecording = (event: Event): void => {
     event.preventDefault();
     const api = new RecordingsApi(this.api);
     void this.action
       .run("begin the recording", () => api.record(this.site, true, this.why), "", "begin")
       .then((done) => {
         if (done) this.why = "";
-        this.known.again();
+        this.known.invalidate();
       });
   };
 
-  private readonly end = (): void => {
+  private readonly stopRecording = (): void => {
     const api = new RecordingsApi(this.api);
     void this.action.run("end the recording", () => api.record(this.site, false, ""), "", "end").then(() => {
-      this.known.again();
+      this.known.invalidate();
     });
   };
 
-  private asker(row: RecordingRow): () => void {
+  private removeAsker(row: RecordingRow): () => void {
     return () => {
       this.action.clear();
       this.removing = row;
     };
   }
 
-  private readonly erase = (): void => {
+  private readonly removeRecording = (): void => {
     const row = this.removing;
     if (row === null) return;
     const api = new RecordingsApi(this.api);
     void this.action.run("delete the recording", () => api.remove(this.site, row.id)).then((done) => {
       if (done) this.removing = null;
-      this.known.again();
+      this.known.invalidate();
     });
   };
 
-  private readonly keep = (): void => {
+  private readonly closeQuestion = (): void => {
     this.removing = null;
   };
 }

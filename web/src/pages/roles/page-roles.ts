@@ -76,7 +76,7 @@ export class PageRoles extends LitElement {
   private drawn: Given | undefined;
 
   override willUpdate(): void {
-    this.given.ask("roles", async () => {
+    this.given.load("roles", async () => {
       const [roles, devices] = await Promise.all([new AdminApi(this.api).roles(), this.api.devices()]);
       return { roles, devices };
     });
@@ -95,39 +95,39 @@ export class PageRoles extends LitElement {
           <h1>Roles</h1>
           <p class="muted">What each role may do, for the whole hub, a site, or one device.</p>
         </div>
-        <t-button ?disabled=${this.drawn === undefined} @click=${this.begin}>Make a role</t-button>
+        <t-button ?disabled=${this.drawn === undefined} @click=${this.openNewRole}>Make a role</t-button>
       </div>
-      ${this.trouble()} ${this.drawn === undefined ? this.waiting() : this.matrix()}
-      <p class="visually-hidden" role="status">${this.action.done}</p>
-      ${changes.length === 0 ? nothing : this.bar(changes)}
+      ${this.renderProblem()} ${this.drawn === undefined ? this.renderLoading() : this.renderMatrix()}
+      <p class="visually-hidden" role="status">${this.action.doneText}</p>
+      ${changes.length === 0 ? nothing : this.renderBar(changes)}
       <t-role-dialog
         .edited=${this.dialog === "new" ? null : this.dialog}
         .roles=${this.drawn?.roles ?? []}
         ?open=${this.dialog !== null}
         @t-close=${this.close}
-        @t-changed=${this.again}
+        @t-changed=${this.retry}
       ></t-role-dialog>`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.given;
     if (result.state === "failed") {
       const advice = adviceFor(result.error, "the list of roles");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
     }
     return nothing;
   }
 
-  private waiting(): unknown {
+  private renderLoading(): unknown {
     return this.given.result.state === "failed" ? nothing : html`<t-loading what="Loading the roles"></t-loading>`;
   }
 
-  private matrix(): TemplateResult {
+  private renderMatrix(): TemplateResult {
     return html`<t-role-matrix
         .lines=${this.lines}
         .drafts=${this.drafts}
         ?busy=${this.action.busy}
-        @t-edit=${this.edit}
+        @t-edit=${this.onCellEdit}
         @t-role=${this.openRole}
       ></t-role-matrix>
       <p class="legend">
@@ -137,15 +137,15 @@ export class PageRoles extends LitElement {
       </p>`;
   }
 
-  private bar(changes: readonly Change[]): TemplateResult {
+  private renderBar(changes: readonly Change[]): TemplateResult {
     const { problem } = this.action;
     const roles = this.drafts.filter(isChanged).length;
     return html`<section class="bar" aria-label="Unsaved changes">
       <div class="head">
         <h2>${count(changes.length, "change")} in ${count(roles, "role")}, not saved yet</h2>
         <div class="actions">
-          <t-button ?disabled=${this.action.busy} @click=${this.undo}>Undo all</t-button>
-          <t-button kind="primary" ?busy=${this.action.busy} @click=${this.save}>Save</t-button>
+          <t-button ?disabled=${this.action.busy} @click=${this.discardChanges}>Undo all</t-button>
+          <t-button kind="primary" ?busy=${this.action.busy} @click=${this.saveChanges}>Save</t-button>
         </div>
       </div>
       <ul>
@@ -159,18 +159,18 @@ export class PageRoles extends LitElement {
     </section>`;
   }
 
-  private readonly edit = (event: CustomEvent<CellEdit>): void => {
+  private readonly onCellEdit = (event: CustomEvent<CellEdit>): void => {
     const { role, line, level } = event.detail;
     this.action.clear();
     this.drafts = edited(this.drafts, role, line, level);
   };
 
-  private readonly undo = (): void => {
+  private readonly discardChanges = (): void => {
     this.action.clear();
     this.drafts = draftsOf(this.drawn?.roles ?? []);
   };
 
-  private readonly save = (): void => {
+  private readonly saveChanges = (): void => {
     const changed = this.drafts.filter(isChanged);
     const api = new AdminApi(this.api);
     void this.action
@@ -188,11 +188,11 @@ export class PageRoles extends LitElement {
         "The roles are saved.",
       )
       .then((done) => {
-        if (done) this.given.again();
+        if (done) this.given.invalidate();
       });
   };
 
-  private readonly begin = (): void => {
+  private readonly openNewRole = (): void => {
     this.dialog = "new";
   };
 
@@ -204,9 +204,9 @@ export class PageRoles extends LitElement {
     this.dialog = null;
   };
 
-  private readonly again = (): void => {
+  private readonly retry = (): void => {
     this.dialog = null;
-    this.given.again();
+    this.given.invalidate();
   };
 }
 

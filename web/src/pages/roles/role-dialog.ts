@@ -59,9 +59,9 @@ export class RoleDialog extends LitElement {
     return html`<t-dialog
       heading=${role === null ? "Make a role" : `Change ${role.name}`}
       ?open=${this.open}
-      @t-close=${this.closed}
+      @t-close=${this.onClosed}
     >
-      <form novalidate @submit=${this.submit}>
+      <form novalidate @submit=${this.onSubmit}>
         <t-field label="Name" error=${this.missing}><input id="name" autocomplete="off" maxlength="100" /></t-field>
         ${role === null
           ? html`<t-field label="Begin with the rights of">
@@ -77,51 +77,51 @@ export class RoleDialog extends LitElement {
             </p>`}
         ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
       </form>
-      <t-button slot="actions" @click=${this.leave}>Cancel</t-button>
+      <t-button slot="actions" @click=${this.closeQuestion}>Cancel</t-button>
       ${role === null
         ? nothing
-        : html`<t-button slot="actions" kind="danger" ?disabled=${used} ?busy=${this.action.under === "remove"} @click=${this.takeAway}
+        : html`<t-button slot="actions" kind="danger" ?disabled=${used} ?busy=${this.action.runningKey === "remove"} @click=${this.removeRole}
             >Remove</t-button
           >`}
-      <t-button slot="actions" kind="primary" ?busy=${this.action.under === "save"} @click=${this.save}
+      <t-button slot="actions" kind="primary" ?busy=${this.action.runningKey === "save"} @click=${this.saveRole}
         >${role === null ? "Make the role" : "Rename"}</t-button
       >
     </t-dialog>`;
   }
 
-  private readonly submit = (event: SubmitEvent): void => {
+  private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
-    this.save();
+    this.saveRole();
   };
 
-  private readonly save = (): void => {
+  private readonly saveRole = (): void => {
     const name = this.name.value.trim();
     this.missing = name === "" ? "Enter a name." : "";
     if (name === "") return;
     const api = new AdminApi(this.api);
     const role = this.edited;
     const like = this.roles.find(({ id }) => id === this.like?.value)?.permissions ?? [];
-    void this.do(
+    void this.runAction(
       role === null ? "make the role" : "rename the role",
       () => (role === null ? api.addRole(name, like) : api.changeRole(role.id, name, role.permissions)),
       "save",
     );
   };
 
-  private readonly takeAway = (): void => {
+  private readonly removeRole = (): void => {
     const id = this.edited?.id ?? "";
-    void this.do("remove the role", () => new AdminApi(this.api).removeRole(id), "remove");
+    void this.runAction("remove the role", () => new AdminApi(this.api).removeRole(id), "remove");
   };
 
-  private async do(asked: string, action: () => Promise<void>, key: string): Promise<void> {
+  private async runAction(asked: string, action: () => Promise<void>, key: string): Promise<void> {
     if (await this.action.run(asked, action, "", key)) this.dispatchEvent(new CustomEvent("t-changed"));
   }
 
-  private readonly leave = (): void => {
+  private readonly closeQuestion = (): void => {
     this.open = false;
   };
 
-  private readonly closed = (): void => {
+  private readonly onClosed = (): void => {
     this.dispatchEvent(new CustomEvent("t-close"));
   };
 }

@@ -39,7 +39,7 @@ export class RoleMatrix extends LitElement {
         label="Role"
         .options=${options}
         .chosen=${shown?.role.id ?? ""}
-        @t-choose=${this.choose}
+        @t-choose=${this.onChoose}
       ></t-choice>
       <div class="scroll" tabindex="0" role="region" aria-label="What each role may do">
         <table>
@@ -49,18 +49,18 @@ export class RoleMatrix extends LitElement {
               ${repeat(
                 this.drafts,
                 ({ role }) => role.id,
-                (draft) => this.head(draft, draft === shown),
+                (draft) => this.renderHead(draft, draft === shown),
               )}
             </tr>
           </thead>
           <tbody>
-            ${repeat(this.lines, lineKey, (line) => this.line(line, shown))}
+            ${repeat(this.lines, lineKey, (line) => this.renderLine(line, shown))}
           </tbody>
         </table>
       </div>`;
   }
 
-  private head({ role }: Draft, shown: boolean): TemplateResult {
+  private renderHead({ role }: Draft, shown: boolean): TemplateResult {
     const people = role.people === 1 ? "1 person" : `${String(role.people)} people`;
     const edit = (): void => {
       this.dispatchEvent(new CustomEvent("t-role", { detail: role.id }));
@@ -74,7 +74,7 @@ export class RoleMatrix extends LitElement {
     </th>`;
   }
 
-  private line(line: Line, shown: Draft | undefined): TemplateResult {
+  private renderLine(line: Line, shown: Draft | undefined): TemplateResult {
     return html`<tr class=${`d${String(line.depth)}`}>
       <th scope="row">
         <span class="place">${line.name}</span>
@@ -83,12 +83,12 @@ export class RoleMatrix extends LitElement {
       ${repeat(
         this.drafts,
         ({ role }) => role.id,
-        (draft) => html`<td class=${draft === shown ? "shown" : ""}>${this.cell(draft, line)}</td>`,
+        (draft) => html`<td class=${draft === shown ? "shown" : ""}>${this.renderCell(draft, line)}</td>`,
       )}
     </tr>`;
   }
 
-  private cell({ role, permissions }: Draft, line: Line): TemplateResult {
+  private renderCell({ role, permissions }: Draft, line: Line): TemplateResult {
     const { level, own, inherited } = cellOf(permissions, line);
     const before = cellOf(role.permissions, line);
     const changed = own !== before.own;
@@ -120,7 +120,7 @@ export class RoleMatrix extends LitElement {
     </select>`;
   }
 
-  private readonly choose = (event: CustomEvent<string>): void => {
+  private readonly onChoose = (event: CustomEvent<string>): void => {
     this.chosen = event.detail;
   };
 }

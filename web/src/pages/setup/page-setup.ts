@@ -35,10 +35,10 @@ export class PageSetup extends LitElement {
   @consume({ context: routerContext }) private readonly router!: Router;
 
   override render(): TemplateResult {
-    if (this.done) return this.finished();
-    if (this.token() === "") return this.noToken();
+    if (this.done) return this.renderFinished();
+    if (this.token() === "") return this.renderNoToken();
     return html`
-      <form novalidate @submit=${this.submit}>
+      <form novalidate @submit=${this.onSubmit}>
         <div>
           <h1>Set up Talaia</h1>
           <p class="muted">Choose who the first admin is. This link works once.</p>
@@ -47,13 +47,13 @@ export class PageSetup extends LitElement {
           ? nothing
           : html`<t-problem what=${this.advice.what} how=${this.advice.how}></t-problem>`}
         <t-field label="Name" error=${this.errors.name}>
-          <input id="name" autocomplete="username" autocapitalize="none" spellcheck="false" required @input=${this.typed} />
+          <input id="name" autocomplete="username" autocapitalize="none" spellcheck="false" required @input=${this.onInput} />
         </t-field>
         <t-field label="Password" error=${this.errors.password}>
-          <input id="password" type="password" autocomplete="new-password" required @input=${this.typed} />
+          <input id="password" type="password" autocomplete="new-password" required @input=${this.onInput} />
         </t-field>
         <t-field label="Password, once more">
-          <input id="again" type="password" autocomplete="new-password" required @input=${this.typed} />
+          <input id="again" type="password" autocomplete="new-password" required @input=${this.onInput} />
         </t-field>
         <t-rules .rules=${this.rules()}></t-rules>
         <t-button type="submit" kind="primary" ?busy=${this.busy}>Make this admin</t-button>
@@ -61,15 +61,15 @@ export class PageSetup extends LitElement {
     `;
   }
 
-  private finished(): TemplateResult {
+  private renderFinished(): TemplateResult {
     return html`<div class="sheet">
       <h1>Done</h1>
       <p>The first admin is made. Sign in with the name and password you chose.</p>
-      <t-button kind="primary" @click=${this.toSignIn}>Go to sign-in</t-button>
+      <t-button kind="primary" @click=${this.openSignIn}>Go to sign-in</t-button>
     </div>`;
   }
 
-  private noToken(): TemplateResult {
+  private renderNoToken(): TemplateResult {
     return html`<div class="sheet">
       <h1>Set up Talaia</h1>
       <t-problem
@@ -83,7 +83,7 @@ export class PageSetup extends LitElement {
     return this.router.hash.replace(/^#/, "");
   }
 
-  private readonly toSignIn = (): void => {
+  private readonly openSignIn = (): void => {
     this.router.replace("/login");
   };
 
@@ -91,7 +91,7 @@ export class PageSetup extends LitElement {
     return passwordRules(this.password, this.name, this.again);
   }
 
-  private readonly typed = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     const { id, value } = event.target;
     if (id === "name") this.name = value;
@@ -100,15 +100,15 @@ export class PageSetup extends LitElement {
     this.errors = NO_ERRORS;
   };
 
-  private readonly submit = (event: SubmitEvent): void => {
+  private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     if (this.busy) return;
     const name = this.name.trim();
     this.errors = { name: name === "" ? "Enter a name." : "", password: passwordTrouble(this.rules()) };
-    if (Object.values(this.errors).every((error) => error === "")) void this.make(name, this.password);
+    if (Object.values(this.errors).every((error) => error === "")) void this.createAdmin(name, this.password);
   };
 
-  private async make(name: string, password: string): Promise<void> {
+  private async createAdmin(name: string, password: string): Promise<void> {
     this.busy = true;
     this.advice = null;
     try {

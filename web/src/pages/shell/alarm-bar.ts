@@ -106,12 +106,12 @@ export class AlarmBar extends LitElement {
     const sound = this.sound.store;
     return html`<div class="bar ${worst.severity}" role="region" aria-label="Alarms">
       <t-icon name="bell"></t-icon>
-      <span class="what" role=${worst.severity === "critical" ? "alert" : "status"}>${this.said(worst)}</span>
+      <span class="what" role=${worst.severity === "critical" ? "alert" : "status"}>${this.renderMessage(worst)}</span>
       ${unseen.length > 1 ? html`<span class="more">and ${unseen.length - 1} more</span>` : nothing}
       ${undelivered.length === 0
         ? nothing
         : html`<span class="undelivered">${undelivered.length === 1 ? "A message" : "Messages"} could not be delivered</span>`}
-      ${sound?.on === true && !sound.ready ? html`<span class="more">silent until you click or press a key</span>` : nothing}
+      ${sound?.isOn === true && !sound.isAudible ? html`<span class="more">silent until you click or press a key</span>` : nothing}
       ${this.action.problem === null ? nothing : html`<span class="undelivered" role="alert">${this.action.problem.what}</span>`}
       <span class="actions">
         ${unseen.length > 0 && mayUse(this.session.store?.person, worst.site, worst.device)
@@ -119,14 +119,14 @@ export class AlarmBar extends LitElement {
               >Acknowledge</t-button
             >`
           : nothing}
-        <t-button kind="quiet" @click=${this.toggle}>${sound?.on === true ? "Mute" : "Turn sound on"}</t-button>
+        <t-button kind="quiet" @click=${this.toggleSound}>${sound?.isOn === true ? "Mute" : "Turn sound on"}</t-button>
         <a class="all" href="/alarms" aria-label="All alarms">All</a>
       </span>
     </div>`;
   }
 
-  private said(one: AlarmNews): TemplateResult {
-    const row = this.sites.store?.row(one.site);
+  private renderMessage(one: AlarmNews): TemplateResult {
+    const row = this.sites.store?.siteRow(one.site);
     const many = (this.sites.store?.list.length ?? 0) > 1;
     return html`<a class="which" href=${alarmPath(one)}>${many ? `${row?.name ?? one.site}: ` : ""}${one.name}</a> – ${one.why}
       <span class="more"
@@ -139,12 +139,12 @@ export class AlarmBar extends LitElement {
     const worst = this.alarms.store?.summary.unseen[0];
     if (worst === undefined) return;
     void this.action.run("acknowledge the alarm", () =>
-      new AlarmsApi(this.api).act(worst.site, worst.alarm, { act: "acknowledge" }),
+      new AlarmsApi(this.api).applyAction(worst.site, worst.alarm, { act: "acknowledge" }),
     );
   };
 
-  private readonly toggle = (): void => {
-    this.sound.store?.choose(!this.sound.store.on);
+  private readonly toggleSound = (): void => {
+    this.sound.store?.setOn(!this.sound.store.isOn);
   };
 }
 

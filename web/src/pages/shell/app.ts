@@ -48,7 +48,7 @@ export class App extends LitElement {
   private readonly touched = new Touched(window);
   private readonly connection = new Connection({
     url: socketUrl("/ws", location),
-    touched: () => this.touched.take(),
+    touched: () => this.touched.consumeTouch(),
   });
   private readonly alarms = new Alarms(this.connection);
   private readonly alarmSound = new AlarmSound(storage());
@@ -86,39 +86,39 @@ export class App extends LitElement {
   override connectedCallback(): void {
     super.connectedCallback();
     this.touched.start();
-    window.addEventListener("pointerdown", this.heard, { capture: true });
-    window.addEventListener("keydown", this.heard, { capture: true });
-    window.addEventListener("online", this.wake);
-    document.addEventListener("visibilitychange", this.wake);
+    window.addEventListener("pointerdown", this.onUserActivity, { capture: true });
+    window.addEventListener("keydown", this.onUserActivity, { capture: true });
+    window.addEventListener("online", this.onWake);
+    document.addEventListener("visibilitychange", this.onWake);
     this.stops = [
-      this.session.watch(this.whoChanged),
+      this.session.subscribe(this.onSessionChange),
       onOpened((path) => {
-        this.router.go(path);
+        this.router.navigate(path);
       }),
-      this.alarms.watch(() => {
-        this.alarmSound.hear(this.alarms.raised);
+      this.alarms.subscribe(() => {
+        this.alarmSound.soundIfMore(this.alarms.raised);
       }),
-      this.router.watch(this.guard),
-      this.connection.on("site", (news) => {
-        this.sites.apply(news);
+      this.router.subscribe(this.redirectIfNeeded),
+      this.connection.onMessage("site", (news) => {
+        this.sites.applyUpdate(news);
       }),
       this.connection.onState((link) => {
         if (link === "open") void this.sites.load();
         // A hub that refuses the socket does not say why; the session does.
         if (link === "ended") this.session.notice = this.connection.endedReason;
-        if (link === "lost" || link === "ended") void this.findOut();
+        if (link === "lost" || link === "ended") void this.refreshSession();
       }),
     ];
-    void this.findOut();
+    void this.refreshSession();
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
     this.touched.stop();
-    window.removeEventListener("pointerdown", this.heard, { capture: true });
-    window.removeEventListener("keydown", this.heard, { capture: true });
-    window.removeEventListener("online", this.wake);
-    document.removeEventListener("visibilitychange", this.wake);
+    window.removeEventListener("pointerdown", this.onUserActivity, { capture: true });
+    window.removeEventListener("keydown", this.onUserActivity, { capture: true });
+    window.removeEventListener("online", this.onWake);
+    document.removeEventListener("visibilitychange", this.onWake);
     clearTimeout(this.retryTimer);
     for (const stop of this.stops) stop();
     this.stops = [];
@@ -130,28 +130,28 @@ export class App extends LitElement {
   }
 
   /** A browser is silent until somebody has touched the page. */
-  private readonly heard = (): void => {
-    this.alarmSound.touch();
+  private readonly onUserActivity = (): void => {
+    this.alarmSound.unlockAudio();
   };
 
-  private readonly wake = (): void => {
+  private readonly onWake = (): void => {
     if (document.visibilityState === "visible") this.connection.retryNow();
   };
 
-  private readonly whoChanged = (): void => {
-    if (this.session.rights !== this.rights) {
+  private readonly onSessionChange = (): void => {
+    if (this.session.rightsKey !== this.rights) {
       // Somebody else, or the same person with other rights: what was shown may not be theirs.
-      this.rights = this.session.rights;
+      this.rights = this.session.rightsKey;
       this.sites.clear();
       this.live.clear();
     }
     if (this.session.state === "known") this.connection.start();
     else this.connection.stop();
-    this.guard();
+    this.redirectIfNeeded();
   };
 
   /** Sends whoever is not signed in to the sign-in page and back again afterwards; others to their first page. */
-  private readonly guard = (): void => {
+  private readonly redirectIfNeeded = (): void => {
     const { person } = this.session;
     if (person !== null && this.router.route.page === "home" && this.router.path !== firstPage(person)) {
       this.router.replace(firstPage(person));
@@ -167,7 +167,7 @@ export class App extends LitElement {
   };
 
   /** The session goes on with other rights, or another tab signed in anew: a fresh socket is ours. */
-  private resume(): void {
+  private resumeConnection(): void {
     if (this.session.state !== "known" || this.connection.state !== "ended") return;
     this.session.notice = "";
     // Once at once; a hub that ends each session would be asked without a pause.
@@ -182,7 +182,7 @@ export class App extends LitElement {
     );
   }
 
-  private async findOut(): Promise<void> {
+  private async refreshSession(): Promise<void> {
     clearTimeout(this.retryTimer);
     if (this.session.state === "unknown" && this.router.route.page === "login" && !this.session.mayExist) {
       this.session.assumeNobody();
@@ -191,11 +191,11 @@ export class App extends LitElement {
     try {
       await this.session.refresh();
       this.unreachable = false;
-      this.resume();
+      this.resumeConnection();
     } catch (error) {
       this.unreachable = error instanceof Unreachable;
       if (this.session.state === "unknown") {
-        this.retryTimer = setTimeout(() => void this.findOut(), 3000);
+        this.retryTimer = setTimeout(() => void this.refreshSession(), 3000);
       }
     }
   }

@@ -207,20 +207,20 @@ export class Header extends LitElement {
         </svg>
         <span class="word">Talaia</span>
       </a>
-      ${person == null ? nothing : this.siteSwitch()}
+      ${person == null ? nothing : this.renderSiteSwitch()}
       <slot></slot>
       <div class="rest">
-        ${person == null ? nothing : this.linkStatus()}
+        ${person == null ? nothing : this.renderLinkStatus()}
         <t-menu label=${person == null ? "Settings" : `${person.name}: settings and sign-out`}>
           <t-icon slot="label" name="person"></t-icon>
           ${person == null ? nothing : html`<span slot="label" class="name">${person.name}</span>`}
-          ${this.panel()}
+          ${this.renderPanel()}
         </t-menu>
       </div>
     `;
   }
 
-  private siteSwitch(): unknown {
+  private renderSiteSwitch(): unknown {
     const rows = this.sites.store?.list ?? [];
     if (rows.length === 0) return nothing;
     return html`<select aria-label="Site" @change=${this.chooseSite}>
@@ -234,14 +234,14 @@ export class Header extends LitElement {
     </select>`;
   }
 
-  private linkStatus(): TemplateResult {
+  private renderLinkStatus(): TemplateResult {
     const [kind, word] = LINKS[this.link.state];
     const trip = this.link.connection?.roundTripMs ?? Number.NaN;
     const told = this.link.state === "open" && !Number.isNaN(trip) ? `${word} · ${formatWholeMs(trip)}` : word;
     return html`<t-status kind=${kind} word=${told} title=${LINK_TITLES[this.link.state]}></t-status>`;
   }
 
-  private panel(): TemplateResult {
+  private renderPanel(): TemplateResult {
     const person = this.session.store?.person;
     return html`
       ${person == null
@@ -249,21 +249,21 @@ export class Header extends LitElement {
         : html`<div class="panel-who">
             <strong>${person.name}</strong><span class="role">signed in as ${person.role}</span>
           </div>
-          ${this.ways(person)}`}
+          ${this.renderMenuLinks(person)}`}
       <t-choice
         label="Colours"
         .options=${THEME_OPTIONS}
         .chosen=${this.theme.store?.theme ?? "auto"}
         @t-choose=${this.chooseTheme}
       ></t-choice>
-      ${person == null ? nothing : html`<t-button @click=${this.logOut}>Log out</t-button>`}
+      ${person == null ? nothing : html`<t-button @click=${this.signOut}>Log out</t-button>`}
     `;
   }
 
-  private ways(person: Person): TemplateResult {
+  private renderMenuLinks(person: Person): TemplateResult {
     const here = this.router.route.page;
     const ways = WAYS.filter(([page]) => mayOpen(page, person));
-    return html`<div class="ways" @click=${this.leave}>
+    return html`<div class="ways" @click=${this.closeMenu}>
       ${map(
         ways,
         ([page, path]) =>
@@ -272,7 +272,7 @@ export class Header extends LitElement {
     </div>`;
   }
 
-  private readonly leave = (): void => {
+  private readonly closeMenu = (): void => {
     this.menu.close();
   };
 
@@ -283,18 +283,18 @@ export class Header extends LitElement {
       page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "sightings"
         ? page
         : "live";
-    this.router.go(sitePath(event.target.value, kept));
+    this.router.navigate(sitePath(event.target.value, kept));
   };
 
   private readonly chooseTheme = (event: CustomEvent<string>): void => {
     const theme = THEMES.find((one) => one === event.detail);
-    if (theme !== undefined) this.theme.store?.choose(theme);
+    if (theme !== undefined) this.theme.store?.setTheme(theme);
   };
 
-  private readonly logOut = (): void => {
+  private readonly signOut = (): void => {
     // The page first: it stands for everybody, so that nobody is sent to sign in again.
     this.menu.close();
-    this.router.go("/logout");
+    this.router.navigate("/logout");
     // The person is signed out here in any case; an unreachable hub ends the session by its time limit.
     void this.session.store?.logout().catch(() => undefined);
   };

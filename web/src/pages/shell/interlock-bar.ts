@@ -93,7 +93,7 @@ export class InterlockBar extends LitElement {
   private readonly interlocks = new StoreController(this, interlocksContext);
   private readonly sites = new StoreController(this, sitesContext);
   private readonly link = new LinkController(this, (connection) => [
-    connection.on("problem", (news) => {
+    connection.onMessage("problem", (news) => {
       if (news.about === "override") this.problem = news.message;
     }),
   ]);
@@ -104,7 +104,7 @@ export class InterlockBar extends LitElement {
   }
 
   override willUpdate(): void {
-    this.placed ||= this.interlocks.store?.any === true;
+    this.placed ||= this.interlocks.store?.hasAny === true;
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -113,18 +113,18 @@ export class InterlockBar extends LitElement {
     if (!this.placed && this.chosen === null) return nothing;
     const unfolded = this.unfolded && list.length > 0;
     return html`
-      ${this.strip(list, unfolded)}
+      ${this.renderStrip(list, unfolded)}
       <div class="all" id="all" ?hidden=${!unfolded}>
-        ${repeat(list, ({ news }) => `${news.site} ${news.interlock}`, (one) => this.line(one))}
+        ${repeat(list, ({ news }) => `${news.site} ${news.interlock}`, (one) => this.renderLine(one))}
       </div>
-      ${this.dialog()}
+      ${this.renderDialog()}
     `;
   }
 
-  private strip(list: readonly Interlock[], unfolded: boolean): TemplateResult {
+  private renderStrip(list: readonly Interlock[], unfolded: boolean): TemplateResult {
     const first = list[0]?.news;
     if (first === undefined) {
-      const known = this.interlocks.store?.any === true;
+      const known = this.interlocks.store?.hasAny === true;
       return html`<div class="strip" role="status">
         <t-icon name="lock"></t-icon>
         <span class="first">${known ? "Interlocks: nothing is locked." : "Interlocks: not known now."}</span>
@@ -136,55 +136,55 @@ export class InterlockBar extends LitElement {
       <t-icon name=${first.overridden_by === "" ? "lock" : "warn"}></t-icon>
       <span class="first" role="status">${this.summary(first)}</span>
       ${more > 0 ? html`<span class="count">and ${more} more</span>` : nothing}
-      <t-button kind="quiet" label=${unfolded ? "Hide interlocks" : "Show interlocks"} @click=${this.toggle}
+      <t-button kind="quiet" label=${unfolded ? "Hide interlocks" : "Show interlocks"} @click=${this.toggleList}
         >${unfolded ? "Hide" : "Show"}</t-button
       >
     </div>`;
   }
 
   private summary(news: InterlockNews): string {
-    const row = this.sites.store?.row(news.site);
+    const row = this.sites.store?.siteRow(news.site);
     const many = (this.sites.store?.list.length ?? 0) > 1;
     const name = `${many ? `${row?.name ?? news.site}: ` : ""}${news.name}`;
     if (news.overridden_by !== "") return `${name} – overridden by ${news.overridden_by}: “${news.reason}”`;
     return `${name} – ${news.unsafe ? news.why || "unsafe now" : "safe now, released soon if it stays so"}`;
   }
 
-  private readonly toggle = (): void => {
+  private readonly toggleList = (): void => {
     this.unfolded = !this.unfolded;
   };
 
-  private line(one: Interlock): TemplateResult {
+  private renderLine(one: Interlock): TemplateResult {
     const { news } = one;
     const store = this.interlocks.store;
-    const row = this.sites.store?.row(news.site);
+    const row = this.sites.store?.siteRow(news.site);
     const many = (this.sites.store?.list.length ?? 0) > 1;
     const override = (): void => {
       this.problem = "";
       this.chosen = news;
     };
     const end = (): void => {
-      this.send(news, 0, "");
+      this.sendOverride(news, 0, "");
     };
     return html`<t-interlock
       .news=${news}
       .site=${many ? (row?.name ?? news.site) : ""}
       .zone=${row?.zone ?? "UTC"}
-      .clears=${store?.left(one, news.clears_ms) ?? 0}
-      .override_=${store?.left(one, news.override_ms) ?? 0}
+      .clears=${store?.remainingMs(one, news.clears_ms) ?? 0}
+      .override_=${store?.remainingMs(one, news.override_ms) ?? 0}
       @t-override=${override}
       @t-end-override=${end}
     ></t-interlock>`;
   }
 
-  private dialog(): TemplateResult {
+  private renderDialog(): TemplateResult {
     const longest = this.chosen?.longest_s ?? 0;
     return html`<t-dialog
       heading="Override ${this.chosen?.name ?? "interlock"}?"
       ?open=${this.chosen !== null}
       @t-close=${this.close}
     >
-      <form novalidate @submit=${this.submitted}>
+      <form novalidate @submit=${this.onSubmit}>
         <p>
           <strong>${this.chosen?.why || "Safe now, but not for long enough yet"}.</strong> Only this is overridden: the
           gateway will refuse nothing for it until the time is over, and then act again if it is still unsafe. The
@@ -197,7 +197,7 @@ export class InterlockBar extends LitElement {
         </t-field>
       </form>
       <t-button slot="actions" @click=${this.close}>Keep it locked</t-button>
-      <t-button slot="actions" kind="danger" @click=${this.submitted}>Override</t-button>
+      <t-button slot="actions" kind="danger" @click=${this.onSubmit}>Override</t-button>
     </t-dialog>`;
   }
 
@@ -205,7 +205,7 @@ export class InterlockBar extends LitElement {
     this.chosen = null;
   };
 
-  private readonly submitted = (event: Event): void => {
+  private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
     const { chosen } = this;
     if (!chosen) return;
@@ -215,12 +215,12 @@ export class InterlockBar extends LitElement {
     else if (!(seconds > 0 && seconds <= chosen.longest_s)) {
       this.problem = `Give more than 0 and at most ${formatDuration(chosen.longest_s)}.`;
     } else {
-      this.send(chosen, seconds, reason, chosen.condition);
+      this.sendOverride(chosen, seconds, reason, chosen.condition);
       this.chosen = null;
     }
   };
 
-  private send(news: InterlockNews, seconds: number, reason: string, condition = ""): void {
+  private sendOverride(news: InterlockNews, seconds: number, reason: string, condition = ""): void {
     const { site, interlock } = news;
     this.link.connection?.send({ t: "override", site, interlock, seconds, reason, condition });
   }

@@ -132,11 +132,11 @@ export class Nav extends LitElement {
   override render(): TemplateResult {
     return html`<nav aria-label="Pages">
       ${map(
-        this.places(),
+        this.visiblePlaces(),
         (place) => html`<a
           class=${place.page}
           href=${this.pathOf(place.page) ?? nothing}
-          aria-current=${this.isHere(place.page) ? "page" : nothing}
+          aria-current=${this.isCurrent(place.page) ? "page" : nothing}
           aria-disabled=${this.pathOf(place.page) === null ? "true" : nothing}
           ><t-icon name=${place.icon}></t-icon>${place.title ?? PAGES[place.page].title}</a
         >`,
@@ -144,7 +144,7 @@ export class Nav extends LitElement {
     </nav>`;
   }
 
-  private places(): readonly Place[] {
+  private visiblePlaces(): readonly Place[] {
     const { person } = this;
     if (person === null) return [];
     // One beginning for each: the sites for who may see them, all public data for who sees no more.
@@ -154,7 +154,7 @@ export class Nav extends LitElement {
     );
   }
 
-  private isHere(page: Place["page"]): boolean {
+  private isCurrent(page: Place["page"]): boolean {
     if (page === "people") return ADMIN_PAGES.includes(this.page);
     return (
       page === this.page ||

@@ -30,7 +30,7 @@ export class SessionEnd extends LitElement {
     super();
     new TickController(this);
     new LinkController(this, (connection) => [
-      connection.on("greeting", ({ time_us }) => {
+      connection.onMessage("greeting", ({ time_us }) => {
         this.hubAheadUs = time_us - Date.now() * 1000;
       }),
     ]);
@@ -46,10 +46,10 @@ export class SessionEnd extends LitElement {
     const person = this.session.store?.person ?? null;
     if (person === null || this.news.value?.holdsAny() !== true) return nothing;
     const left = timeLeft(person, Date.now() * 1000 + this.hubAheadUs);
-    return isNear(left) ? this.warning(left) : nothing;
+    return isNear(left) ? this.renderWarning(left) : nothing;
   }
 
-  private warning(left: TimeLeft): TemplateResult {
+  private renderWarning(left: TimeLeft): TemplateResult {
     const time = formatDuration(left.seconds);
     if (left.kind === "whole") {
       return html`<t-banner kind="warn"
@@ -59,18 +59,18 @@ export class SessionEnd extends LitElement {
     }
     return html`<t-banner kind="warn"
       >You will be signed out in ${time}, and lose control then.
-      <t-button @click=${this.stay}>Stay signed in</t-button>
+      <t-button @click=${this.extendSession}>Stay signed in</t-button>
       ${this.failed ? html`<strong>The hub did not answer.</strong>` : nothing}</t-banner
     >`;
   }
 
-  private readonly stay = (): void => {
-    void this.ask();
+  private readonly extendSession = (): void => {
+    void this.loadSessionEnd();
   };
 
-  private async ask(): Promise<void> {
+  private async loadSessionEnd(): Promise<void> {
     try {
-      await this.session.store?.stay();
+      await this.session.store?.extend();
       this.failed = false;
     } catch {
       this.failed = true;

@@ -115,34 +115,34 @@ export class Shell extends LitElement {
 
   override connectedCallback(): void {
     super.connectedCallback();
-    this.addEventListener("click", this.follow);
+    this.addEventListener("click", this.onLinkClick);
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    this.removeEventListener("click", this.follow);
+    this.removeEventListener("click", this.onLinkClick);
   }
 
   override willUpdate(): void {
     const route = this.router.store?.route;
     if (route !== undefined && route.site !== "") this.lastSite = route.site;
-    this.look();
-    void this.show();
+    this.loadSiteDetail();
+    void this.loadPage();
   }
 
   /** Whether there is anything to drive, command or stop is in the site's description alone. */
-  private look(): void {
+  private loadSiteDetail(): void {
     const sites = this.sites.store;
     const site = this.siteNow();
     if (sites === undefined || site === "" || this.session.store?.state !== "known") return;
-    const question = [site, sites.catalogueOf(site), this.session.store.rights].join("\n");
-    this.detail.ask(question, () => sites.detail(site));
+    const question = [site, sites.catalogueOf(site), this.session.store.rightsKey].join("\n");
+    this.detail.load(question, () => sites.loadDetail(site));
     const { api } = this;
-    if (api !== undefined) this.nights.ask(`${question}\n${this.router.store?.route.page ?? ""}`, () => new ArchiveApi(api, site).nights());
+    if (api !== undefined) this.nights.load(`${question}\n${this.router.store?.route.page ?? ""}`, () => new ArchiveApi(api, site).nights());
   }
 
   /** Whether there is an archive, and whether one may see it, only the archive knows. */
-  private archived(): boolean {
+  private hasArchive(): boolean {
     return (this.nights.value?.nights.length ?? 0) > 0;
   }
 
@@ -161,29 +161,29 @@ export class Shell extends LitElement {
     const page = this.router.store?.route.page ?? "home";
     const site = this.siteNow();
     const actuable = this.actuable();
-    const archived = this.archived();
+    const archived = this.hasArchive();
     return html`
-      <a class="skip" href="#main" @click=${this.skip}>Skip to the page</a>
+      <a class="skip" href="#main" @click=${this.focusContent}>Skip to the page</a>
       <div class="top">
         <t-header .site=${site}>
           ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived}></t-nav>` : nothing}
         </t-header>
-        ${this.banner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
+        ${this.renderBanner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
         ${inside ? html`<t-alarm-bar></t-alarm-bar><t-interlocks></t-interlocks>` : nothing}
         ${inside && person.admin ? html`<t-storage-warning></t-storage-warning>` : nothing}
       </div>
-      <main id="main" tabindex="-1">${this.content()}</main>
+      <main id="main" tabindex="-1">${this.renderContent()}</main>
       ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived}></t-nav>` : nothing}
     `;
   }
 
-  private content(): unknown {
+  private renderContent(): unknown {
     if (this.broken) {
       return html`<t-problem
         what="This page could not be loaded."
         how="The hub may have been updated, or the network is gone."
         retry="Load again"
-        @t-retry=${this.reload}
+        @t-retry=${this.reloadPage}
       ></t-problem>`;
     }
     const person = this.session.store?.person ?? null;
@@ -206,7 +206,7 @@ export class Shell extends LitElement {
     return html`<t-loading what="Opening Talaia"></t-loading>`;
   }
 
-  private banner(): unknown {
+  private renderBanner(): unknown {
     if (this.session.store?.state !== "known") return nothing;
     if (this.link.state === "lost") {
       return html`<t-banner kind="bad"
@@ -214,11 +214,11 @@ export class Shell extends LitElement {
       >`;
     }
     const rivals = this.sites.store?.list.filter((each) => each.rival_us > 0) ?? [];
-    return html`${repeat(rivals, ({ site }) => site, rivalry)} ${this.away()}`;
+    return html`${repeat(rivals, ({ site }) => site, renderRivalry)} ${this.renderUnreachable()}`;
   }
 
-  private away(): unknown {
-    const row = this.sites.store?.row(this.router.store?.route.site ?? "");
+  private renderUnreachable(): unknown {
+    const row = this.sites.store?.siteRow(this.router.store?.route.site ?? "");
     if (row === undefined || row.online) return nothing;
     return html`<t-banner kind="warn"
       >${row.name} has been offline since <t-time .us=${row.since_us} .zone=${row.zone}></t-time>. Values are the last
@@ -226,11 +226,11 @@ export class Shell extends LitElement {
     >`;
   }
 
-  private async show(): Promise<void> {
+  private async loadPage(): Promise<void> {
     const route = this.router.store?.route;
     if (route === undefined || this.session.store?.state === "unknown") return;
     // With other rights a page begins anew: nothing of what it showed is kept.
-    const key = [route.page, route.site, route.device, this.session.store?.rights ?? ""].join("\n");
+    const key = [route.page, route.site, route.device, this.session.store?.rightsKey ?? ""].join("\n");
     if (key === this.shown) return;
     const first = this.shown === "";
     const same = this.shownPath === this.router.store?.path;
@@ -258,21 +258,21 @@ export class Shell extends LitElement {
   }
 
   private titleOf(title: string, site: string): string {
-    const name = this.sites.store?.row(site)?.name ?? site;
+    const name = this.sites.store?.siteRow(site)?.name ?? site;
     return [title, ...(name === "" ? [] : [name]), "Talaia"].join(" · ");
   }
 
-  private readonly reload = (): void => {
+  private readonly reloadPage = (): void => {
     location.reload();
   };
 
-  private readonly skip = (event: Event): void => {
+  private readonly focusContent = (event: Event): void => {
     event.preventDefault();
     this.main.focus();
   };
 
   /** Links of ours change the page without loading everything anew. */
-  private readonly follow = (event: MouseEvent): void => {
+  private readonly onLinkClick = (event: MouseEvent): void => {
     if (event.defaultPrevented || event.button !== 0 || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) {
       return;
     }
@@ -281,12 +281,12 @@ export class Shell extends LitElement {
     const path = localPath(link.href, location.origin);
     if (path === null) return;
     event.preventDefault();
-    this.router.store?.go(path);
+    this.router.store?.navigate(path);
   };
 }
 
 /** Two gateways with one identity: a copied key, or a machine that was forgotten. */
-function rivalry(row: SiteRow): TemplateResult {
+function renderRivalry(row: SiteRow): TemplateResult {
   return html`<t-banner kind="bad"
     >A second gateway uses the key of ${row.name}; it was last there at
     <t-time .us=${row.rival_us} .zone=${row.zone}></t-time>. Only the one that was started last is linked and can drive.

@@ -28,7 +28,7 @@ export class StorageWarning extends LitElement {
 
   override connectedCallback(): void {
     super.connectedCallback();
-    this.timer = setInterval(() => void this.ask(), EVERY_MS);
+    this.timer = setInterval(() => void this.loadForecast(), EVERY_MS);
   }
 
   override disconnectedCallback(): void {
@@ -40,7 +40,7 @@ export class StorageWarning extends LitElement {
   override willUpdate(): void {
     if (!this.asked && this.isAdmin()) {
       this.asked = true;
-      void this.ask();
+      void this.loadForecast();
     }
   }
 
@@ -55,7 +55,7 @@ export class StorageWarning extends LitElement {
     return this.session.store?.person?.admin === true;
   }
 
-  private async ask(): Promise<void> {
+  private async loadForecast(): Promise<void> {
     if (!this.isAdmin()) return;
     try {
       this.outlook = await new AdminApi(this.api).outlook();

@@ -22,7 +22,7 @@ import type { SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { RecordingsApi, type RecordingRow } from "../../wire/recordings-api.js";
 import { sightingPicturePath, SightingsApi, type SeenLabel, type Sighting } from "../../wire/sightings-api.js";
-import { listed } from "../infinite-list-view.js";
+import { renderListed } from "../infinite-list-view.js";
 import { recordingAt } from "../logbook/logbook-query.js";
 import { historyQuery, NO_FILTER, pageQuery, readFilter, told, writeFilter, type SightingFilter } from "./sightings-query.js";
 import "../../elements/forms/button.js";
@@ -67,14 +67,14 @@ export class PageSightings extends LitElement {
   private readonly list = new EndlessList<Sighting>(
     this,
     async (before) => {
-      const { sightings, more } = await this.hub().find(pageQuery(this.filter(), this.classes(), before, ROWS));
+      const { sightings, more } = await this.sightingsApi().findSightings(pageQuery(this.filter(), this.knownLabels(), before, ROWS));
       return { rows: sightings, more };
     },
     (row) => !this.filter().open || row.ended_us === null,
   );
   private readonly form = new FilterForm<SightingFilter>(
     this,
-    (said) => this.read(said),
+    (said) => this.readFilter(said),
     (filter) => {
       this.router.store?.replace(withQuery(sitePath(this.site, "sightings"), writeFilter(filter)));
     },
@@ -84,11 +84,11 @@ export class PageSightings extends LitElement {
   constructor() {
     super();
     new LinkController(this, (connection) => [
-      connection.on("sighting", (news) => {
+      connection.onMessage("sighting", (news) => {
         if (news.site !== this.site) return;
-        this.list.change((rows) => told(rows, news) ?? rows);
+        this.list.updateRows((rows) => told(rows, news) ?? rows);
         // Whether there is a picture, and whether it fits the filter, only the hub knows.
-        this.list.soon();
+        this.list.scheduleRefresh();
       }),
     ]);
   }
@@ -96,45 +96,45 @@ export class PageSightings extends LitElement {
   override willUpdate(): void {
     const sites = this.sites.store;
     if (sites === undefined || this.site === "") return;
-    this.detail.ask(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.detail(this.site));
-    this.labels.ask(this.site, () => this.hub().labels());
+    this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
+    this.labels.load(this.site, () => this.sightingsApi().labels());
     // Who may not see them has no links to them, and that is all.
-    this.recordings.ask(this.site, async () => (await new RecordingsApi(this.api).list(this.site)).recordings);
+    this.recordings.load(this.site, async () => (await new RecordingsApi(this.api).list(this.site)).recordings);
     const filter = this.filter();
     // What was typed means a class only once the classes are known.
     if (filter.what !== "" && this.labels.value === undefined && this.labels.result.state !== "failed") return;
-    this.list.ask(`${this.site}\n${writeFilter(filter)}`);
+    this.list.load(`${this.site}\n${writeFilter(filter)}`);
   }
 
   override render(): TemplateResult {
     return html`<div class="head">
         <div>
           <h1>Sightings</h1>
-          <p class="muted">What the cameras of ${this.sites.store?.row(this.site)?.name ?? this.site} have seen, newest first.</p>
+          <p class="muted">What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} have seen, newest first.</p>
         </div>
         <div class="actions">
           <a href=${sitePath(this.site, "cameras")}>Cameras</a>
           <a href=${sitePath(this.site, "logbook")}>Logbook</a>
         </div>
       </div>
-      ${this.search(this.filter())}
-      ${listed(this.list, {
+      ${this.renderSearch(this.filter())}
+      ${renderListed(this.list, {
         label: "Sightings",
         what: "the sightings",
-        row: (row) => this.row(row),
-        nothing: () => this.nothing(),
+        row: (row) => this.renderRow(row),
+        nothing: () => this.renderEmpty(),
       })}`;
   }
 
-  private search(filter: SightingFilter): TemplateResult {
+  private renderSearch(filter: SightingFilter): TemplateResult {
     const clock = this.clock();
     const shown = (us: number | null): string => (us === null ? "" : clock.toInput(us));
     return html`<section class="sheet" aria-label="Filter">
-      <form class="filter" novalidate @submit=${this.form.chosen} @input=${this.form.typed}>
+      <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
         <t-field label="What was seen">
           <input name="what" type="search" list="labels" maxlength="200" autocomplete="off" .value=${settled(filter.what)} />
         </t-field>
-        <datalist id="labels">${map(this.classes(), (label) => html`<option value=${label}></option>`)}</datalist>
+        <datalist id="labels">${map(this.knownLabels(), (label) => html`<option value=${label}></option>`)}</datalist>
         <t-field label="Camera">
           <select name="camera">
             <option value="">all</option>
@@ -144,18 +144,18 @@ export class PageSightings extends LitElement {
         <t-field class="time" label=${`From (${clock.zone})`}><input name="from" type="datetime-local" step="1" .value=${settled(shown(filter.fromUs))} /></t-field>
         <t-field class="time" label=${`To (${clock.zone})`}><input name="to" type="datetime-local" step="1" .value=${settled(shown(filter.toUs))} /></t-field>
         <label class="tick"><input name="open" type="checkbox" .checked=${filter.open} /> Only what is in sight now</label>
-        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clear}>Clear</t-button>
+        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
       </form>
     </section>`;
   }
 
-  private nothing(): TemplateResult {
+  private renderEmpty(): TemplateResult {
     const all = writeFilter(this.filter()) === "";
     const looking = this.detail.value?.devices.some(({ streams }) => streams.some(({ detect }) => detect != null)) === true;
     if (!all) {
       return html`<t-empty heading="Nothing fits" icon="camera">
         <p>No camera has seen anything like this.</p>
-        <t-button @click=${this.form.clear}>Show everything</t-button>
+        <t-button @click=${this.form.clearFilter}>Show everything</t-button>
       </t-empty>`;
     }
     if (looking) return html`<t-empty heading="Nothing seen yet" icon="camera"><p>What comes into sight of a camera is listed here by itself.</p></t-empty>`;
@@ -164,7 +164,7 @@ export class PageSightings extends LitElement {
     </t-empty>`;
   }
 
-  private row(row: Sighting): TemplateResult {
+  private renderRow(row: Sighting): TemplateResult {
     const device = row.camera.split("/", 1)[0] ?? "";
     return html`<li data-sighting=${row.id}>
       <t-sighting
@@ -195,7 +195,7 @@ export class PageSightings extends LitElement {
     return [...names];
   }
 
-  private classes(): readonly string[] {
+  private knownLabels(): readonly string[] {
     const described = (this.detail.value?.devices ?? []).flatMap(({ streams }) => streams.flatMap(({ detect }) => detect?.classes ?? []));
     return [...new Set([...(this.labels.value ?? []).map(({ label }) => label), ...described])].sort((a, b) => a.localeCompare(b));
   }
@@ -212,11 +212,11 @@ export class PageSightings extends LitElement {
     return readFilter(this.router.store?.search ?? "");
   }
 
-  private hub(): SightingsApi {
+  private sightingsApi(): SightingsApi {
     return new SightingsApi(this.api, this.site);
   }
 
-  private read(said: FormData): SightingFilter {
+  private readFilter(said: FormData): SightingFilter {
     const time = (name: string): number | null => {
       const us = this.clock().fromInput(typedText(said, name));
       return Number.isNaN(us) ? null : us;

@@ -62,14 +62,14 @@ export class PageSignIn extends LitElement {
   }
 
   override firstUpdated(): void {
-    void this.begin();
+    void this.checkSession();
   }
 
   override render(): TemplateResult {
     const notice = this.session.store?.notice ?? "";
     const waits = this.waitS() > 0;
     return html`
-      <form novalidate @submit=${this.submit}>
+      <form novalidate @submit=${this.onSubmit}>
         ${this.wantsCode
           ? html`<div>
               <h1>One more step</h1>
@@ -80,18 +80,18 @@ export class PageSignIn extends LitElement {
               <p class="muted">The control room for your robots</p>
             </div>`}
         ${notice === "" ? nothing : html`<p class="notice" role="status">You were signed out: ${notice}</p>`}
-        ${this.trouble()}
-        <div class="who" ?hidden=${this.wantsCode}>${this.who()}</div>
-        ${this.wantsCode ? this.codeField() : nothing}
+        ${this.renderProblem()}
+        <div class="who" ?hidden=${this.wantsCode}>${this.renderSignedIn()}</div>
+        ${this.wantsCode ? this.renderCodeField() : nothing}
         <t-button type="submit" kind="primary" ?busy=${this.busy} ?disabled=${waits}
           >${this.busy ? "Signing in…" : "Sign in"}</t-button
         >
-        ${this.wantsCode ? html`<t-button kind="quiet" @click=${this.back}>Back to name and password</t-button>` : nothing}
+        ${this.wantsCode ? html`<t-button kind="quiet" @click=${this.goBackToPassword}>Back to name and password</t-button>` : nothing}
       </form>
     `;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { advice } = this;
     if (advice === null) return nothing;
     const wait = this.waitS();
@@ -104,7 +104,7 @@ export class PageSignIn extends LitElement {
     return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
   }
 
-  private who(): TemplateResult {
+  private renderSignedIn(): TemplateResult {
     return html`
         <t-field label="Name" error=${this.missing === "name" ? "Enter your name." : ""}>
           <input id="name" name="username" autocomplete="username" autocapitalize="none" spellcheck="false" required />
@@ -115,7 +115,7 @@ export class PageSignIn extends LitElement {
     `;
   }
 
-  private codeField(): TemplateResult {
+  private renderCodeField(): TemplateResult {
     return html`<t-field
       label="Code"
       hint="Six digits from your app, or one of your recovery codes"
@@ -129,14 +129,14 @@ export class PageSignIn extends LitElement {
     return Math.max(0, Math.ceil((this.waitUntil - performance.now()) / 1000));
   }
 
-  private async begin(): Promise<void> {
+  private async checkSession(): Promise<void> {
     await this.updateComplete;
     // A control takes the focus only once the field around it is drawn.
     await this.name.closest("t-field")?.updateComplete;
     this.name.focus();
   }
 
-  private readonly submit = (event: SubmitEvent): void => {
+  private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     if (this.busy) return;
     const name = this.name.value.trim();
@@ -157,13 +157,13 @@ export class PageSignIn extends LitElement {
     try {
       await this.session.store?.login(name, password, code);
     } catch (error) {
-      await this.failed(error, code !== "");
+      await this.showFailure(error, code !== "");
     } finally {
       this.busy = false;
     }
   }
 
-  private async failed(error: unknown, hadCode: boolean): Promise<void> {
+  private async showFailure(error: unknown, hadCode: boolean): Promise<void> {
     if (waitOf(error) > 0) this.waitUntil = performance.now() + waitOf(error) * 1000;
     const asked = isFactor(error);
     // That a code is wanted is no failure; that it did not fit is.
@@ -176,11 +176,11 @@ export class PageSignIn extends LitElement {
     control?.select();
   }
 
-  private readonly back = (): void => {
+  private readonly goBackToPassword = (): void => {
     this.wantsCode = false;
     this.advice = null;
     this.password.value = "";
-    void this.begin();
+    void this.checkSession();
   };
 }
 

@@ -34,7 +34,7 @@ export class PageStorage extends LitElement {
   private readonly use = new LoadController<StorageUse>(this);
 
   override willUpdate(): void {
-    this.use.ask("storage", () => new AdminApi(this.api).storage());
+    this.use.load("storage", () => new AdminApi(this.api).storage());
   }
 
   override render(): TemplateResult {
@@ -42,29 +42,29 @@ export class PageStorage extends LitElement {
     return html`<t-admin-tabs page="storage"></t-admin-tabs>
       <div class="head">
         <h1>Storage</h1>
-        ${use === undefined ? nothing : html`<t-button ?busy=${this.use.result.state === "loading"} @click=${this.again}>Look again</t-button>`}
+        ${use === undefined ? nothing : html`<t-button ?busy=${this.use.result.state === "loading"} @click=${this.retry}>Look again</t-button>`}
       </div>
-      ${this.trouble()}
+      ${this.renderProblem()}
       ${use !== undefined
-        ? this.content(use)
+        ? this.renderContent(use)
         : this.use.result.state === "failed"
           ? nothing
           : html`<t-loading what="Adding up what is stored"></t-loading>`}`;
   }
 
-  private trouble(): unknown {
+  private renderProblem(): unknown {
     const { result } = this.use;
     if (result.state !== "failed") return nothing;
     const advice = adviceFor(result.error, "what is stored");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
   }
 
-  private content(use: StorageUse): TemplateResult {
+  private renderContent(use: StorageUse): TemplateResult {
     const signals = signalsOf(use.channels);
     const zone = this.sites.store?.zone ?? "UTC";
     const warning = warningOf(use, zone);
     return html`<section class="sheet" aria-label="All of it">
-        ${facts(use)} ${use.free_bytes === null ? nothing : diskBar(use, use.free_bytes)}
+        ${renderFacts(use)} ${use.free_bytes === null ? nothing : renderDiskBar(use, use.free_bytes)}
         <div class="forecast">
           ${warning === null || warning.kind === "info"
             ? nothing
@@ -95,12 +95,12 @@ export class PageStorage extends LitElement {
 
   private readonly zoneOf = (site: string): string => this.sites.store?.zoneOf(site) ?? "UTC";
 
-  private readonly again = (): void => {
-    this.use.again();
+  private readonly retry = (): void => {
+    this.use.invalidate();
   };
 }
 
-function facts(use: StorageUse): TemplateResult {
+function renderFacts(use: StorageUse): TemplateResult {
   const rest = Math.max(0, use.database_bytes - use.blocks_bytes);
   return html`<dl>
     <div>
@@ -134,7 +134,7 @@ function facts(use: StorageUse): TemplateResult {
 }
 
 /** The disk: the history's part, what else is on it, and what is free. */
-function diskBar(use: StorageUse, free: number): TemplateResult {
+function renderDiskBar(use: StorageUse, free: number): TemplateResult {
   const ours = use.database_bytes + use.spare_bytes;
   const others = Math.max(0, use.disk_bytes - free - ours);
   const part = (bytes: number): Readonly<Record<string, string>> => ({ "flex-basis": `${String((100 * bytes) / Math.max(1, use.disk_bytes))}%` });

@@ -43,39 +43,39 @@ export class StorageTable extends LitElement {
     const shown = this.all ? fits : fits.slice(0, MANY);
     const most = Math.max(1, ...this.signals.map(({ bytes }) => bytes));
     return html`<div class="tools">
-        <input type="search" placeholder="Filter" aria-label="Filter signals" @input=${this.typed} />
+        <input type="search" placeholder="Filter" aria-label="Filter signals" @input=${this.onInput} />
         <label class="sort"
           >Sort by
-          <select @change=${this.chosen}>
+          <select @change=${this.onChange}>
             ${map(COLUMNS, ({ key, title }) => html`<option value=${key} .selected=${key === this.sorting.by}>${title}</option>`)}
           </select>
-          <t-button @click=${this.turned}>${this.sorting.down ? "Falling" : "Rising"}</t-button>
+          <t-button @click=${this.onSortChange}>${this.sorting.down ? "Falling" : "Rising"}</t-button>
         </label>
       </div>
       <div class="table" role="table" aria-label="What each signal takes">
-        <div class="row titles" role="row">${map(COLUMNS, (column) => this.heading(column))}</div>
+        <div class="row titles" role="row">${map(COLUMNS, (column) => this.renderHeading(column))}</div>
         ${repeat(
           shown,
           ({ site, address }) => `${site}\n${address}`,
-          (use) => this.row(use, most),
+          (use) => this.renderRow(use, most),
         )}
       </div>
       ${fits.length === 0 ? html`<p class="small">No signal is called like this.</p>` : nothing}
       <p class="small">The newest samples of each signal, up to some ten thousand, are in no block yet and not in it.</p>
-      ${fits.length > shown.length ? html`<t-button @click=${this.more}>Show all ${fits.length} signals</t-button>` : nothing}`;
+      ${fits.length > shown.length ? html`<t-button @click=${this.showMore}>Show all ${fits.length} signals</t-button>` : nothing}`;
   }
 
-  private heading({ key, title, number = false }: (typeof COLUMNS)[number]): TemplateResult {
+  private renderHeading({ key, title, number = false }: (typeof COLUMNS)[number]): TemplateResult {
     const { by, down } = this.sorting;
     const sort = key !== by ? nothing : down ? "descending" : "ascending";
     return html`<span role="columnheader" class=${number ? "number" : ""} aria-sort=${sort}
-      ><button type="button" data-key=${key} @click=${this.pressed}>
+      ><button type="button" data-key=${key} @click=${this.onPress}>
         ${title}<span aria-hidden="true">${key !== by ? "" : down ? "↓" : "↑"}</span>
       </button></span
     >`;
   }
 
-  private row(use: SignalUse, most: number): TemplateResult {
+  private renderRow(use: SignalUse, most: number): TemplateResult {
     const zone = this.zoneOf(use.site);
     const first = formatDate(use.firstUs, zone);
     const last = formatDate(use.lastUs, zone);
@@ -95,27 +95,27 @@ export class StorageTable extends LitElement {
     </div>`;
   }
 
-  private readonly typed = (event: Event): void => {
+  private readonly onInput = (event: Event): void => {
     if (event.target instanceof HTMLInputElement) this.filter = event.target.value;
   };
 
-  private readonly chosen = (event: Event): void => {
+  private readonly onChange = (event: Event): void => {
     const key = event.target instanceof HTMLSelectElement ? event.target.value : "";
     const column = COLUMNS.find((one) => one.key === key);
     if (column !== undefined && column.key !== this.sorting.by) this.sorting = sortedAnew(this.sorting, column.key);
   };
 
-  private readonly turned = (): void => {
+  private readonly onSortChange = (): void => {
     this.sorting = { ...this.sorting, down: !this.sorting.down };
   };
 
-  private readonly pressed = (event: Event): void => {
+  private readonly onPress = (event: Event): void => {
     const key = event.currentTarget instanceof HTMLElement ? event.currentTarget.dataset["key"] : "";
     const column = COLUMNS.find((one) => one.key === key);
     if (column !== undefined) this.sorting = sortedAnew(this.sorting, column.key);
   };
 
-  private readonly more = (): void => {
+  private readonly showMore = (): void => {
     this.all = true;
   };
 }

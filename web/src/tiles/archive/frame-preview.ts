@@ -56,7 +56,7 @@ export class FrameLook extends LitElement {
         label="Stretch"
         .options=${STRETCH_OPTIONS}
         .chosen=${this.stretch}
-        @t-choose=${this.choose}
+        @t-choose=${this.onChoose}
       ></t-choice>
       ${this.broken === path
         ? html`<t-problem what="The picture cannot be drawn." how="Download the file to look at it."></t-problem>`
@@ -64,23 +64,23 @@ export class FrameLook extends LitElement {
             <img
               alt=${`The picture of ${this.target || "no named target"}, drawn with the ${this.stretch} stretch`}
               src=${path}
-              @error=${this.notDrawn}
+              @error=${this.onImageError}
             />
             <div class="tint"></div>
           </div>`}`;
   }
 
-  private readonly notDrawn = (event: Event): void => {
+  private readonly onImageError = (event: Event): void => {
     if (event.target instanceof HTMLImageElement) this.broken = event.target.getAttribute("src") ?? "";
   };
 
-  private readonly choose = (event: CustomEvent<string>): void => {
+  private readonly onChoose = (event: CustomEvent<string>): void => {
     this.stretch = STRETCHES.find((each) => each === event.detail) ?? "asinh";
   };
 }
 
 /** How a picture's values lie, as bars and in numbers. */
-export function pixelValues(histogram: Histogram): TemplateResult {
+export function renderPixelValues(histogram: Histogram): TemplateResult {
   const shown = (value: number | null): string => (value === null ? "–" : String(Number(value.toPrecision(6))));
   return html`<div>
     <h3>Pixel values</h3>

@@ -18,16 +18,16 @@ export class Hold {
   private held = 0;
 
   /** Boxes came so much later than their picture. */
-  heard(ms: number, now: number): void {
-    this.latencies = [...this.recent(now).slice(1 - MOST_KEPT), { at: now, ms: Math.max(0, ms) }];
+  recordLatency(ms: number, now: number): void {
+    this.latencies = [...this.recentLatencies(now).slice(1 - MOST_KEPT), { at: now, ms: Math.max(0, ms) }];
   }
 
   /**
    * How long a picture that comes now waits (ms). It is 0 where nothing is known to come, and where
    * the longest wait would not be long enough: that would be late for nothing.
    */
-  at(now: number): number {
-    const sorted = this.recent(now).map(({ ms }) => ms).sort((a, b) => a - b);
+  delayMs(now: number): number {
+    const sorted = this.recentLatencies(now).map(({ ms }) => ms).sort((a, b) => a - b);
     const late = sorted[Math.ceil(sorted.length * PART) - 1];
     const wanted = late === undefined ? 0 : Math.ceil((late + MARGIN_MS) / STEP_MS) * STEP_MS;
     if (wanted > MOST_HOLD_MS || late === undefined) this.held = 0;
@@ -35,7 +35,7 @@ export class Hold {
     return this.held;
   }
 
-  private recent(now: number): typeof this.latencies {
+  private recentLatencies(now: number): typeof this.latencies {
     return this.latencies.filter(({ at }) => now - at < RECENT_MS);
   }
 }

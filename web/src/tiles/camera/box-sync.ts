@@ -50,46 +50,46 @@ export class InStep<P extends { close(): void }, S extends Timed> {
   private heardAt: number | null = null;
 
   /** From now on no picture waits, since somebody drives by them; or they may again. */
-  hurry(prompt: boolean): void {
+  setPrompt(prompt: boolean): void {
     this.prompt = prompt;
   }
 
   /** When boxes last came; null for never. */
-  get lastHeard(): number | null {
+  get lastBoxesAt(): number | null {
     return this.heardAt;
   }
 
   /** A picture is ready to be drawn. It is ours now; `age` is its own (ms), NaN where not known. */
-  take(picture: P, shot: S, age: number, now: number): void {
+  addPicture(picture: P, shot: S, age: number, now: number): void {
     const newest = this.arrivals.at(-1);
     // The camera began anew: numbers mean something else now.
-    if (newest !== undefined && shot.seq < newest.seq) this.forget();
+    if (newest !== undefined && shot.seq < newest.seq) this.dropStaleBoxes();
     this.arrivals = [...this.arrivals.slice(-60), { seq: shot.seq, at: now }];
-    if (this.boxes.some(({ seq }) => seq === shot.seq)) this.hold.heard(0, now);
+    if (this.boxes.some(({ seq }) => seq === shot.seq)) this.hold.recordLatency(0, now);
     // A picture whose age is not known is not live, and must not become older still.
     const room = Number.isFinite(age) ? Math.max(0, OLD_MS - age) : 0;
-    const dueAt = now + (this.prompt ? 0 : Math.min(this.hold.at(now), room));
+    const dueAt = now + (this.prompt ? 0 : Math.min(this.hold.delayMs(now), room));
     this.waiting.push({ picture, shot, dueAt });
     while (this.waiting.length > MOST_WAITING) this.waiting.shift()?.picture.close();
   }
 
   /** What is seen on a picture that came, will come, or was left out. */
-  see(boxes: ShotBoxes, now: number): void {
+  addBoxes(boxes: ShotBoxes, now: number): void {
     this.heardAt = now;
     const arrival = this.arrivals.find(({ seq }) => seq === boxes.seq);
-    if (arrival !== undefined) this.hold.heard(now - arrival.at, now);
+    if (arrival !== undefined) this.hold.recordLatency(now - arrival.at, now);
     this.boxes = [...this.boxes.filter(({ seq }) => seq !== boxes.seq), boxes].sort((a, b) => a.seq - b.seq).slice(-MOST_BOXES);
   }
 
   /** Nobody wants boxes any more. */
-  blind(): void {
+  clearBoxes(): void {
     this.boxes = [];
     this.hold = new Hold();
     this.heardAt = null;
   }
 
   /** The picture to draw now, the newest that is due; what it overtakes is closed. */
-  due(now: number): { readonly picture: P; readonly shot: S } | null {
+  takeDuePicture(now: number): { readonly picture: P; readonly shot: S } | null {
     const one = this.waiting.filter(({ dueAt }) => this.prompt || dueAt <= now).at(-1);
     if (one === undefined) return null;
     for (const { picture } of this.waiting.splice(0, this.waiting.indexOf(one) + 1).slice(0, -1)) picture.close();
@@ -103,10 +103,10 @@ export class InStep<P extends { close(): void }, S extends Timed> {
   }
 
   /** What belongs on the picture that is shown: the newest that is not newer than it. The same object while it is the same. */
-  seen(now: number): Seen | null {
+  currentBoxes(now: number): Seen | null {
     const { shown } = this;
     const newest = shown === null ? undefined : this.boxes.filter(({ seq }) => seq <= shown.shot.seq).at(-1);
-    const standing = shown === null || newest === undefined ? null : this.standing(newest, shown, now);
+    const standing = shown === null || newest === undefined ? null : this.standingBoxes(newest, shown, now);
     if (newest === undefined || standing === null) this.told = null;
     else if (this.told?.things !== newest.things || this.told.standing !== standing) this.told = { things: newest.things, standing };
     return this.told;
@@ -116,10 +116,10 @@ export class InStep<P extends { close(): void }, S extends Timed> {
     for (const { picture } of this.waiting) picture.close();
     this.waiting = [];
     this.shown = null;
-    this.forget();
+    this.dropStaleBoxes();
   }
 
-  private standing(boxes: ShotBoxes, shown: { readonly shot: S; readonly at: number }, now: number): Standing | null {
+  private standingBoxes(boxes: ShotBoxes, shown: { readonly shot: S; readonly at: number }, now: number): Standing | null {
     if (boxes.seq === shown.shot.seq) return "same";
     // While a picture stands still, what is seen on an earlier one gets older, too.
     const lag = (shown.shot.time_us - boxes.time_us) / 1000 + (now - shown.at);
@@ -128,8 +128,8 @@ export class InStep<P extends { close(): void }, S extends Timed> {
     return lag <= LONGEST_MS ? "earlier" : null;
   }
 
-  private forget(): void {
+  private dropStaleBoxes(): void {
     this.arrivals = [];
-    this.blind();
+    this.clearBoxes();
   }
 }

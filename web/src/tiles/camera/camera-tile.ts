@@ -92,7 +92,7 @@ export class Camera extends LitElement {
   private inSight = true;
   private readonly sight = new IntersectionObserver((entries) => {
     this.inSight = entries.at(-1)?.isIntersecting ?? true;
-    this.glance();
+    this.reportVisibility();
   });
   private readonly objects = new ObjectsDesk(this, storage());
   private readonly inStep = new InStep<Picture, Shot>();
@@ -104,12 +104,12 @@ export class Camera extends LitElement {
   override connectedCallback(): void {
     super.connectedCallback();
     this.timer = setInterval(() => {
-      this.seen = this.inStep.seen(performance.now());
+      this.seen = this.inStep.currentBoxes(performance.now());
       this.requestUpdate();
     }, AGE_EVERY_MS);
     this.sight.observe(this);
-    document.addEventListener("visibilitychange", this.glance);
-    document.addEventListener("fullscreenchange", this.fullChanged);
+    document.addEventListener("visibilitychange", this.reportVisibility);
+    document.addEventListener("fullscreenchange", this.onFullScreenChange);
     films ??= playsFilms();
     void films.then((able) => {
       this.forms = able && breaks < MOST_BREAKS ? ["h264", "jpeg"] : ["jpeg"];
@@ -121,34 +121,34 @@ export class Camera extends LitElement {
     super.disconnectedCallback();
     clearInterval(this.timer);
     this.sight.disconnect();
-    document.removeEventListener("visibilitychange", this.glance);
-    document.removeEventListener("fullscreenchange", this.fullChanged);
-    this.shut();
+    document.removeEventListener("visibilitychange", this.reportVisibility);
+    document.removeEventListener("fullscreenchange", this.onFullScreenChange);
+    this.closeSocket();
     this.opened = "";
   }
 
   override willUpdate(): void {
-    this.objects.about({ site: this.site, stream: this.stream, detects: this.detect ?? null });
+    this.objects.setSubject({ site: this.site, stream: this.stream, detects: this.detect ?? null });
   }
 
   override updated(): void {
-    this.inStep.hurry(this.driving);
-    if (this.driving) this.pump();
-    this.ask();
+    this.inStep.setPrompt(this.driving);
+    if (this.driving) this.drawDue();
+    this.requestBoxes();
     // A camera of a site that is away is not asked for over and over.
     const { forms } = this;
     const wanted = this.stream !== "" && this.online && forms !== null ? mediaPath(this.site, this.stream, forms) : "";
     if (wanted === this.opened) return;
     this.opened = wanted;
-    this.shut();
+    this.closeSocket();
     if (wanted !== "") this.openSocket(wanted);
   }
 
   override render(): TemplateResult {
     const now = performance.now();
     const { connection } = this.link;
-    const things = this.objects.on ? (this.seen?.things ?? []) : [];
-    const heard = this.inStep.lastHeard;
+    const things = this.objects.isWanted ? (this.seen?.things ?? []) : [];
+    const heard = this.inStep.lastBoxesAt;
     const lost = connection !== undefined && connection.state !== "open";
     return html`<t-camera-view
       .link=${this.linkNow()}
@@ -160,13 +160,13 @@ export class Camera extends LitElement {
       .time=${this.last?.time_us ?? 0}
       .small=${this.last?.small ?? false}
       .full=${this.full}
-      .things=${this.objects.framed(things)}
+      .things=${this.objects.framedThings(things)}
       ?earlier=${this.seen?.standing === "earlier"}
-      @t-fullscreen=${this.fullAsked}
-        >${this.objects.over(things, heard === null ? null : now - heard, this.driving)}${
+      @t-fullscreen=${this.onFullScreenRequest}
+        >${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
           this.online ? html`<t-film-button slot="tool" site=${this.site} stream=${this.stream}></t-film-button>` : nothing
         }</t-camera-view
-      >${this.objects.below(this.driving)}`;
+      >${this.objects.renderBelow(this.driving)}`;
   }
 
   private linkNow(): CameraLink {
@@ -187,7 +187,7 @@ export class Camera extends LitElement {
     const newest = new Newest({
       decode: (shot) => this.decode(shot),
       draw: (bitmap, shot) => {
-        this.ready(bitmap, shot);
+        this.onDecoded(bitmap, shot);
       },
       failed: (shot) => {
         if (shot.format in MIME) return;
@@ -198,12 +198,12 @@ export class Camera extends LitElement {
     this.newest = newest;
     const film = new Film({
       draw: (frame, shot) => {
-        this.ready(frame, shot);
+        this.onDecoded(frame, shot);
       },
       broken: () => {
         breaks += 1;
         if (breaks === MOST_BREAKS) this.forms = ["jpeg"];
-        this.socket?.again();
+        this.socket?.restart();
         this.requestUpdate();
       },
     });
@@ -212,14 +212,14 @@ export class Camera extends LitElement {
       { url: socketUrl(path, location) },
       {
         onShot: (shot, shown) => {
-          if (shot.format === "h264") film.take(shot, shown);
-          else newest.take(shot, shown);
+          if (shot.format === "h264") film.receivePicture(shot, shown);
+          else newest.receivePicture(shot, shown);
         },
         onBoxes: (boxes) => {
           const now = performance.now();
-          this.objects.heard(boxes);
-          this.inStep.see(boxes, now);
-          this.seen = this.inStep.seen(now);
+          this.objects.receiveBoxes(boxes);
+          this.inStep.addBoxes(boxes, now);
+          this.seen = this.inStep.currentBoxes(now);
         },
         onTrouble: (why) => {
           this.media = "bad";
@@ -231,30 +231,30 @@ export class Camera extends LitElement {
         },
       },
     );
-    this.glance();
+    this.reportVisibility();
   }
 
   /** A camera that nobody has in sight makes do with a picture now and then. */
-  private readonly glance = (): void => {
-    this.socket?.glance(document.hidden || !this.inSight);
-    this.ask();
+  private readonly reportVisibility = (): void => {
+    this.socket?.setLowRate(document.hidden || !this.inSight);
+    this.requestBoxes();
   };
 
   /** Boxes are asked for while somebody sees them. */
-  private ask(): void {
-    const on = this.objects.on && !document.hidden && this.inSight;
-    this.socket?.boxes(on);
-    if (!on) this.inStep.blind();
+  private requestBoxes(): void {
+    const on = this.objects.isWanted && !document.hidden && this.inSight;
+    this.socket?.requestBoxes(on);
+    if (!on) this.inStep.clearBoxes();
   }
 
-  private readonly fullAsked = (event: Event): void => {
+  private readonly onFullScreenRequest = (event: Event): void => {
     if (this.paged) return;
     event.stopPropagation();
     if (document.fullscreenElement === null) void this.requestFullscreen().catch(() => undefined);
     else void document.exitFullscreen();
   };
 
-  private readonly fullChanged = (): void => {
+  private readonly onFullScreenChange = (): void => {
     // `document.fullscreenElement` is the outermost host, and not this.
     if (!this.paged) this.full = this.matches(":fullscreen");
   };
@@ -267,19 +267,19 @@ export class Camera extends LitElement {
   }
 
   /** Decoded, and so paid for: that it may wait for its boxes is nothing the hub could help with. */
-  private ready(picture: Picture, shot: Shot): void {
-    const age = this.link.connection?.ageOf(shot.hub_us) ?? Number.NaN;
-    this.inStep.take(picture, shot, age, performance.now());
-    this.pump();
+  private onDecoded(picture: Picture, shot: Shot): void {
+    const age = this.link.connection?.ageMsOf(shot.hub_us) ?? Number.NaN;
+    this.inStep.addPicture(picture, shot, age, performance.now());
+    this.drawDue();
   }
 
   /** Draws what is due, and comes back for the next. */
-  private readonly pump = (): void => {
+  private readonly drawDue = (): void => {
     clearTimeout(this.dueTimer);
-    const due = this.inStep.due(performance.now());
+    const due = this.inStep.takeDuePicture(performance.now());
     if (due !== null) this.draw(due.picture, due.shot);
     const { dueAt } = this.inStep;
-    if (dueAt !== null) this.dueTimer = setTimeout(this.pump, Math.max(0, dueAt - performance.now()));
+    if (dueAt !== null) this.dueTimer = setTimeout(this.drawDue, Math.max(0, dueAt - performance.now()));
   };
 
   private draw(picture: Picture, shot: Shot): void {
@@ -291,8 +291,8 @@ export class Camera extends LitElement {
       this.why = "The picture shows nothing: no contrast at all. Is the lens covered, or the line too narrow?";
       return;
     }
-    this.view.draw(picture);
-    this.seen = this.inStep.seen(now);
+    this.view.drawPicture(picture);
+    this.seen = this.inStep.currentBoxes(now);
     if (this.media === "bad") {
       this.media = "open";
       this.why = "";
@@ -300,14 +300,14 @@ export class Camera extends LitElement {
     this.last = shot;
     // For tests and measurements; see `bench/`.
     (globalThis as { __talaiaPictured?: (timeUs: number, format: string) => void }).__talaiaPictured?.(shot.time_us, shot.format);
-    const age = this.link.connection?.ageOf(shot.hub_us) ?? Number.NaN;
+    const age = this.link.connection?.ageMsOf(shot.hub_us) ?? Number.NaN;
     this.takenAt = Number.isFinite(age) ? now - Math.max(0, age) : null;
     this.drawn = true;
     this.arrivals = [...this.arrivals.slice(-120), now];
     this.dispatchEvent(new CustomEvent("t-picture", { detail: this.takenAt }));
   }
 
-  private shut(): void {
+  private closeSocket(): void {
     this.socket?.close();
     this.newest?.close();
     this.film?.close();

@@ -62,7 +62,7 @@ export class FilmButton extends LitElement {
   private asked: boolean | null = null;
 
   protected override willUpdate(): void {
-    this.filming.watch(this.api, this.site);
+    this.filming.setSite(this.api, this.site);
     if (this.asked !== null && this.filming.list?.filming.includes(this.stream) === this.asked) this.asked = null;
   }
 
@@ -72,22 +72,22 @@ export class FilmButton extends LitElement {
     const on = list.filming.includes(this.stream);
     const label = on ? "End the film" : "Film this camera";
     const { problem } = this.action;
-    return html`<button type="button" class="key ${on ? "worded" : ""}" aria-label=${label} title=${label} aria-pressed=${on ? "true" : "false"} aria-busy=${this.asked === null ? "false" : "true"} @click=${this.press}>
+    return html`<button type="button" class="key ${on ? "worded" : ""}" aria-label=${label} title=${label} aria-pressed=${on ? "true" : "false"} aria-busy=${this.asked === null ? "false" : "true"} @click=${this.toggleRecording}>
         <svg viewBox="0 0 24 24" aria-hidden="true"><path d=${on ? BLOCK : DOT} fill="currentColor"></path></svg>
         ${on ? html`<span class="word">Filming</span>` : nothing}
       </button>
       ${problem === null ? nothing : html`<span class="problem" role="alert">${problem.what} ${problem.how}</span>`}`;
   }
 
-  private readonly press = (): void => {
+  private readonly toggleRecording = (): void => {
     const { api, site, stream } = this;
     if (api === undefined) return;
     const on = this.filming.list?.filming.includes(stream) !== true;
-    void this.action.run(on ? "begin the film" : "end the film", () => new FilmsApi(api).film(site, stream, on)).then((done) => {
+    void this.action.run(on ? "begin the film" : "end the film", () => new FilmsApi(api).setRecording(site, stream, on)).then((done) => {
       this.asked = done ? on : null;
       // The gateway tells it a moment later.
       setTimeout(() => {
-        this.filming.again();
+        this.filming.refresh();
       }, 300);
     });
   };

@@ -36,9 +36,9 @@ export class Film {
 
   constructor(private readonly screening: Screening) {}
 
-  take(shot: Shot, shown: () => void): void {
+  receivePicture(shot: Shot, shown: () => void): void {
     if (this.closed) return;
-    if (shot.key) this.begin(shot.codec);
+    if (shot.key) this.configureDecoder(shot.codec);
     if (this.decoder === null) {
       // Nothing to go on from; the hub begins each film with a key picture, so this is rare.
       shown();
@@ -50,33 +50,33 @@ export class Film {
         new EncodedVideoChunk({ type: shot.key ? "key" : "delta", timestamp: shot.seq, data: shot.data }),
       );
     } catch {
-      this.fail();
+      this.onDecoderError();
     }
   }
 
   close(): void {
     this.closed = true;
-    this.stop();
+    this.closeDecoder();
   }
 
-  private begin(codec: string): void {
+  private configureDecoder(codec: string): void {
     if (this.decoder !== null && (codec === "" || codec === this.codec)) return;
-    this.stop();
+    this.closeDecoder();
     this.codec = codec || PLAIN_CODEC;
     const decoder: VideoDecoder = new VideoDecoder({
       output: (frame) => {
-        if (this.decoder === decoder) this.show(frame);
+        if (this.decoder === decoder) this.drawFrame(frame);
         else frame.close();
       },
       error: () => {
-        if (this.decoder === decoder) this.fail();
+        if (this.decoder === decoder) this.onDecoderError();
       },
     });
     decoder.configure({ codec: this.codec, optimizeForLatency: true });
     this.decoder = decoder;
   }
 
-  private show(frame: VideoFrame): void {
+  private drawFrame(frame: VideoFrame): void {
     const one = this.waiting.get(frame.timestamp);
     if (one === undefined) {
       frame.close();
@@ -87,12 +87,12 @@ export class Film {
     one.shown();
   }
 
-  private fail(): void {
-    this.stop();
+  private onDecoderError(): void {
+    this.closeDecoder();
     this.screening.broken();
   }
 
-  private stop(): void {
+  private closeDecoder(): void {
     const { decoder } = this;
     this.decoder = null;
     if (decoder !== null && decoder.state !== "closed") decoder.close();

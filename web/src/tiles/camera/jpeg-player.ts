@@ -22,11 +22,11 @@ export class Newest {
 
   constructor(private readonly drawing: Drawing) {}
 
-  take(shot: Shot, shown: () => void): void {
+  receivePicture(shot: Shot, shown: () => void): void {
     if (this.closed) return;
     this.next?.shown();
     this.next = { shot, shown };
-    if (!this.busy) void this.work();
+    if (!this.busy) void this.drawLoop();
   }
 
   close(): void {
@@ -34,7 +34,7 @@ export class Newest {
     this.next = null;
   }
 
-  private async work(): Promise<void> {
+  private async drawLoop(): Promise<void> {
     this.busy = true;
     while (this.next) {
       const { shot, shown } = this.next;

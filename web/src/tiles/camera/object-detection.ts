@@ -46,27 +46,27 @@ export class ObjectsDesk {
   }
 
   /** Call it from `willUpdate`: what was chosen is read again for another person or camera. */
-  about(subject: Subject): void {
-    const wanted = JSON.stringify([this.person, subject.site, subject.stream]);
+  setSubject(subject: Subject): void {
+    const wanted = JSON.stringify([this.personId, subject.site, subject.stream]);
     this.subject = subject;
     if (wanted === this.readFor) return;
     this.readFor = wanted;
     this.classes = new Set();
-    this.choice = readObjects(this.notes, this.person, subject.site, subject.stream);
+    this.choice = readObjects(this.notes, this.personId, subject.site, subject.stream);
     this.refresh();
   }
 
   /** Boxes are wanted of the hub. */
-  get on(): boolean {
+  get isWanted(): boolean {
     return this.subject.detects !== null && this.choice.on;
   }
 
-  heard({ things }: ShotBoxes): void {
+  receiveBoxes({ things }: ShotBoxes): void {
     for (const { label } of things) this.classes.add(label);
   }
 
   /** What is framed of these things; the same list for the same things. */
-  framed(things: readonly Thing[]): readonly Thing[] {
+  framedThings(things: readonly Thing[]): readonly Thing[] {
     const { detects } = this.subject;
     if (things !== this.framedOf) {
       this.framedOf = things;
@@ -80,7 +80,7 @@ export class ObjectsDesk {
    *
    * @param quiet - since when nothing has come from the detector (ms); null while nothing ever came
    */
-  over(things: readonly Thing[], quiet: number | null, driving: boolean): unknown {
+  renderOverlay(things: readonly Thing[], quiet: number | null, driving: boolean): unknown {
     const { detects } = this.subject;
     if (detects === null) return nothing;
     const detector: Detector = quiet === null ? "waiting" : quiet > SILENT_MS ? "silent" : "telling";
@@ -89,48 +89,48 @@ export class ObjectsDesk {
       ${ref(this.strip)}
       ?on=${this.choice.on}
       detector=${detector}
-      .counts=${counted(this.framed(things))}
-      why=${this.logbook}
+      .counts=${counted(this.framedThings(things))}
+      why=${this.logbookPath}
       ?busy=${driving}
       ?open=${this.open}
-      @t-objects-switch=${this.switched}
-      @t-objects-open=${this.opened}
+      @t-objects-switch=${this.onSwitch}
+      @t-objects-open=${this.onOpened}
     ></t-objects>`;
   }
 
   /** What stands below it: never over a picture, and not while somebody drives by it. */
-  below(driving: boolean): unknown {
+  renderBelow(driving: boolean): unknown {
     const { detects } = this.subject;
-    if (driving || !this.on) this.open = false;
+    if (driving || !this.isWanted) this.open = false;
     if (detects === null || !this.open) return nothing;
     return html`<t-objects-choice
       ${ref(this.panel)}
       .classes=${choosable(detects, this.classes, this.choice)}
       .confidence=${sureOf(this.choice, detects)}
       .plain=${this.choice.classes === null && this.choice.confidence === null}
-      @t-objects-want=${this.wanted}
-      @t-close=${this.closed}
+      @t-objects-want=${this.onObjectsChosen}
+      @t-close=${this.onClosed}
     ></t-objects-choice>`;
   }
 
-  private get logbook(): string {
+  private get logbookPath(): string {
     const person = this.session.store?.person;
     return person && !seesOnlyPublic(person) ? sitePath(this.subject.site, "logbook") : "";
   }
 
-  private get person(): string {
+  private get personId(): string {
     return this.session.store?.person?.name ?? "";
   }
 
-  private readonly switched = (event: CustomEvent<boolean>): void => {
-    this.choose({ ...this.choice, on: event.detail });
+  private readonly onSwitch = (event: CustomEvent<boolean>): void => {
+    this.saveChoice({ ...this.choice, on: event.detail });
   };
 
-  private readonly wanted = (event: CustomEvent<Wanted>): void => {
-    this.choose({ ...this.choice, ...event.detail });
+  private readonly onObjectsChosen = (event: CustomEvent<Wanted>): void => {
+    this.saveChoice({ ...this.choice, ...event.detail });
   };
 
-  private readonly opened = (event: CustomEvent<boolean>): void => {
+  private readonly onOpened = (event: CustomEvent<boolean>): void => {
     this.open = event.detail;
     this.host.requestUpdate();
     if (!this.open) return;
@@ -141,15 +141,15 @@ export class ObjectsDesk {
     });
   };
 
-  private readonly closed = (): void => {
+  private readonly onClosed = (): void => {
     this.open = false;
     this.host.requestUpdate();
     this.strip.value?.focus();
   };
 
-  private choose(choice: ObjectsChoice): void {
+  private saveChoice(choice: ObjectsChoice): void {
     this.choice = choice;
-    keepObjects(this.notes, this.person, this.subject.site, this.subject.stream, choice);
+    keepObjects(this.notes, this.personId, this.subject.site, this.subject.stream, choice);
     this.refresh();
   }
 

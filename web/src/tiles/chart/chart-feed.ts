@@ -78,7 +78,7 @@ export class ChartFeed {
    *
    * @param scores channels of the scores of their anomaly detectors
    */
-  listen(signals: readonly SignalInfo[], scores: readonly string[] = []): void {
+  subscribeSignals(signals: readonly SignalInfo[], scores: readonly string[] = []): void {
     for (const signal of signals) for (const channel of signal.channels) this.ageLimits.set(channel, signal.max_age);
     for (const channel of scores) this.ageLimits.set(channel, WRITTEN_S);
     this.scores = new Set(scores);
@@ -90,7 +90,7 @@ export class ChartFeed {
     const before = this.cancel;
     // What is not listened to any more has a hole from now on.
     for (const address of this.filledFrom.keys()) if (!wanted.includes(address)) this.filledFrom.delete(address);
-    this.cancel = wanted.length === 0 ? null : this.source.subscribe(this.site, wanted, EVERY_MS, this.taker());
+    this.cancel = wanted.length === 0 ? null : this.source.subscribe(this.site, wanted, EVERY_MS, this.batchListener());
     before?.();
   }
 
@@ -102,7 +102,7 @@ export class ChartFeed {
     this.asking = null;
   }
 
-  channel(address: string): Channel {
+  channelOf(address: string): Channel {
     let channel = this.channels.get(address);
     if (channel === undefined) {
       const trace = new Trace(this.keptUs(address), (this.ageLimits.get(address) ?? 5) * SECOND_US);
@@ -113,22 +113,22 @@ export class ChartFeed {
   }
 
   /** Age of the newest sample (s); NaN before the first. */
-  ageOf(address: string): number {
+  ageS(address: string): number {
     return (this.now() - (this.channels.get(address)?.freshAtMs ?? NaN)) / 1000;
   }
 
   /** The window that ends now, by the robot's clock. */
-  readonly window = (nowMs: number): Span => {
-    const toUs = this.edge.known ? this.edge.at(nowMs) : Date.now() * 1000;
+  readonly currentWindow = (nowMs: number): Span => {
+    const toUs = this.edge.isKnown ? this.edge.nowUs(nowMs) : Date.now() * 1000;
     return { fromUs: toUs - this.lengthUs, toUs };
   };
 
   /** Show so much time (µs) from now on. */
-  show(lengthUs: number): void {
+  setLength(lengthUs: number): void {
     if (lengthUs === this.lengthUs) return;
     this.lengthUs = lengthUs;
     for (const [address, { trace }] of this.channels) trace.spanUs = this.keptUs(address);
-    void this.fill(false);
+    void this.loadHistory(false);
   }
 
   /** A tenth more is kept, so that the left edge of a chart never shows a sample dropping out. */
@@ -142,38 +142,38 @@ export class ChartFeed {
   }
 
   /** A listener of its own for each subscription: its second first batch means a lost connection. */
-  private taker(): (batch: Batch) => void {
+  private batchListener(): (batch: Batch) => void {
     let begun = false;
     return (batch) => {
-      this.take(batch);
+      this.receiveBatch(batch);
       // What came before is asked for: of new channels, or of all after a loss.
-      if (batch.first) void this.fill(begun);
+      if (batch.first) void this.loadHistory(begun);
       begun ||= batch.first;
     };
   }
 
-  private take(batch: Batch): void {
+  private receiveBatch(batch: Batch): void {
     const { channel: index, timeUs, value, texts, ageMs } = batch.columns;
     const now = this.now();
     for (let i = 0; i < index.length; i += 1) {
       const address = batch.channels[index[i] ?? -1];
       if (address === undefined) continue;
-      this.takeOne(this.channel(address), timeUs[i] ?? NaN, value[i] ?? NaN, texts[i] ?? null, now, ageMs[i] ?? 0);
+      this.addSample(this.channelOf(address), timeUs[i] ?? NaN, value[i] ?? NaN, texts[i] ?? null, now, ageMs[i] ?? 0);
     }
     this.changed();
   }
 
-  private takeOne(held: Channel, timeUs: number, value: number, text: string | null, now: number, ageMs: number): void {
+  private addSample(held: Channel, timeUs: number, value: number, text: string | null, now: number, ageMs: number): void {
     this.edge.observe(timeUs, now, ageMs);
-    held.trace.take(timeUs, value);
+    held.trace.addSample(timeUs, value);
     if (held.timeUs > timeUs) return;
     held.timeUs = timeUs;
     held.text = text;
     held.freshAtMs = now - ageMs;
   }
 
-  private async fill(again: boolean): Promise<void> {
-    const span = this.window(this.now());
+  private async loadHistory(again: boolean): Promise<void> {
+    const span = this.currentWindow(this.now());
     const missing = this.wanted.filter((address) => again || (this.filledFrom.get(address) ?? Infinity) > span.fromUs);
     if (missing.length === 0) return;
     this.asking?.abort();
@@ -182,7 +182,7 @@ export class ChartFeed {
     this.backfill = "loading";
     try {
       for (const some of [missing.filter((address) => !this.scores.has(address)), missing.filter((address) => this.scores.has(address))]) {
-        for (let i = 0; i < some.length; i += AT_ONCE) await this.fillSome(some.slice(i, i + AT_ONCE), span, asking.signal);
+        for (let i = 0; i < some.length; i += AT_ONCE) await this.loadHistoryOf(some.slice(i, i + AT_ONCE), span, asking.signal);
       }
       this.backfill = "done";
     } catch {
@@ -192,7 +192,7 @@ export class ChartFeed {
     this.changed();
   }
 
-  private async fillSome(channels: readonly string[], span: Span, signal: AbortSignal): Promise<void> {
+  private async loadHistoryOf(channels: readonly string[], span: Span, signal: AbortSignal): Promise<void> {
     const answer = await this.past.history(
       this.site,
       { channels, fromUs: span.fromUs - lengthOf(span) * 0.05 - this.leadUs(channels[0] ?? ""), toUs: span.toUs, width: BACKFILL_PX },
@@ -200,7 +200,7 @@ export class ChartFeed {
     );
     for (const series of answer.series) {
       const { times, values, intervalUs } = samplesOf(series);
-      const held = this.channel(series.address);
+      const held = this.channelOf(series.address);
       held.trace.backfill(times, values, intervalUs);
       held.gaps.splice(0, Infinity, ...series.gaps);
       this.filledFrom.set(series.address, span.fromUs);

@@ -117,25 +117,25 @@ export class ChartTile extends LitElement {
     return html`
       <div class="head">
         <h3 title=${signal.address}>${signal.name}</h3>
-        ${this.status()}
-        ${this.series === null || this.forbidden ? nothing : this.pauseButton(signal)}
+        ${this.renderStatus()}
+        ${this.series === null || this.forbidden ? nothing : this.renderPauseButton(signal)}
       </div>
-      ${this.reading(signal, feed)} ${this.chart(signal)} ${this.watched()}
+      ${this.renderReading(signal, feed)} ${this.renderChart(signal)} ${this.renderDetectors()}
     `;
   }
 
   private freshness(): ValueState {
     if (this.forbidden) return "forbidden";
-    if (this.reach.store?.of(this.feed?.site ?? "", deviceOf(this.signal?.address ?? "")) !== undefined) return "unreached";
-    const age = this.feed?.ageOf(this.signal?.channels[0] ?? "") ?? NaN;
+    if (this.reach.store?.unreachableSince(this.feed?.site ?? "", deviceOf(this.signal?.address ?? "")) !== undefined) return "unreached";
+    const age = this.feed?.ageS(this.signal?.channels[0] ?? "") ?? NaN;
     if (Number.isNaN(age)) return "unknown";
     if (this.cut || age > (this.signal?.max_age ?? 0)) return "stale";
-    const newest = this.feed?.channel(this.signal?.channels[0] ?? "").trace.newest ?? NaN;
+    const newest = this.feed?.channelOf(this.signal?.channels[0] ?? "").trace.newest ?? NaN;
     return this.signal !== null && outOfRange(this.signal, newest) ? "outside" : "live";
   }
 
-  private status(): TemplateResult {
-    const age = this.feed?.ageOf(this.signal?.channels[0] ?? "") ?? NaN;
+  private renderStatus(): TemplateResult {
+    const age = this.feed?.ageS(this.signal?.channels[0] ?? "") ?? NaN;
     switch (this.freshness()) {
       case "live":
         return html`<t-status kind="online" word="live"></t-status>`;
@@ -152,7 +152,7 @@ export class ChartTile extends LitElement {
     }
   }
 
-  private pauseButton(signal: SignalInfo): TemplateResult {
+  private renderPauseButton(signal: SignalInfo): TemplateResult {
     const still = this.paused || this.held;
     return html`<t-button
       kind="quiet"
@@ -166,15 +166,15 @@ export class ChartTile extends LitElement {
     ></t-button>`;
   }
 
-  private reading(signal: SignalInfo, feed: ChartFeed): TemplateResult {
+  private renderReading(signal: SignalInfo, feed: ChartFeed): TemplateResult {
     const freshness = this.freshness();
-    const one = feed.channel(signal.channels[0] ?? signal.address);
+    const one = feed.channelOf(signal.channels[0] ?? signal.address);
     const word = stateWord(signal.states, one.trace.newest);
     switch (signal.type) {
       case "position":
         return html`<dl class="parts">
           ${map(signal.channels, (channel) => {
-            const part = partOf(signal, channel, feed.channel(channel).trace.newest);
+            const part = partOf(signal, channel, feed.channelOf(channel).trace.newest);
             return html`<div>
               <dt>${part.name}</dt>
               <dd><t-value bare size="l" .state=${freshness} .text=${part.text}></t-value></dd>
@@ -182,7 +182,7 @@ export class ChartTile extends LitElement {
           })}
         </dl>`;
       case "text":
-        return html`<p class="text ${levelOf(one.text ?? "")}">${this.said(freshness, one.text)}</p>
+        return html`<p class="text ${levelOf(one.text ?? "")}">${this.renderMessage(freshness, one.text)}</p>
           <p class="range">${Number.isNaN(one.timeUs) ? nothing : `at ${formatClock(one.timeUs, this.zone)}`}</p>`;
       case "state":
         return html`<t-value bare size="xl" .state=${freshness} .text=${word} .level=${levelOf(word)}></t-value>`;
@@ -196,21 +196,21 @@ export class ChartTile extends LitElement {
             .unit=${signal.unit}
             .decimals=${signal.decimals}
           ></t-value>
-          <p class="range">${this.forbidden ? nothing : this.extremes(signal)}</p>
+          <p class="range">${this.forbidden ? nothing : this.renderExtremes(signal)}</p>
         </div>`;
     }
   }
 
   /** A message; one that begins with its level has a mark besides. */
-  private said(freshness: ValueState, text: string | null): unknown {
+  private renderMessage(freshness: ValueState, text: string | null): unknown {
     if (freshness === "unreached" || text === null) return "–";
     return levelOf(text) === "" ? text : html`<t-icon name="warn"></t-icon> ${text}`;
   }
 
   /** Least and greatest of what the chart shows. */
-  private extremes(signal: SignalInfo): unknown {
+  private renderExtremes(signal: SignalInfo): unknown {
     const samples = this.frozen?.series.samples ?? this.series?.samples;
-    const span = this.frozen?.span ?? this.feed?.window(performance.now());
+    const span = this.frozen?.span ?? this.feed?.currentWindow(performance.now());
     if (samples === undefined || span === undefined) return nothing;
     const seen = summary(samples.columnsAt(this.chartColumn(span)), span.fromUs, span.toUs);
     if (seen.count === 0) return html`nothing in this window`;
@@ -220,8 +220,8 @@ export class ChartTile extends LitElement {
   }
 
   /** What the newest of the marks in the chart is of. */
-  private marked(): unknown {
-    const span = this.frozen?.span ?? this.feed?.window(performance.now());
+  private renderNewestMark(): unknown {
+    const span = this.frozen?.span ?? this.feed?.currentWindow(performance.now());
     const newest = this.marks.filter(({ timeUs }) => span !== undefined && span.fromUs <= timeUs && timeUs <= span.toUs).at(-1);
     if (newest === undefined) return nothing;
     return html`<p class="outliers">Alarm at ${formatClock(newest.timeUs, this.zone)}: ${newest.said}</p>`;
@@ -232,7 +232,7 @@ export class ChartTile extends LitElement {
     return this.drawn?.columnUs || Math.round(lengthOf(span) / COARSE);
   }
 
-  private chart(signal: SignalInfo): unknown {
+  private renderChart(signal: SignalInfo): unknown {
     const series = this.frozen?.series ?? this.series;
     if (series === null || this.axis === null || this.forbidden) return nothing;
     const stale = this.freshness() === "stale";
@@ -251,7 +251,7 @@ export class ChartTile extends LitElement {
         zone=${this.zone}
         label=${`${signal.name}, ${this.frozen === null ? "live" : "paused"}`}
       ></t-chart>
-      ${this.marked()}
+      ${this.renderNewestMark()}
       ${this.found === null ? nothing : html`<p class="outliers">${outlierWords(this.found, signal.unit, decimalsFor(signal.unit, signal.decimals), false)}</p>`}
       ${
         this.frozen === null
@@ -261,7 +261,7 @@ export class ChartTile extends LitElement {
   }
 
   /** What the detectors say, below the chart and over the same window. */
-  private watched(): unknown {
+  private renderDetectors(): unknown {
     if (this.forbidden || this.series === null) return nothing;
     return this.detectors.map((one) => {
       const series = this.frozen?.scores.get(one.scores) ?? this.scores.get(one.scores) ?? null;
@@ -282,13 +282,13 @@ export class ChartTile extends LitElement {
 
   /** Of what the chart holds: the hub sends no more of a fast signal than a screen can show. */
   private seekOutliers({ samples, address, states }: ChartSeries): void {
-    const span = this.frozen?.span ?? this.feed?.window(performance.now());
+    const span = this.frozen?.span ?? this.feed?.currentWindow(performance.now());
     if (this.outliers === 0 || states.length > 0 || span === undefined) {
       if (this.found !== null) this.points = new Map();
       this.found = null;
       return;
     }
-    const found = this.memo.of(samples, span, this.outliers);
+    const found = this.memo.outliersOf(samples, span, this.outliers);
     if (found !== this.found) this.points = new Map([[address, found]]);
     this.found = found;
   }
@@ -302,7 +302,7 @@ export class ChartTile extends LitElement {
   }
 
   private follow(): Follow | null {
-    return this.feed?.window ?? null;
+    return this.feed?.currentWindow ?? null;
   }
 
   private restate(stale: boolean): void {
@@ -314,7 +314,7 @@ export class ChartTile extends LitElement {
     const { signal, feed } = this;
     if (signal === null || feed === null || this.series !== null) return;
     if (signal.type !== "number" && signal.type !== "state") return;
-    const channel = feed.channel(signal.channels[0] ?? signal.address);
+    const channel = feed.channelOf(signal.channels[0] ?? signal.address);
     this.series = {
       address: signal.address,
       name: signal.name,
@@ -343,7 +343,7 @@ export class ChartTile extends LitElement {
     this.scores = new Map(
       this.detectors.map(({ scores }): [string, ChartSeries] => {
         const before = this.scores.get(scores);
-        const { trace, gaps } = feed.channel(scores);
+        const { trace, gaps } = feed.channelOf(scores);
         if (before?.samples === trace) return [scores, before];
         const plain = { address: scores, name: "Score", unit: "", decimals: 2, states: [], stale: false };
         return [scores, { ...plain, colour: this.colour, samples: trace, gaps }];
@@ -354,11 +354,11 @@ export class ChartTile extends LitElement {
   private freeze(): void {
     const { feed, signal, series } = this;
     if (feed === null || signal === null || series === null) return;
-    const samples = feed.channel(signal.channels[0] ?? signal.address).trace.copy();
+    const samples = feed.channelOf(signal.channels[0] ?? signal.address).trace.copy();
     const scores = new Map(
-      [...this.scores].map(([address, one]): [string, ChartSeries] => [address, { ...one, samples: feed.channel(address).trace.copy() }]),
+      [...this.scores].map(([address, one]): [string, ChartSeries] => [address, { ...one, samples: feed.channelOf(address).trace.copy() }]),
     );
-    this.frozen = { span: feed.window(performance.now()), series: { ...series, samples, gaps: [...series.gaps] }, scores };
+    this.frozen = { span: feed.currentWindow(performance.now()), series: { ...series, samples, gaps: [...series.gaps] }, scores };
   }
 
   private readonly togglePause = (): void => {

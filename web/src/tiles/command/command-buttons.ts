@@ -13,7 +13,7 @@ import { PHASES } from "../../elements/command/command-phases.js";
 import { lockWords } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { DeviceInfo } from "../../wire/api-types.js";
-import { interruptDialog } from "./interrupt-dialog.js";
+import { renderInterruptDialog } from "./interrupt-dialog.js";
 import type { Deed } from "../observatory/roles.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
@@ -80,33 +80,33 @@ export class Deeds extends LitElement {
   private readonly watched = new WatchController(this);
 
   override willUpdate(): void {
-    this.watched.watch(this.line);
+    this.watched.setStore(this.line);
   }
 
   override render(): TemplateResult | typeof nothing {
     if (this.deeds.length === 0) return nothing;
     return html`<div class="row" role="group" aria-label="Commands">
-        ${repeat(this.deeds, ({ label }) => label, (deed) => this.button(deed))}
+        ${repeat(this.deeds, ({ label }) => label, (deed) => this.renderButton(deed))}
       </div>
       ${this.online ? nothing : html`<t-status kind="offline" word="not connected: nothing can be asked"></t-status>`}
       <ul role="status">
-        ${repeat(this.news(), ({ id }) => id, (asked) => this.outcome(asked))}
+        ${repeat(this.recentRequests(), ({ id }) => id, (asked) => this.renderOutcome(asked))}
       </ul>
       ${map(
-        this.locks(),
+        this.lockReasons(),
         ([why, names]) => html`<div class="locked"><t-icon name="lock"></t-icon><span>${names.join(", ")}: ${why}</span></div>`,
       )}
-      ${this.dialog()}${interruptDialog(this.news(), this.line)}`;
+      ${this.renderDialog()}${renderInterruptDialog(this.recentRequests(), this.line)}`;
   }
 
-  private button(deed: Deed): TemplateResult {
+  private renderButton(deed: Deed): TemplateResult {
     const lock = this.lockOf(deed);
     const asked = this.line?.desk.latest(this.device?.id ?? "", deed.command.id) ?? null;
     // What is asked for again while it is under way is refused by nobody's mistake; STOP never waits.
     const busy = asked !== null && !isFinal(asked.phase) && deed.kind !== "danger" && deed.command.arguments.length !== 1;
     const ask = (): void => {
       if (deed.command.confirm) this.asking = deed;
-      else this.ask(deed);
+      else this.sendCommand(deed);
     };
     return html`<t-button kind=${deed.kind} ?disabled=${!this.online || lock !== ""} ?busy=${busy} @click=${ask}
       >${lock === "" ? nothing : html`<t-icon name="lock"></t-icon>`}${deed.label}${deed.command.confirm ? "…" : ""}</t-button
@@ -119,7 +119,7 @@ export class Deeds extends LitElement {
   }
 
   /** Buttons by the reason that locks them: each reason is said once. */
-  private locks(): ReadonlyMap<string, readonly string[]> {
+  private lockReasons(): ReadonlyMap<string, readonly string[]> {
     const found = new Map<string, string[]>();
     for (const deed of this.online ? this.deeds : []) {
       const why = this.lockOf(deed);
@@ -128,13 +128,13 @@ export class Deeds extends LitElement {
     return found;
   }
 
-  private news(): readonly Asked[] {
+  private recentRequests(): readonly Asked[] {
     const ids = new Set(this.deeds.map(({ command }) => command.id));
     const asked = [...ids].map((id) => this.line?.desk.latest(this.device?.id ?? "", id) ?? null);
     return asked.filter((one) => one !== null).sort((a, b) => b.since - a.since).slice(0, 3);
   }
 
-  private outcome(asked: Asked): TemplateResult {
+  private renderOutcome(asked: Asked): TemplateResult {
     const name = this.deeds.find(({ command }) => command.id === asked.command)?.command.name ?? asked.command;
     const { kind, word } = PHASES[asked.phase];
     return html`<li>
@@ -146,29 +146,29 @@ export class Deeds extends LitElement {
     </li>`;
   }
 
-  private dialog(): TemplateResult {
+  private renderDialog(): TemplateResult {
     const name = this.asking?.label ?? "";
-    return html`<t-dialog heading="${name}?" ?open=${this.asking !== null} @t-close=${this.calledOff}>
+    return html`<t-dialog heading="${name}?" ?open=${this.asking !== null} @t-close=${this.onCancel}>
       <p>${this.asking?.command.description || "This is sent to the robot once."}</p>
-      <t-button slot="actions" @click=${this.calledOff}>Do not send</t-button>
-      <t-button slot="actions" kind="primary" @click=${this.confirmed}>${name}</t-button>
+      <t-button slot="actions" @click=${this.onCancel}>Do not send</t-button>
+      <t-button slot="actions" kind="primary" @click=${this.onConfirm}>${name}</t-button>
     </t-dialog>`;
   }
 
-  private readonly calledOff = (): void => {
+  private readonly onCancel = (): void => {
     this.asking = null;
   };
 
-  private readonly confirmed = (): void => {
+  private readonly onConfirm = (): void => {
     const deed = this.asking;
     this.asking = null;
     // What was asked for a moment ago may be locked by now.
-    if (deed !== null && this.online && this.lockOf(deed) === "") this.ask(deed);
+    if (deed !== null && this.online && this.lockOf(deed) === "") this.sendCommand(deed);
   };
 
-  private ask(deed: Deed): void {
+  private sendCommand(deed: Deed): void {
     const units = deed.command.arguments.map(({ id, unit }) => [id, unit] as const);
-    this.line?.ask(this.device?.id ?? "", deed.command.id, deed.args, Object.fromEntries(units));
+    this.line?.sendCommand(this.device?.id ?? "", deed.command.id, deed.args, Object.fromEntries(units));
   }
 }
 

@@ -9,7 +9,7 @@ import "../../elements/command/command-form.js";
 import { lockWords } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { CommandInfo, DeviceInfo } from "../../wire/api-types.js";
-import { interruptDialog } from "./interrupt-dialog.js";
+import { renderInterruptDialog } from "./interrupt-dialog.js";
 
 @customElement("t-command-card")
 export class CommandCard extends LitElement {
@@ -30,7 +30,7 @@ export class CommandCard extends LitElement {
   private readonly watched = new WatchController(this);
 
   override willUpdate(): void {
-    this.watched.watch(this.line);
+    this.watched.setStore(this.line);
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -39,10 +39,10 @@ export class CommandCard extends LitElement {
     const lock = this.interlocks.store?.lockOf(this.site, device.id, command.id) ?? null;
     const ask = (event: CustomEvent<Arguments>): void => {
       const units = command.arguments.map(({ id, unit }) => [id, unit] as const);
-      this.line?.ask(device.id, command.id, event.detail, Object.fromEntries(units));
+      this.line?.sendCommand(device.id, command.id, event.detail, Object.fromEntries(units));
     };
     const cancel = (): void => {
-      this.line?.cancel(device.id, command.id);
+      this.line?.cancelCommand(device.id, command.id);
     };
     const asked = this.line?.desk.latest(device.id, command.id) ?? null;
     return html`<t-command
@@ -54,7 +54,7 @@ export class CommandCard extends LitElement {
       @t-ask=${ask}
       @t-cancel=${cancel}
       ></t-command
-      >${interruptDialog([asked], this.line)}`;
+      >${renderInterruptDialog([asked], this.line)}`;
   }
 }
 

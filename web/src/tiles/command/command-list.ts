@@ -59,7 +59,7 @@ export class Commands extends LitElement {
         ${repeat(
           rows,
           ({ device, command }) => `${device.id}/${command.id}`,
-          ({ device, command }) => this.card(device, command),
+          ({ device, command }) => this.renderCard(device, command),
         )}
       </div>
       ${policies.length === 0
@@ -77,7 +77,7 @@ export class Commands extends LitElement {
     `;
   }
 
-  private card(device: DeviceInfo, command: CommandInfo): TemplateResult {
+  private renderCard(device: DeviceInfo, command: CommandInfo): TemplateResult {
     return html`<t-card>
       <span class="device">${device.name}</span>
       <t-command-card

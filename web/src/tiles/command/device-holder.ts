@@ -36,7 +36,7 @@ export class DeviceHolderLine extends LitElement {
   }
 
   override render(): readonly TemplateResult[] | typeof nothing {
-    const found = this.holders.store?.of(this.site, this.device) ?? [];
+    const found = this.holders.store?.holdersOf(this.site, this.device) ?? [];
     if (found.length === 0) return nothing;
     // Not spoken each second: it is looked up, and the dialog asks where it matters.
     return found.map(

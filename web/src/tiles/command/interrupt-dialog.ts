@@ -7,13 +7,13 @@ import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
 
 /** @param asked - the newest of each command that is shown; the first that is blocked is asked about */
-export function interruptDialog(asked: readonly (Asked | null)[], line: CommandLine | null): TemplateResult {
+export function renderInterruptDialog(asked: readonly (Asked | null)[], line: CommandLine | null): TemplateResult {
   const blocked = asked.find((one) => one !== null && one.phase === "refused" && one.blockedBy !== "") ?? null;
   const leave = (): void => {
-    if (blocked !== null) line?.leave(blocked);
+    if (blocked !== null) line?.dismissBlocked(blocked);
   };
   const interrupt = (): void => {
-    if (blocked !== null) line?.interrupt(blocked);
+    if (blocked !== null) line?.interruptOther(blocked);
   };
   return html`<t-dialog heading="Interrupt?" ?open=${blocked !== null} @t-close=${leave}>
     <p>${blocked === null ? nothing : blocked.message}. What you ask for would act against it.</p>

@@ -92,7 +92,7 @@ export class DrivePad extends LitElement {
     this.timer = setInterval(() => {
       this.requestUpdate();
     }, DRAW_EVERY_MS);
-    this.watch();
+    this.observeSignals();
   }
 
   override disconnectedCallback(): void {
@@ -104,9 +104,9 @@ export class DrivePad extends LitElement {
   }
 
   override willUpdate(): void {
-    this.watch();
+    this.observeSignals();
     this.followLock();
-    const channels = [this.signal("m/s"), this.signal("rad/s")].flatMap((signal) => signal?.channels ?? []);
+    const channels = [this.signalWithUnit("m/s"), this.signalWithUnit("rad/s")].flatMap((signal) => signal?.channels ?? []);
     this.live.observe(this.site, channels);
   }
 
@@ -122,33 +122,33 @@ export class DrivePad extends LitElement {
         .kind=${state.kind}
         .holder=${state.kind === "other" || state.kind === "waiting" ? state.holder : ""}
         .rival=${state.kind === "mine" ? (state.rival?.who ?? "") : ""}
-        .answer=${seat.answerRemains}
+        .answer=${seat.answerRemainingMs}
         .forceable=${state.kind === "other" && state.forceable && (this.device?.rights.includes("admin") ?? false)}
-        .remains=${seat.remains}
+        .remains=${seat.remainingMs}
         .online=${seat.online}
         .stopped=${this.stopped}
-        @t-take=${this.take}
-        @t-free=${this.free}
-        @t-answer=${this.answer}
-        @t-force=${this.force}
+        @t-take=${this.takeControl}
+        @t-free=${this.releaseControl}
+        @t-answer=${this.answerRequest}
+        @t-force=${this.forceTakeover}
       ></t-lease>
-      <div class="hands" @t-hold=${this.hold} @t-halt=${this.halt}>
+      <div class="hands" @t-hold=${this.onHold} @t-halt=${this.onHalt}>
         <t-pad ?disabled=${idle} .stickOf=${padStick}></t-pad>
         <t-arrows ?disabled=${idle}></t-arrows>
       </div>
-      <p class="trouble" role="alert">${this.locked || seat.trouble}</p>
+      <p class="trouble" role="alert">${this.lockReason || seat.problem}</p>
       <t-speed-limit
-        .level=${machine.level}
+        .level=${machine.speedLevel}
         .speed=${limits.max_speed}
         .turn=${limits.max_turn}
-        @t-level=${this.level}
+        @t-level=${this.onSpeedLevel}
       ></t-speed-limit>
       <t-drive-readout
-        .asked=${machine.asked}
+        .asked=${machine.requestedVelocity}
         .told=${told ?? NO_MOTION}
         .sent=${told?.sent ?? ""}
-        .measured=${this.measured()}
-        .cap=${this.cap()}
+        .measured=${this.measuredMotion()}
+        .cap=${this.speedCapReason()}
         .refusal=${state.kind === "mine" && !this.stopped ? (told?.why ?? "") : ""}
       ></t-drive-readout>
       <div class="foot">
@@ -167,7 +167,7 @@ export class DrivePad extends LitElement {
   }
 
   /** Why an interlock refuses driving now; empty when none does. */
-  private get locked(): string {
+  private get lockReason(): string {
     const lock = this.device && this.interlocks.store?.lockOf(this.site, this.device.id, "drive");
     return lock ? lockWords(lock) : "";
   }
@@ -176,85 +176,85 @@ export class DrivePad extends LitElement {
   private followLock(): void {
     const { seat } = this;
     if (!seat) return;
-    const barred = seat.machine.barred("interlock");
-    if (this.locked === "" && barred) seat.lift("interlock");
-    else if (this.locked !== "" && !barred) seat.bar("interlock");
+    const barred = seat.machine.isBlocked("interlock");
+    if (this.lockReason === "" && barred) seat.unblock("interlock");
+    else if (this.lockReason !== "" && !barred) seat.block("interlock");
   }
 
-  private cap(): string {
+  private speedCapReason(): string {
     const { seat } = this;
     if (!seat?.told || seat.lease.state.kind !== "mine") return "";
     const slow = this.device && this.interlocks.store?.slowOf(this.site, this.device.id);
     return capWords(seat.told.cap, seat.told.loop_ms, this.pictureAge(), slow?.name);
   }
 
-  private measured(): Motion {
-    return { linear: this.value("m/s"), angular: this.value("rad/s") };
+  private measuredMotion(): Motion {
+    return { linear: this.freshValue("m/s"), angular: this.freshValue("rad/s") };
   }
 
   /** The device's first signal in this unit; a stale one counts as none. */
-  private value(unit: string): number {
-    const signal = this.signal(unit);
+  private freshValue(unit: string): number {
+    const signal = this.signalWithUnit(unit);
     const channel = signal?.channels[0];
     if (!signal || channel === undefined) return Number.NaN;
     const fresh = this.live.freshness(channel, signal.max_age) === "live";
     return fresh ? (this.live.reading(channel)?.value ?? Number.NaN) : Number.NaN;
   }
 
-  private signal(unit: string): SignalInfo | undefined {
+  private signalWithUnit(unit: string): SignalInfo | undefined {
     return this.device?.signals.find((signal) => signal.type === "number" && signal.unit === unit);
   }
 
-  private watch(): void {
+  private observeSignals(): void {
     if (this.watched === this.seat) return;
     this.stop?.();
     this.watched = this.seat;
     this.stop =
-      this.seat?.watch(() => {
+      this.seat?.subscribe(() => {
         this.requestUpdate();
       }) ?? null;
   }
 
-  private readonly hold = (event: CustomEvent<Hold>): void => {
+  private readonly onHold = (event: CustomEvent<Hold>): void => {
     const { act, source, stick, kind } = event.detail;
     switch (act) {
       case "press":
-        this.seat?.press(source, stick, kind);
+        this.seat?.pressHold(source, stick, kind);
         return;
       case "move":
-        this.seat?.move(source, stick);
+        this.seat?.moveHold(source, stick);
         return;
       case "release":
-        this.seat?.release(source);
+        this.seat?.releaseHold(source);
         return;
       case "cancel":
-        this.seat?.cancel(source);
+        this.seat?.cancelHold(source);
         return;
     }
   };
 
-  private readonly halt = (): void => {
-    this.seat?.halt("stop key");
+  private readonly onHalt = (): void => {
+    this.seat?.haltMotion("stop key");
   };
 
-  private readonly level = (event: CustomEvent<number>): void => {
+  private readonly onSpeedLevel = (event: CustomEvent<number>): void => {
     this.seat?.setLevel(event.detail);
   };
 
-  private readonly take = (): void => {
-    this.seat?.take();
+  private readonly takeControl = (): void => {
+    this.seat?.takeControl();
   };
 
-  private readonly free = (): void => {
-    this.seat?.free();
+  private readonly releaseControl = (): void => {
+    this.seat?.releaseControl();
   };
 
-  private readonly answer = (event: CustomEvent<boolean>): void => {
-    this.seat?.answer(event.detail);
+  private readonly answerRequest = (event: CustomEvent<boolean>): void => {
+    this.seat?.answerRequest(event.detail);
   };
 
-  private readonly force = (): void => {
-    this.seat?.force();
+  private readonly forceTakeover = (): void => {
+    this.seat?.forceTakeover();
   };
 }
 

@@ -64,26 +64,26 @@ export class PositionMap extends LitElement {
 
   override connectedCallback(): void {
     super.connectedCallback();
-    this.timer = setInterval(this.age, 500);
+    this.timer = setInterval(this.updateAge, 500);
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
     clearInterval(this.timer);
-    this.shut();
+    this.closeFeed();
   }
 
   override willUpdate(): void {
     const { connection } = this.link;
     const wanted = this.signal && connection && this.api ? `${this.site} ${this.signal.address}` : "";
     if (wanted === this.opened) return;
-    this.shut();
+    this.closeFeed();
     this.opened = wanted;
     if (wanted === "" || !connection || !this.signal) return;
     this.cancel = connection.subscribe(this.site, this.signal.channels, EVERY_MS, (batch) => {
-      this.take(batch);
+      this.receiveBatch(batch);
     });
-    void this.past(this.signal);
+    void this.loadTrail(this.signal);
   }
 
   override render(): TemplateResult {
@@ -97,7 +97,7 @@ export class PositionMap extends LitElement {
       .trail=${this.trail}
       .note=${note}
       .stale=${this.stale}
-      .where=${this.where()}
+      .where=${this.positionText()}
     ></t-track-map>`;
   }
 
@@ -105,7 +105,7 @@ export class PositionMap extends LitElement {
     return this.signal?.frame === "wgs84";
   }
 
-  private where(): string {
+  private positionText(): string {
     if (!this.sample) return "";
     const [first = Number.NaN, second = Number.NaN, third = Number.NaN] = this.sample.numbers;
     if (this.degrees) return `${formatNumber(first, 6)}°, ${formatNumber(second, 6)}° (WGS 84)`;
@@ -113,7 +113,7 @@ export class PositionMap extends LitElement {
     return `x ${formatNumber(first, 2)} m, y ${formatNumber(second, 2)} m${heading}`;
   }
 
-  private take(batch: Batch): void {
+  private receiveBatch(batch: Batch): void {
     const { channel, timeUs, value, ageMs } = batch.columns;
     const channels = this.signal?.channels ?? [];
     let newest = 0;
@@ -134,7 +134,7 @@ export class PositionMap extends LitElement {
     this.trail = extendTrack(this.trail, { ...place, timeUs: newest }, TRAIL_US);
     const yaw = this.degrees ? course(this.trail) : (numbers[2] ?? Number.NaN);
     this.pose = { ...place, yaw };
-    this.age();
+    this.updateAge();
   }
 
   private placeOf(first: number, second: number): { x: number; y: number } | null {
@@ -144,7 +144,7 @@ export class PositionMap extends LitElement {
     return flat({ lat: first, lon: second }, this.origin);
   }
 
-  private async past(signal: SignalInfo): Promise<void> {
+  private async loadTrail(signal: SignalInfo): Promise<void> {
     const [first, second] = signal.channels;
     if (!this.api || first === undefined || second === undefined) return;
     const toUs = Date.now() * 1000;
@@ -168,13 +168,13 @@ export class PositionMap extends LitElement {
     });
   }
 
-  private readonly age = (): void => {
+  private readonly updateAge = (): void => {
     if (!this.sample || !this.signal) return;
     const seconds = (performance.now() - this.freshAt) / 1000;
     this.stale = seconds > this.signal.max_age ? `Stale: from ${formatAge(seconds)}` : "";
   };
 
-  private shut(): void {
+  private closeFeed(): void {
     this.cancel?.();
     this.cancel = null;
     this.opened = "";

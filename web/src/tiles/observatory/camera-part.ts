@@ -16,7 +16,7 @@ import { archivePath } from "../../state/router.js";
 import { ArchiveApi, filePath, type FrameDetail } from "../../wire/archive-api.js";
 import type { CommandInfo, SignalInfo } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { pixelValues } from "../archive/frame-preview.js";
+import { renderPixelValues } from "../archive/frame-preview.js";
 import { NO_DEVICE, Part, partStyle } from "./device-part.js";
 import { cameraDeeds, cameraSignals, type CameraSignals, type Deed } from "./roles.js";
 import "../../elements/layout/card.js";
@@ -101,19 +101,19 @@ export class CameraPart extends Part {
 
   override willUpdate(): void {
     const signals = cameraSignals(this.device ?? NO_DEVICE);
-    this.watch(...Object.values<SignalInfo | undefined>({ ...signals }));
-    this.watched.watch(this.line);
-    this.follow(signals);
+    this.observeSignals(...Object.values<SignalInfo | undefined>({ ...signals }));
+    this.watched.setStore(this.line);
+    this.trackExposure(signals);
     const device = this.device?.id ?? "";
     if (device === "") return;
     const turn = Math.floor(Date.now() / AGAIN_MS);
     const late = this.ends > 0 && Date.now() > this.ends + COMES_MS ? this.ends : 0;
-    this.newest.ask(`${this.site} ${device} ${String(turn)} ${String(late)}`, () => this.load(device));
+    this.newest.load(`${this.site} ${device} ${String(turn)} ${String(late)}`, () => this.loadNewestFrame(device));
   }
 
   /** The length of an exposure is the most that was ever left of it. */
-  private follow({ state, remaining }: CameraSignals): void {
-    const { fresh, value } = this.known(remaining);
+  private trackExposure({ state, remaining }: CameraSignals): void {
+    const { fresh, value } = this.readSignal(remaining);
     const now = Date.now();
     if (fresh && value !== this.left) {
       // What stands there when the page opens may be the length of the next one, or of the last.
@@ -121,8 +121,8 @@ export class CameraPart extends Part {
       this.left = value;
     }
     const before = this.under;
-    const told = this.known(state);
-    const counts = now - this.movedMs < COUNTS_MS || this.asked();
+    const told = this.readSignal(state);
+    const counts = now - this.movedMs < COUNTS_MS || this.isExposureRequested();
     this.under = state === undefined ? fresh && value > 0 && counts : told.fresh && /^expos/i.test(told.word);
     if (this.under && fresh) this.longest = Math.max(this.longest, value);
     if (before && !this.under) {
@@ -132,37 +132,37 @@ export class CameraPart extends Part {
   }
 
   /** An exposure was asked for here, and its end is not known yet. */
-  private asked(): boolean {
+  private isExposureRequested(): boolean {
     const device = this.device ?? NO_DEVICE;
     const asks = cameraDeeds(device).expose.map(({ id }) => this.line?.desk.latest(device.id, id) ?? null);
     return asks.some((one) => one !== null && !isFinal(one.phase));
   }
 
-  private async load(device: string): Promise<FrameDetail | null> {
+  private async loadNewestFrame(device: string): Promise<FrameDetail | null> {
     const archive = new ArchiveApi(this.api, this.site);
-    const { frames } = await archive.find(new URLSearchParams({ device, limit: "1" }).toString());
+    const { frames } = await archive.findFrames(new URLSearchParams({ device, limit: "1" }).toString());
     const [frame] = frames;
     if (frame === undefined) return null;
     const held = this.newest.value;
-    return held?.frame.id === frame.id ? held : archive.frame(frame.id);
+    return held?.frame.id === frame.id ? held : archive.frameDetail(frame.id);
   }
 
   override render(): TemplateResult | typeof nothing {
     const { device } = this;
     if (device === null) return nothing;
     return html`<section class="two" aria-label="Camera">
-      <div class="card">${this.picture()}</div>
-      <div class="card exposure">${this.exposure()}</div>
-      ${this.cooler()}
+      <div class="card">${this.renderPicture()}</div>
+      <div class="card exposure">${this.renderExposure()}</div>
+      ${this.renderCooler()}
     </section>`;
   }
 
-  private picture(): unknown {
+  private renderPicture(): unknown {
     const found = this.newest.value;
     if (found === undefined) {
-      return this.newest.result.state === "failed" ? this.streams() : html`<t-loading what="Loading the newest picture"></t-loading>`;
+      return this.newest.result.state === "failed" ? this.renderStreams() : html`<t-loading what="Loading the newest picture"></t-loading>`;
     }
-    if (found === null) return this.streams();
+    if (found === null) return this.renderStreams();
     const { frame, histogram } = found;
     const exposure = frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(4)))} s`;
     return html`<div>
@@ -177,7 +177,7 @@ export class CameraPart extends Part {
         </div>
       </div>
       <t-frame-look .site=${this.site} .frame=${frame.id} .target=${frame.target}></t-frame-look>
-      ${pixelValues(histogram)}
+      ${renderPixelValues(histogram)}
       <div class="ways">
         <a download=${frame.name} href=${filePath(this.site, frame.id)}>Download FITS (${formatBytes(frame.bytes)})</a>
         <a href=${archivePath(this.site, frame.device)}>All its pictures</a>
@@ -185,7 +185,7 @@ export class CameraPart extends Part {
   }
 
   /** Without a picture in the archive, what it shows now. */
-  private streams(): unknown {
+  private renderStreams(): unknown {
     const streams = this.device?.streams ?? [];
     if (streams.length === 0) {
       return html`<t-empty heading="No picture yet" icon="camera">
@@ -208,19 +208,19 @@ export class CameraPart extends Part {
       )}`;
   }
 
-  private exposure(): TemplateResult {
+  private renderExposure(): TemplateResult {
     const { state, remaining, filter } = cameraSignals(this.device ?? NO_DEVICE);
     const { expose, abort } = cameraDeeds(this.device ?? NO_DEVICE);
     const stops = abort.map((deed): Deed => ({ ...deed, kind: this.under ? "danger" : "plain" }));
     return html`<h2>Exposure</h2>
-      <div class="readings">${map([state, filter], (signal) => this.reading(signal, "l"))}</div>
-      ${this.progress(remaining)} ${this.lookOnly()}
+      <div class="readings">${map([state, filter], (signal) => this.renderReading(signal, "l"))}</div>
+      ${this.renderProgress(remaining)} ${this.renderLookOnly()}
       <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${stops} .online=${this.online}></t-deeds>
-      <div class="forms">${map(expose, (command) => this.form(command))}</div>`;
+      <div class="forms">${map(expose, (command) => this.renderForm(command))}</div>`;
   }
 
-  private progress(remaining: SignalInfo | undefined): unknown {
-    const { fresh, value } = this.known(remaining);
+  private renderProgress(remaining: SignalInfo | undefined): unknown {
+    const { fresh, value } = this.readSignal(remaining);
     if (remaining === undefined) return nothing;
     if (!fresh) return html`<t-status kind="unknown" word="How far it is, is not known"></t-status>`;
     if (!this.under) return html`<t-status kind="ok" word="No exposure under way"></t-status>`;
@@ -230,19 +230,19 @@ export class CameraPart extends Part {
     </div>`;
   }
 
-  private cooler(): unknown {
+  private renderCooler(): unknown {
     const { temperature, cooler, power } = cameraSignals(this.device ?? NO_DEVICE);
     const { cool, cooler: deeds } = cameraDeeds(this.device ?? NO_DEVICE);
     if (temperature === undefined && cooler === undefined && cool.length === 0) return nothing;
     return html`<div class="card">
       <h2>Cooler</h2>
-      <div class="readings">${map([temperature, cooler, power], (signal) => this.reading(signal, "l"))}</div>
+      <div class="readings">${map([temperature, cooler, power], (signal) => this.renderReading(signal, "l"))}</div>
       <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>
-      ${map(cool, (command) => this.form(command))}
+      ${map(cool, (command) => this.renderForm(command))}
     </div>`;
   }
 
-  private form(command: CommandInfo): TemplateResult {
+  private renderForm(command: CommandInfo): TemplateResult {
     return html`<t-command-card
       .site=${this.site}
       .device=${this.device}
@@ -252,7 +252,7 @@ export class CameraPart extends Part {
     ></t-command-card>`;
   }
 
-  private reading(signal: SignalInfo | undefined, size: "m" | "l"): unknown {
+  private renderReading(signal: SignalInfo | undefined, size: "m" | "l"): unknown {
     return signal === undefined ? nothing : html`<t-signal-value size=${size} .site=${this.site} .signal=${signal}></t-signal-value>`;
   }
 }

@@ -65,12 +65,12 @@ export abstract class Part extends LitElement {
   protected readonly live = new LiveValuesController(this);
 
   /** The signals that this part reads; some of them may not be there. */
-  protected watch(...signals: readonly (SignalInfo | undefined)[]): void {
+  protected observeSignals(...signals: readonly (SignalInfo | undefined)[]): void {
     this.live.observe(this.site, signals.flatMap((signal) => signal?.channels.slice(0, 1) ?? []));
   }
 
   /** A value that is old or impossible, or whose link is down, is not fresh: its number is not to be believed. */
-  protected known(signal: SignalInfo | undefined): Known {
+  protected readSignal(signal: SignalInfo | undefined): Known {
     const channel = signal?.channels[0];
     if (signal === undefined || channel === undefined) return { fresh: false, value: Number.NaN, word: "" };
     const reading = this.live.reading(channel);
@@ -82,7 +82,7 @@ export abstract class Part extends LitElement {
 
   /** Whether it is on, of a state that is off or on; null when that is not known. */
   protected isOn(signal: SignalInfo | undefined): boolean | null {
-    const now = this.known(signal);
+    const now = this.readSignal(signal);
     return now.fresh && !Number.isNaN(now.value) ? Math.round(now.value) === 1 : null;
   }
 
@@ -91,7 +91,7 @@ export abstract class Part extends LitElement {
   }
 
   /** Said in the place of the buttons to whoever may only look. */
-  protected lookOnly(): unknown {
+  protected renderLookOnly(): unknown {
     return this.mayUse ? nothing : html`<p class="note">You may look. Whoever may use it finds its commands here.</p>`;
   }
 }

@@ -47,19 +47,19 @@ export class Telling extends Part {
   override willUpdate(): void {
     const device = this.device ?? NO_DEVICE;
     const outlets = device.kind === "power" ? outletsOf(device).map(({ signal }) => signal) : [];
-    this.watch(...(device.kind === "weather" ? device.signals : [...tellingSignals(device), ...outlets]));
+    this.observeSignals(...(device.kind === "weather" ? device.signals : [...tellingSignals(device), ...outlets]));
   }
 
   override render(): TemplateResult | typeof nothing {
     const { device } = this;
     if (device === null) return nothing;
-    return html`${this.verdict()} ${this.outlets()} ${map(tellingSignals(device), (signal) => this.value(signal))}`;
+    return html`${this.renderVerdict()} ${this.renderOutlets()} ${map(tellingSignals(device), (signal) => this.renderValue(signal))}`;
   }
 
-  private value(signal: SignalInfo): TemplateResult {
+  private renderValue(signal: SignalInfo): TemplateResult {
     const { ra, dec } = this.device?.kind === "telescope" ? telescopeSignals(this.device) : { ra: undefined, dec: undefined };
     if (signal !== ra && signal !== dec) return html`<t-signal-value size="m" .site=${this.site} .signal=${signal}></t-signal-value>`;
-    const { fresh, value } = this.known(signal);
+    const { fresh, value } = this.readSignal(signal);
     const text = signal === dec ? formatDec(value) : formatRa(signal.unit === "°" ? value / 15 : value);
     return html`<span class="one"
       ><span class="name">${signal === ra ? "RA" : "Dec"}</span
@@ -71,17 +71,17 @@ export class Telling extends Part {
     ></span>`;
   }
 
-  private verdict(): unknown {
+  private renderVerdict(): unknown {
     const { device, detail } = this;
     if (device?.kind !== "weather" || detail === null) return nothing;
     const rules = rulesAbout(detail.rules, device.id);
-    const lines = limitLines(rules, device.id, device.signals, (signal) => this.known(signal));
-    const { word } = verdictOf(this.online, rules, ({ id }) => this.interlocks.store?.of(this.site, id)?.news, lines);
+    const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal));
+    const { word } = verdictOf(this.online, rules, ({ id }) => this.interlocks.store?.interlockOf(this.site, id)?.news, lines);
     if (word === "none") return nothing;
     return html`<t-status class="verdict" kind=${VERDICT_KINDS[word]} .word=${VERDICT_WORDS[word]}></t-status>`;
   }
 
-  private outlets(): unknown {
+  private renderOutlets(): unknown {
     const { device } = this;
     const outlets = device?.kind === "power" ? outletsOf(device) : [];
     if (outlets.length === 0) return nothing;

@@ -47,23 +47,23 @@ export class DomePart extends Part {
 
   override willUpdate(): void {
     const signals = this.signals();
-    this.watch(...Object.values<SignalInfo | undefined>({ ...signals }), this.telescopeAzimuth(), ...this.sensors());
+    this.observeSignals(...Object.values<SignalInfo | undefined>({ ...signals }), this.telescopeAzimuth(), ...this.sensorSignals());
   }
 
   override render(): TemplateResult | typeof nothing {
     const { device } = this;
     if (device === null) return nothing;
     const signals = this.signals();
-    const roof = this.roof(signals);
+    const roof = this.shutterState(signals);
     // Described as one that does not turn, it has no dial, whatever its device may say.
     const turns = signals.azimuth !== undefined && (this.enclosure()?.can.can_rotate ?? true);
-    const azimuth = this.known(turns ? signals.azimuth : undefined);
-    const opening = this.known(signals.opening);
-    const telescope = this.known(this.telescopeAzimuth());
+    const azimuth = this.readSignal(turns ? signals.azimuth : undefined);
+    const opening = this.readSignal(signals.opening);
+    const telescope = this.readSignal(this.telescopeAzimuth());
     // Whoever sees only what is public is not told of what turns and what does not.
     const blind = signals.azimuth === undefined && !device.rights.includes("view");
     // One word of its controller is no proof, and is not shown as one.
-    const judged = this.judged();
+    const judged = this.shutterVerdict();
     const doubted = roof === "closed" && judged !== undefined && !judged.closed;
     const { buttons, forms } = domeDeeds(device);
     return html`<section class="two" aria-label="Dome">
@@ -75,7 +75,7 @@ export class DomePart extends Part {
           .telescope=${telescope.fresh ? telescope.value : Number.NaN}
           .turns=${turns || blind}
           .blind=${blind}
-          .segments=${this.openings()}
+          .segments=${this.segmentOpenings()}
           ?turning=${this.isOn(signals.turning) === true}
         ></t-dome-drawing>
         ${!turns
@@ -91,11 +91,11 @@ export class DomePart extends Part {
             ? nothing
             : html`<span>looking to <strong>${azimuth.fresh ? formatAzimuth(azimuth.value) : "an unknown azimuth"}</strong></span>`}
         </div>
-        ${this.proof(roof)}
+        ${this.renderSensorProof(roof)}
         <div class="readings">
-          ${map([turns ? signals.azimuth : undefined, signals.opening, ...this.positions(), signals.parked, signals.local], (signal) => this.reading(signal))}
+          ${map([turns ? signals.azimuth : undefined, signals.opening, ...this.segmentSignals(), signals.parked, signals.local], (signal) => this.renderReading(signal))}
         </div>
-        ${this.lookOnly()}
+        ${this.renderLookOnly()}
         <t-deeds .site=${this.site} .device=${device} .line=${this.line} .deeds=${buttons} .online=${this.online}></t-deeds>
         ${map(
           forms,
@@ -112,8 +112,8 @@ export class DomePart extends Part {
   }
 
   /** Parked is not closed, and neither is the command's success: the sensors say it. */
-  private proof(roof: ShutterState): unknown {
-    const judged = this.judged();
+  private renderSensorProof(roof: ShutterState): unknown {
+    const judged = this.shutterVerdict();
     if (judged === undefined) return nothing;
     if (judged.closed) return html`<t-status kind="ok" word="Every sensor says closed"></t-status>`;
     if (judged.disagree) {
@@ -128,11 +128,11 @@ export class DomePart extends Part {
   }
 
   /** What all its sensors say together; undefined where no enclosure is described. */
-  private judged(): { readonly closed: boolean; readonly disagree: boolean; readonly said: string } | undefined {
+  private shutterVerdict(): { readonly closed: boolean; readonly disagree: boolean; readonly said: string } | undefined {
     const enclosure = this.enclosure();
     if (enclosure === undefined) return undefined;
-    const [whole = [], ...segments] = [enclosure, ...enclosure.segments].map(({ closed }) => closed.map((one) => this.sensor(one)));
-    const flap = enclosure.flap?.closed.map((one) => this.sensor(one)) ?? [];
+    const [whole = [], ...segments] = [enclosure, ...enclosure.segments].map(({ closed }) => closed.map((one) => this.roofSensor(one)));
+    const flap = enclosure.flap?.closed.map((one) => this.roofSensor(one)) ?? [];
     const lines = [...whole, ...segments.flat(), ...flap];
     return {
       closed: lines.every(({ closed }) => closed === true),
@@ -141,9 +141,9 @@ export class DomePart extends Part {
     };
   }
 
-  private sensor(sighting: SightingInfo): RoofSensor {
+  private roofSensor(sighting: SightingInfo): RoofSensor {
     const found = this.signalAt(sighting.signal);
-    const { fresh, word, value } = this.known(found);
+    const { fresh, word, value } = this.readSignal(found);
     const name = found?.name ?? sighting.signal;
     if (!fresh) return { name, word: "unknown", closed: null };
     if (found?.type !== "number") return { name, word, closed: sighting.states.includes(word) };
@@ -152,23 +152,23 @@ export class DomePart extends Part {
   }
 
   /** How far each segment is open, 0 to 1, west first; empty where it has none, or one does not say. */
-  private openings(): readonly number[] {
+  private segmentOpenings(): readonly number[] {
     const segments = this.enclosure()?.segments ?? [];
     return segments.map(({ position }) => {
-      const { fresh, value } = this.known(this.signalAt(position));
+      const { fresh, value } = this.readSignal(this.signalAt(position));
       return fresh ? value / 100 : Number.NaN;
     });
   }
 
   /** What says how far segments and flap are open. */
-  private positions(): readonly (SignalInfo | undefined)[] {
+  private segmentSignals(): readonly (SignalInfo | undefined)[] {
     const enclosure = this.enclosure();
     const parts = enclosure === undefined ? [] : partsOf(enclosure);
     const flap = enclosure?.flap?.position === "" ? enclosure.flap.closed.map(({ signal }) => signal) : [];
     return [...parts.map(({ position }) => position).filter((each) => each !== ""), ...flap].map((each) => this.signalAt(each));
   }
 
-  private reading(signal: SignalInfo | undefined): unknown {
+  private renderReading(signal: SignalInfo | undefined): unknown {
     return signal === undefined ? nothing : html`<t-signal-value size="m" .site=${this.site} .signal=${signal}></t-signal-value>`;
   }
 
@@ -176,8 +176,8 @@ export class DomePart extends Part {
     return domeSignals(this.device ?? NO_DEVICE);
   }
 
-  private roof({ shutter }: DomeSignals): ShutterState {
-    const now = this.known(shutter);
+  private shutterState({ shutter }: DomeSignals): ShutterState {
+    const now = this.readSignal(shutter);
     return now.fresh ? shutterOf(now.word) : "unknown";
   }
 
@@ -186,7 +186,7 @@ export class DomePart extends Part {
     return this.detail?.enclosures.find(({ close }) => close.startsWith(`${this.device?.id ?? ""}/`));
   }
 
-  private sensors(): readonly (SignalInfo | undefined)[] {
+  private sensorSignals(): readonly (SignalInfo | undefined)[] {
     const enclosure = this.enclosure();
     if (enclosure === undefined) return [];
     const all = [enclosure, ...partsOf(enclosure)];

@@ -19,7 +19,7 @@ export interface Given {
 }
 
 /** Nothing for a device that has none: its values and commands say it all. */
-export function drawnPart({ site, device, detail, line, online }: Given): TemplateResult | typeof nothing {
+export function renderDrawnPart({ site, device, detail, line, online }: Given): TemplateResult | typeof nothing {
   switch (partOf(device)) {
     case "dome":
       return html`<t-part-dome .site=${site} .device=${device} .detail=${detail} .line=${line} .online=${online}></t-part-dome>`;

@@ -149,10 +149,10 @@ export class Goto extends LitElement {
 
   override willUpdate(): void {
     if (this.target === null || this.place === null) this.night = null;
-    else if (this.night === null || this.ms - this.computed >= EVERY_MS) this.compute(this.target, this.place);
+    else if (this.night === null || this.ms - this.computed >= EVERY_MS) this.computeVisibility(this.target, this.place);
   }
 
-  private compute(target: Target, place: Place): void {
+  private computeVisibility(target: Target, place: Place): void {
     const night = nightOf(target.at(this.ms), place, this.ms);
     const moon = night.points.map(({ ms }) => moonFrom(place, ms).alt);
     this.night = { night, seen: visibilityOf(night, this.limits.horizon), moon };
@@ -162,16 +162,16 @@ export class Goto extends LitElement {
   override render(): TemplateResult {
     return html`<section class="card" aria-labelledby="to">
       <h2 id="to">Go to</h2>
-      <form novalidate @submit=${this.submitted}>
-        <t-choice label="How to say where to" .options=${WAYS} .chosen=${this.way} @t-choose=${this.turnTo}></t-choice>
-        ${this.way === "name" ? this.byName() : this.byPlace()}
+      <form novalidate @submit=${this.onSubmit}>
+        <t-choice label="How to say where to" .options=${WAYS} .chosen=${this.way} @t-choose=${this.onMethodChange}></t-choice>
+        ${this.way === "name" ? this.renderNameForm() : this.renderCoordinatesForm()}
       </form>
-      ${this.failure === null ? nothing : this.failed()} ${this.choices()}
-      ${this.target === null ? nothing : this.about(this.target)}
+      ${this.failure === null ? nothing : this.renderFailure()} ${this.renderChoices()}
+      ${this.target === null ? nothing : this.renderTarget(this.target)}
     </section>`;
   }
 
-  private byName(): TemplateResult {
+  private renderNameForm(): TemplateResult {
     return html`<div class="one">
       <t-field label="Name" hint="M 31, NGC 7000, Orion Nebula, Vega, α Lyr, Moon" .error=${this.problem}>
         <input name="name" autocomplete="off" autocapitalize="off" spellcheck="false" maxlength="60" />
@@ -180,7 +180,7 @@ export class Goto extends LitElement {
     </div>`;
   }
 
-  private byPlace(): TemplateResult {
+  private renderCoordinatesForm(): TemplateResult {
     return html`<div class="pair">
         <t-field label="Right ascension" hint="05:34:32 or 5.5756 (h)" .error=${this.problem.startsWith("Right") ? this.problem : ""}>
           <input name="ra" autocomplete="off" spellcheck="false" maxlength="40" />
@@ -190,15 +190,15 @@ export class Goto extends LitElement {
         </t-field>
         <t-button type="submit">Look</t-button>
       </div>
-      <t-choice label="Equinox" .options=${EQUINOXES} .chosen=${this.dated ? "date" : "j2000"} @t-choose=${this.turnEquinox}></t-choice>`;
+      <t-choice label="Equinox" .options=${EQUINOXES} .chosen=${this.dated ? "date" : "j2000"} @t-choose=${this.onEquinoxChange}></t-choice>`;
   }
 
-  private failed(): TemplateResult {
+  private renderFailure(): TemplateResult {
     const advice = adviceFor(this.failure, "the catalogue of names");
     return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
   }
 
-  private choices(): unknown {
+  private renderChoices(): unknown {
     const { found } = this;
     if (found === null || found.length < 2) return nothing;
     return html`<fieldset>
@@ -206,13 +206,13 @@ export class Goto extends LitElement {
       ${map(
         found,
         (one, i) => html`<label
-          ><input type="radio" name="which" .value=${String(i)} .checked=${one === this.target} @change=${this.picked} /><span><strong>${one.name}</strong> <span class="muted">${one.about}</span></span></label
+          ><input type="radio" name="which" .value=${String(i)} .checked=${one === this.target} @change=${this.onPick} /><span><strong>${one.name}</strong> <span class="muted">${one.about}</span></span></label
         >`,
       )}
     </fieldset>`;
   }
 
-  private about(target: Target): TemplateResult {
+  private renderTarget(target: Target): TemplateResult {
     const { place, night } = this;
     const dated = target.at(this.ms);
     const aim = place === null ? null : aimOf(target, place, this.ms);
@@ -243,10 +243,10 @@ export class Goto extends LitElement {
               .zone=${this.zone}
               .words=${words}
             ></t-night-curve>`}
-      ${refusal === "" ? nothing : html`<p class="warn"><t-icon name="warn"></t-icon><span>${refusal}</span></p>`} ${this.send(target, dated)}`;
+      ${refusal === "" ? nothing : html`<p class="warn"><t-icon name="warn"></t-icon><span>${refusal}</span></p>`} ${this.renderSendButton(target, dated)}`;
   }
 
-  private send(target: Target, { ra, dec }: { ra: number; dec: number }): unknown {
+  private renderSendButton(target: Target, { ra, dec }: { ra: number; dec: number }): unknown {
     const { slew } = this;
     if (slew === null) return html`<p class="note">You may look, but not send the telescope there.</p>`;
     const others = slew.command.arguments.filter(({ id }) => id !== slew.ra && id !== slew.dec);
@@ -270,41 +270,41 @@ export class Goto extends LitElement {
     this.dispatchEvent(new CustomEvent("t-target", { detail: target }));
   }
 
-  private readonly picked = (event: Event): void => {
+  private readonly onPick = (event: Event): void => {
     if (event.target instanceof HTMLInputElement) this.choose(this.found?.[Number(event.target.value)] ?? null);
   };
 
-  private readonly turnTo = (event: CustomEvent<string>): void => {
+  private readonly onMethodChange = (event: CustomEvent<string>): void => {
     this.way = event.detail === "place" ? "place" : "name";
     this.problem = "";
     this.found = null;
   };
 
-  private readonly turnEquinox = (event: CustomEvent<string>): void => {
+  private readonly onEquinoxChange = (event: CustomEvent<string>): void => {
     this.dated = event.detail === "date";
-    if (this.target !== null) this.look();
+    if (this.target !== null) this.findTarget();
   };
 
-  private readonly submitted = (event: Event): void => {
+  private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
     this.problem = "";
     this.failure = null;
-    if (this.way === "place") this.look();
-    else void this.find(this.typed("name"));
+    if (this.way === "place") this.findTarget();
+    else void this.searchCatalogue(this.typed("name"));
   };
 
   private typed(name: string): string {
     return typedText(new FormData(this.form), name);
   }
 
-  private look(): void {
+  private findTarget(): void {
     const made = typedTarget(this.typed("ra"), this.typed("dec"), this.dated);
     this.found = null;
     this.problem = typeof made === "string" ? made : "";
     this.choose(typeof made === "string" ? null : made);
   }
 
-  private async find(name: string): Promise<void> {
+  private async searchCatalogue(name: string): Promise<void> {
     if (name === "") {
       this.problem = "Write a name.";
       return;
@@ -312,7 +312,7 @@ export class Goto extends LitElement {
     this.busy = true;
     const own = ownTargets(name);
     try {
-      const { available, objects } = await this.api.sky(this.site, name);
+      const { available, objects } = await this.api.searchSky(this.site, name);
       this.found = [...own, ...objects.map(catalogueTarget)];
       if (this.found.length === 0) {
         this.problem = available

@@ -128,8 +128,8 @@ export class PowerPart extends Part {
 
   override willUpdate(): void {
     const outlets = outletsOf(this.device ?? NO_DEVICE);
-    this.watch(...outlets.map(({ signal }) => signal));
-    this.watched.watch(this.line);
+    this.observeSignals(...outlets.map(({ signal }) => signal));
+    this.watched.setStore(this.line);
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -148,23 +148,23 @@ export class PowerPart extends Part {
         </div>
         ${map(tellingSignals(device), (signal) => html`<t-signal-value size="l" .site=${this.site} .signal=${signal}></t-signal-value>`)}
       </div>
-      ${this.lookOnly()}
+      ${this.renderLookOnly()}
       <ul>
-        ${repeat(outlets, ({ signal }) => signal.id, (outlet) => this.row(outlet))}
+        ${repeat(outlets, ({ signal }) => signal.id, (outlet) => this.renderRow(outlet))}
       </ul>
       <t-confirm
         heading="${this.asking?.label ?? ""}?"
         action="Switch"
         ?open=${this.asking !== null}
-        @t-confirm=${this.confirmed}
-        @t-close=${this.calledOff}
+        @t-confirm=${this.onConfirm}
+        @t-close=${this.onCancel}
       >
         <p>${this.asking?.command.description || "What hangs on this outlet gains or loses its power at once."}</p>
       </t-confirm>
     </section>`;
   }
 
-  private row(outlet: Outlet): TemplateResult {
+  private renderRow(outlet: Outlet): TemplateResult {
     const on = this.isOn(outlet.signal);
     const word = on === null ? "unknown" : on ? "on" : "off";
     return html`<li class=${on === null ? "unknown" : ""}>
@@ -172,18 +172,18 @@ export class PowerPart extends Part {
         <div class="name">${outlet.signal.name}</div>
         <span class=${on === true ? "on" : "muted"}>${word}</span>
       </div>
-      ${this.control(outlet, on)} ${this.outcome(outlet)}
+      ${this.renderControl(outlet, on)} ${this.renderOutcome(outlet)}
     </li>`;
   }
 
-  private control({ signal, on: turnOn, off: turnOff }: Outlet, on: boolean | null): unknown {
+  private renderControl({ signal, on: turnOn, off: turnOff }: Outlet, on: boolean | null): unknown {
     if (!this.mayUse || (turnOn === undefined && turnOff === undefined)) return nothing;
     if (on === null) {
       return html`<div class="both">
         ${map([turnOn, turnOff], (deed) =>
           deed === undefined
             ? nothing
-            : html`<t-button label=${deed.label} ?disabled=${!this.may(deed)} @click=${this.asker(deed)}
+            : html`<t-button label=${deed.label} ?disabled=${!this.isAllowed(deed)} @click=${this.switchAction(deed)}
                 >${deed === turnOn ? "On" : "Off"}</t-button
               >`,
         )}
@@ -191,60 +191,60 @@ export class PowerPart extends Part {
     }
     const next = on ? turnOff : turnOn;
     if (next === undefined) return nothing;
-    const busy = this.busy(next);
+    const busy = this.isBusy(next);
     return html`<button
       type="button"
       role="switch"
       aria-label=${signal.name}
       aria-checked=${on ? "true" : "false"}
       aria-busy=${busy ? "true" : "false"}
-      ?disabled=${!this.may(next)}
-      @click=${this.asker(next)}
+      ?disabled=${!this.isAllowed(next)}
+      @click=${this.switchAction(next)}
     >
       <span class="track"><span class="knob"></span></span>
     </button>`;
   }
 
-  private outcome({ on, off }: Outlet): unknown {
+  private renderOutcome({ on, off }: Outlet): unknown {
     const deeds = [on, off].filter((one) => one !== undefined);
     const asked = deeds.map(({ command }) => this.line?.desk.latest(this.device?.id ?? "", command.id) ?? null).filter((one) => one !== null);
     const last = asked.sort((a, b) => b.since - a.since)[0];
-    const lock = deeds.map((deed) => this.lock(deed)).find((why) => why !== "") ?? "";
+    const lock = deeds.map((deed) => this.lockReason(deed)).find((why) => why !== "") ?? "";
     if (lock !== "") return html`<span class="said locked"><t-icon name="lock"></t-icon> ${lock}</span>`;
     if (last === undefined || last.phase === "succeeded") return nothing;
     const { kind, word } = PHASES[last.phase];
     return html`<span class="said" role="status"><t-status kind=${kind} .word=${word}></t-status> ${last.message}</span>`;
   }
 
-  private busy({ command }: Deed): boolean {
+  private isBusy({ command }: Deed): boolean {
     const asked = this.line?.desk.latest(this.device?.id ?? "", command.id) ?? null;
     return asked !== null && !isFinal(asked.phase);
   }
 
-  private lock({ command }: Deed): string {
+  private lockReason({ command }: Deed): string {
     const lock = this.interlocks.store?.lockOf(this.site, this.device?.id ?? "", command.id) ?? null;
     return lock === null ? "" : lockWords(lock);
   }
 
-  private may(deed: Deed): boolean {
-    return this.online && this.lock(deed) === "";
+  private isAllowed(deed: Deed): boolean {
+    return this.online && this.lockReason(deed) === "";
   }
 
-  private asker(deed: Deed): () => void {
+  private switchAction(deed: Deed): () => void {
     return () => {
-      if (this.busy(deed)) return;
+      if (this.isBusy(deed)) return;
       if (deed.command.confirm) this.asking = deed;
-      else this.line?.ask(this.device?.id ?? "", deed.command.id, deed.args);
+      else this.line?.sendCommand(this.device?.id ?? "", deed.command.id, deed.args);
     };
   }
 
-  private readonly confirmed = (): void => {
+  private readonly onConfirm = (): void => {
     const deed = this.asking;
     this.asking = null;
-    if (deed !== null && this.may(deed)) this.line?.ask(this.device?.id ?? "", deed.command.id, deed.args);
+    if (deed !== null && this.isAllowed(deed)) this.line?.sendCommand(this.device?.id ?? "", deed.command.id, deed.args);
   };
 
-  private readonly calledOff = (): void => {
+  private readonly onCancel = (): void => {
     this.asking = null;
   };
 }

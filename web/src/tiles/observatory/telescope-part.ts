@@ -77,7 +77,7 @@ export class TelescopePart extends Part {
   @state() private target: Target | null = null;
 
   override willUpdate(): void {
-    this.watch(...Object.values<SignalInfo | undefined>({ ...this.signals() }));
+    this.observeSignals(...Object.values<SignalInfo | undefined>({ ...this.signals() }));
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -91,7 +91,7 @@ export class TelescopePart extends Part {
     return html`<section class="two" aria-label="Telescope">
       <div class="side">
         <div class="card">
-          ${this.readings(looks)} ${this.lookOnly()}
+          ${this.renderReadings(looks)} ${this.renderLookOnly()}
           <t-deeds
             .site=${this.site}
             .device=${device}
@@ -104,7 +104,7 @@ export class TelescopePart extends Part {
           ${place === null
             ? html`<p class="note">The chart of the sky needs the site's place. It is not described, or not open to you.</p>`
             : html`<t-sky-chart .place=${place} .ms=${ms} .telescope=${scope} .target=${target} .limit=${device.pointing?.horizon ?? 0}></t-sky-chart>
-                ${this.skyWords(place, ms)}`}
+                ${this.renderSkyWords(place, ms)}`}
         </div>
       </div>
       <t-goto
@@ -116,12 +116,12 @@ export class TelescopePart extends Part {
         .slew=${slewOf(device) ?? null}
         .zone=${detail.zone}
         .ms=${ms}
-        @t-target=${this.aimed}
+        @t-target=${this.onTargetChoice}
       ></t-goto>
     </section>`;
   }
 
-  private readings({ equatorial, horizontal: at }: Looks): TemplateResult {
+  private renderReadings({ equatorial, horizontal: at }: Looks): TemplateResult {
     const { state: how, parked, tracking } = this.signals();
     const old = equatorial === null ? "old" : "";
     return html`<div class="looks">
@@ -148,7 +148,7 @@ export class TelescopePart extends Part {
       </p>`;
   }
 
-  private skyWords(place: Place, ms: number): TemplateResult {
+  private renderSkyWords(place: Place, ms: number): TemplateResult {
     const sun = sunFrom(place, ms);
     const dark = DARKNESS.find(({ id }) => id === darknessOf(sun.alt));
     const { lit, waxing } = moonPhase(ms);
@@ -161,7 +161,7 @@ export class TelescopePart extends Part {
   /** What it says itself; the one that it does not say comes of the other, of place and time. */
   private looks(place: Place | null, ms: number): Looks {
     const { ra, dec, alt, az } = this.signals();
-    const [r, d, a, z] = [this.known(ra), this.known(dec), this.known(alt), this.known(az)];
+    const [r, d, a, z] = [this.readSignal(ra), this.readSignal(dec), this.readSignal(alt), this.readSignal(az)];
     const equatorial = r.fresh && d.fresh ? { ra: ra?.unit === "°" ? r.value / 15 : r.value, dec: d.value } : null;
     if (a.fresh && z.fresh) return { equatorial, horizontal: { alt: a.value, az: z.value } };
     return { equatorial, horizontal: equatorial === null || place === null ? null : horizontal(equatorial, place, ms) };
@@ -171,7 +171,7 @@ export class TelescopePart extends Part {
     return telescopeSignals(this.device ?? NO_DEVICE);
   }
 
-  private readonly aimed = (event: CustomEvent<Target | null>): void => {
+  private readonly onTargetChoice = (event: CustomEvent<Target | null>): void => {
     this.target = event.detail;
   };
 }

@@ -135,29 +135,29 @@ export class WeatherPart extends Part {
   private readonly interlocks = new StoreController(this, interlocksContext);
 
   override willUpdate(): void {
-    this.watch(...(this.device?.signals ?? []));
+    this.observeSignals(...(this.device?.signals ?? []));
   }
 
   override render(): TemplateResult | typeof nothing {
     const { device, detail } = this;
     if (device === null || detail === null) return nothing;
     const rules = rulesAbout(detail.rules, device.id);
-    const lines = limitLines(rules, device.id, device.signals, (signal) => this.known(signal));
+    const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal));
     const store = this.interlocks.store;
-    const verdict = verdictOf(this.online, rules, ({ id }) => store?.of(this.site, id)?.news, lines);
-    const left = rules.map(({ id }) => store?.of(this.site, id)).filter((one) => one?.news.locked === true && !one.news.unsafe);
-    const clears = Math.max(0, ...left.map((one) => (one === undefined ? 0 : (store?.left(one, one.news.clears_ms) ?? 0))));
+    const verdict = verdictOf(this.online, rules, ({ id }) => store?.interlockOf(this.site, id)?.news, lines);
+    const left = rules.map(({ id }) => store?.interlockOf(this.site, id)).filter((one) => one?.news.locked === true && !one.news.unsafe);
+    const clears = Math.max(0, ...left.map((one) => (one === undefined ? 0 : (store?.remainingMs(one, one.news.clears_ms) ?? 0))));
     return html`<section class="card verdict ${verdict.word}" aria-label="Verdict" role="status">
         <svg viewBox="0 0 48 48" aria-hidden="true">${SHAPES[verdict.word]}</svg>
         <div>
           <p class="word">${VERDICT_WORDS[verdict.word]}</p>
-          ${this.reason(verdict, clears)} ${this.ownWord()}
+          ${this.renderReason(verdict, clears)} ${this.renderOwnState()}
         </div>
       </section>
-      ${lines.length === 0 ? nothing : this.table(lines)}`;
+      ${lines.length === 0 ? nothing : this.renderTable(lines)}`;
   }
 
-  private reason({ word, why, since_us, rule }: Verdict, clears: number): TemplateResult {
+  private renderReason({ word, why, since_us, rule }: Verdict, clears: number): TemplateResult {
     if (word === "none") {
       return html`<p class="note">No interlock of this site reads this station, so that nothing here decides whether a roof may open.</p>`;
     }
@@ -170,16 +170,16 @@ export class WeatherPart extends Part {
   }
 
   /** What the station says of itself, where it has such a state. */
-  private ownWord(): unknown {
+  private renderOwnState(): unknown {
     const own = this.device?.signals.find(({ type, states }) => type === "state" && states.some((word) => /^(un)?safe$/i.test(word)));
     if (own === undefined) return nothing;
-    const { fresh, word } = this.known(own);
+    const { fresh, word } = this.readSignal(own);
     const level = levelOf(word);
     const kind = !fresh || word === "unknown" ? "unknown" : level === "" ? "ok" : level;
     return html`<t-status kind=${kind} .word=${`The station itself says: ${fresh ? word : "unknown"}`}></t-status>`;
   }
 
-  private table(lines: readonly LimitLine[]): TemplateResult {
+  private renderTable(lines: readonly LimitLine[]): TemplateResult {
     return html`<section class="card" aria-labelledby="limits">
       <h2 id="limits">What closes the roof</h2>
       <div class="table">

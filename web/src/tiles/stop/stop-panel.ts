@@ -29,7 +29,7 @@ abstract class OnStopLine extends LitElement {
     this.stopWatching?.();
     this.watched = this.line;
     this.stopWatching =
-      this.line?.watch(() => {
+      this.line?.subscribe(() => {
         this.requestUpdate();
       }) ?? null;
   }
@@ -41,14 +41,14 @@ export class StopBar extends OnStopLine {
     const { line } = this;
     if (!line) return nothing;
     return html`<t-stop-button
-      .stop=${{ phase: line.desk.phase, waiting: line.waiting }}
+      .stop=${{ phase: line.desk.phase, waiting: line.waitingMs }}
       .online=${line.online}
-      @t-stop=${this.press}
+      @t-stop=${this.onPress}
     ></t-stop-button>`;
   }
 
-  private readonly press = (): void => {
-    this.line?.press();
+  private readonly onPress = (): void => {
+    this.line?.pressStop();
   };
 }
 
@@ -68,33 +68,33 @@ export class StopPanel extends OnStopLine {
       .who=${desk.latched?.who ?? ""}
       .time=${desk.latched?.time_us ?? 0}
       .zone=${this.zone}
-      .answered=${desk.answeredIn ?? Number.NaN}
+      .answered=${desk.answerMs ?? Number.NaN}
       .trouble=${desk.trouble}
       .online=${line.online}
       .step=${desk.reset.kind}
-      .armed=${line.armedFor}
-      .hindrance=${this.hindrance()}
-      @t-reset-ask=${this.ask}
-      @t-reset-go=${this.go}
-      @t-reset-keep=${this.keep}
+      .armed=${line.armedForMs}
+      .hindrance=${this.releaseObstacle()}
+      @t-reset-ask=${this.askReset}
+      @t-reset-go=${this.releaseStop}
+      @t-reset-keep=${this.keepStopped}
     ></t-stop-state>`;
   }
 
-  private hindrance(): string {
+  private releaseObstacle(): string {
     if (!this.mayUse) return "Only people who may use this device can release STOP.";
     if (this.line?.online !== true) return "The site is offline: STOP stays latched.";
     return this.epoch === 0 ? "Take control first: whoever releases STOP answers for what moves next." : "";
   }
 
-  private readonly ask = (): void => {
+  private readonly askReset = (): void => {
     this.line?.askReset(this.epoch);
   };
 
-  private readonly go = (): void => {
-    this.line?.release(this.epoch);
+  private readonly releaseStop = (): void => {
+    this.line?.releaseStop(this.epoch);
   };
 
-  private readonly keep = (): void => {
+  private readonly keepStopped = (): void => {
     this.line?.keepStopped();
   };
 }

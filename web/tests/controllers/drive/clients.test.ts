@@ -49,14 +49,14 @@ describe("the seat", () => {
   });
 
   function sit(): void {
-    seat.take();
+    seat.takeControl();
     line.say(lease());
     vi.advanceTimersByTime(60);
     line.sent.length = 0;
   }
 
   test("asks for the lease, and renews it each second while it is mine", () => {
-    seat.take();
+    seat.takeControl();
     expect(line.take("lease")).toMatchObject([{ ...AT, op: "take" }]);
     line.say(lease());
     vi.advanceTimersByTime(1100);
@@ -65,56 +65,56 @@ describe("the seat", () => {
 
   test("the first frame is sent before the press returns", () => {
     sit();
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     expect(line.take("drive")).toMatchObject([{ ...AT, epoch: 4, linear: 0.1, angular: 0 }]);
   });
 
   test("twenty a second while held, three zeros after, then silence", () => {
     sit();
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     vi.advanceTimersByTime(990);
     expect(line.take("drive")).toHaveLength(20);
-    seat.release("key:KeyW");
+    seat.releaseHold("key:KeyW");
     vi.advanceTimersByTime(990);
     expect(line.take("drive").map((frame) => frame["linear"])).toEqual([0, 0, 0]);
   });
 
   test("out of sight: zeros first, then the lease goes back, all in one turn", () => {
     sit();
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     line.sent.length = 0;
-    seat.hide();
+    seat.onHidden();
     expect(line.sent.map((message) => message.t)).toEqual(["drive", "drive", "drive", "lease"]);
     expect(line.sent.at(-1)).toMatchObject({ op: "free" });
-    seat.lift("hidden");
+    seat.unblock("hidden");
     line.sent.length = 0;
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     expect(line.sent).toEqual([]);
   });
 
   test("out of sight no press counts, lease or not", () => {
-    seat.hide();
+    seat.onHidden();
     sit();
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     expect(line.take("drive")).toEqual([]);
   });
 
   test("a press that the system takes away ends everything that is held", () => {
     sit();
-    seat.press("pad", PUSH.forward, "analog");
-    seat.press("key:KeyA", PUSH.left);
+    seat.pressHold("pad", PUSH.forward, "analog");
+    seat.pressHold("key:KeyA", PUSH.left);
     line.sent.length = 0;
-    seat.cancel("pad");
+    seat.cancelHold("pad");
     vi.advanceTimersByTime(500);
     expect(line.take("drive")).toHaveLength(3);
-    expect(seat.trouble).toContain("interrupted");
+    expect(seat.problem).toContain("interrupted");
   });
 
   test("a lost connection ends the lease, and nothing is sent when it is back", () => {
     sit();
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     line.become("lost");
-    expect(seat.trouble).toContain("connection");
+    expect(seat.problem).toContain("connection");
     line.become("open");
     line.sent.length = 0;
     vi.advanceTimersByTime(2000);
@@ -124,37 +124,37 @@ describe("the seat", () => {
 
   test("a site that goes offline ends it too, in words of its own", () => {
     sit();
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     line.say(siteNews(false));
     line.sent.length = 0;
     vi.advanceTimersByTime(500);
     expect(line.sent).toEqual([]);
-    expect(seat.trouble).toContain("offline");
-    seat.take();
+    expect(seat.problem).toContain("offline");
+    seat.takeControl();
     expect(line.sent).toEqual([]);
   });
 
   test("a take-over silences it and says by whom", () => {
     sit();
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     line.say(lease({ holder: "Grace", yours: false, epoch: 0 }));
     line.sent.length = 0;
     vi.advanceTimersByTime(500);
     expect(line.take("drive")).toEqual([]);
-    expect(seat.trouble).toBe("Grace has control now.");
+    expect(seat.problem).toBe("Grace has control now.");
   });
 
   test("a moving frame is not put behind a jam, a zero is", () => {
     sit();
     line.bufferedBytes = 100_000;
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     expect(line.take("drive")).toEqual([]);
-    seat.release("key:KeyW");
+    seat.releaseHold("key:KeyW");
     expect(line.take("drive")).toMatchObject([{ linear: 0 }]);
   });
 
   test("news of another device or site changes nothing", () => {
-    seat.take();
+    seat.takeControl();
     line.say(lease({ device: "arm" }));
     line.say(lease({ site: "dome" }));
     expect(seat.lease.epoch).toBe(0);
@@ -162,7 +162,7 @@ describe("the seat", () => {
 
   test("leaving gives the lease back and listens to nothing any more", () => {
     sit();
-    seat.press("key:KeyW", PUSH.forward);
+    seat.pressHold("key:KeyW", PUSH.forward);
     line.sent.length = 0;
     seat.close();
     expect(line.sent.map((message) => message.t)).toEqual(["drive", "drive", "drive", "lease"]);
@@ -191,7 +191,7 @@ describe("STOP", () => {
   });
 
   test("leaves with the press, and again every 200 ms with the same id until it is named", () => {
-    stop.press();
+    stop.pressStop();
     vi.advanceTimersByTime(650);
     const sent = line.take("stop");
     expect(sent).toHaveLength(4);
@@ -203,7 +203,7 @@ describe("STOP", () => {
   });
 
   test("goes on through a lost connection and an off-line site", () => {
-    stop.press();
+    stop.pressStop();
     line.become("lost");
     vi.advanceTimersByTime(1000);
     line.become("open");
@@ -217,7 +217,7 @@ describe("STOP", () => {
   });
 
   test("ends when the hub says that it is forbidden", () => {
-    stop.press();
+    stop.pressStop();
     line.say({ t: "problem", code: "forbidden", message: "Not for you.", about: "stop" });
     line.sent.length = 0;
     vi.advanceTimersByTime(1000);
@@ -229,7 +229,7 @@ describe("STOP", () => {
     stop.askReset(4);
     expect(line.take("reset")).toMatchObject([{ ...AT, epoch: 4, token: "" }]);
     line.say({ t: "reset_key", ...AT, token: "k", refused: "" });
-    stop.release(4);
+    stop.releaseStop(4);
     expect(line.take("reset")).toMatchObject([{ epoch: 4, token: "k" }]);
     line.say(stopNews({ latched: false }));
     expect(stop.desk.phase).toBe("clear");
@@ -240,7 +240,7 @@ describe("STOP", () => {
     stop.askReset(4);
     line.say({ t: "reset_key", ...AT, token: "k", refused: "" });
     vi.advanceTimersByTime(10_100);
-    stop.release(4);
+    stop.releaseStop(4);
     expect(line.take("reset")).toHaveLength(1);
   });
 
@@ -263,7 +263,7 @@ describe("a command", () => {
   });
 
   test("is sent once and never again by itself, whatever happens to the link", () => {
-    commands.ask("base", "wander", { active: true });
+    commands.sendCommand("base", "wander", { active: true });
     expect(line.take("command")).toMatchObject([{ ...AT, command: "wander", args: { active: true } }]);
     line.become("lost");
     line.become("open");
@@ -273,15 +273,15 @@ describe("a command", () => {
   });
 
   test("has another id each time", () => {
-    commands.ask("base", "wander", {});
-    commands.ask("base", "wander", {});
+    commands.sendCommand("base", "wander", {});
+    commands.sendCommand("base", "wander", {});
     const ids = line.take("command").map((message) => message["id"]);
     expect(new Set(ids).size).toBe(2);
   });
 
   test("without a connection is offline at once, and not kept for later", () => {
     line.become("lost");
-    commands.ask("base", "wander", {});
+    commands.sendCommand("base", "wander", {});
     expect(commands.desk.latest("base", "wander")?.phase).toBe("offline");
     line.become("open");
     expect(line.take("command")).toEqual([]);

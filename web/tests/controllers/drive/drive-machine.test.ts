@@ -19,15 +19,15 @@ function pass(ms: number, ticks = true): Frame[] {
   const frames: Frame[] = [];
   for (const end = now + ms; now < end; ) {
     now += 1;
-    if (ticks && now % 50 === 0) frames.push(...machine.tick(now, now));
-    frames.push(...machine.beat(now));
+    if (ticks && now % 50 === 0) frames.push(...machine.onGatewayTick(now, now));
+    frames.push(...machine.advance(now));
   }
   return frames;
 }
 
 function ready(epoch = 7): void {
   machine.grant(epoch, now);
-  machine.tick(now, now);
+  machine.onGatewayTick(now, now);
 }
 
 beforeEach(() => {
@@ -38,39 +38,39 @@ beforeEach(() => {
 
 describe("the lease", () => {
   test("nothing is ever sent without one", () => {
-    expect(machine.press("key:KeyW", PUSH.forward, now)).toEqual([]);
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now)).toEqual([]);
     expect(pass(500)).toEqual([]);
-    expect(machine.halt("blur", now, true)).toEqual([]);
+    expect(machine.haltMotion("blur", now, true)).toEqual([]);
   });
 
   test("a key held since before the grant does not drive", () => {
-    machine.press("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
     ready();
     expect(pass(200)).toEqual([]);
   });
 
   test("losing it while driving sends nothing more, not even zeros", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
     machine.revoke("lease lost");
     expect(pass(500)).toEqual([]);
     expect(machine.phase).toBe("idle");
-    expect(machine.why).toBe("lease lost");
+    expect(machine.haltReason).toBe("lease lost");
   });
 
   test("what was held when it was lost does not drive under the next one", () => {
     ready(7);
-    machine.press("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
     machine.revoke("lease lost");
     ready(8);
-    expect(machine.move("key:KeyW", PUSH.forward, now)).toEqual([]);
+    expect(machine.moveHold("key:KeyW", PUSH.forward, now)).toEqual([]);
     expect(pass(300)).toEqual([]);
-    expect(machine.press("key:KeyW", PUSH.forward, now)[0]?.epoch).toBe(8);
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now)[0]?.epoch).toBe(8);
   });
 
   test("another epoch passes through rest, the same epoch again changes nothing", () => {
     ready(7);
-    machine.press("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
     machine.grant(7, now);
     expect(machine.phase).toBe("driving");
     machine.grant(9, now);
@@ -80,68 +80,68 @@ describe("the lease", () => {
 
   test("no frame leaves before the first time mark of the lease, and one leaves with it", () => {
     machine.grant(7, now);
-    expect(machine.press("key:KeyW", PUSH.forward, now)).toEqual([]);
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now)).toEqual([]);
     expect(pass(30, false)).toEqual([]);
-    expect(machine.tick(5, now + 20)).toHaveLength(1);
+    expect(machine.onGatewayTick(5, now + 20)).toHaveLength(1);
   });
 });
 
 describe("holding", () => {
   test("the first frame leaves with the press itself", () => {
     ready();
-    expect(machine.press("key:KeyW", PUSH.forward, now)).toMatchObject([
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now)).toMatchObject([
       { epoch: 7, linear: 0.2, angular: 0 },
     ]);
   });
 
   test("twenty frames a second follow while it lasts", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
     expect(pass(1000)).toHaveLength(1000 / FRAME_MS);
   });
 
   test("another key beside it counts at once, and makes a curve", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
     now += 3;
-    expect(machine.press("key:KeyA", PUSH.left, now)).toMatchObject([
+    expect(machine.pressHold("key:KeyA", PUSH.left, now)).toMatchObject([
       { linear: 0.2, angular: 2 * CURVE },
     ]);
   });
 
   test("letting one of two go counts at once, and the other goes on", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
-    machine.press("key:KeyA", PUSH.left, now);
-    expect(machine.release("key:KeyW", now)).toMatchObject([{ linear: 0, angular: 2 }]);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyA", PUSH.left, now);
+    expect(machine.releaseHold("key:KeyW", now)).toMatchObject([{ linear: 0, angular: 2 }]);
     expect(machine.phase).toBe("driving");
   });
 
   test("opposite keys cancel", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
-    expect(machine.press("key:KeyX", PUSH.backward, now)).toMatchObject([{ linear: 0 }]);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
+    expect(machine.pressHold("key:KeyX", PUSH.backward, now)).toMatchObject([{ linear: 0 }]);
   });
 
   test("two keys for the same direction are not faster than one, nor is a third hold", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
-    machine.press("key:ArrowUp", PUSH.forward, now);
-    machine.press("pad", { forward: 1, turn: 1 }, now, "analog");
-    expect(machine.asked).toEqual({ linear: 0.2, angular: 2 });
+    machine.pressHold("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:ArrowUp", PUSH.forward, now);
+    machine.pressHold("pad", { forward: 1, turn: 1 }, now, "analog");
+    expect(machine.requestedVelocity).toEqual({ linear: 0.2, angular: 2 });
   });
 
   test("backward has a limit of its own", () => {
     ready();
-    expect(machine.press("key:KeyX", PUSH.backward, now)).toMatchObject([{ linear: -0.1 }]);
+    expect(machine.pressHold("key:KeyX", PUSH.backward, now)).toMatchObject([{ linear: -0.1 }]);
   });
 
   test("a pad that moves changes the next frame, not their number", () => {
     ready();
-    machine.press("pad", { forward: 0.5, turn: 0 }, now, "analog");
+    machine.pressHold("pad", { forward: 0.5, turn: 0 }, now, "analog");
     const frames: Frame[] = [];
     for (let i = 0; i < 40; i++) {
-      frames.push(...pass(5), ...machine.move("pad", { forward: i / 40, turn: 0 }, now));
+      frames.push(...pass(5), ...machine.moveHold("pad", { forward: i / 40, turn: 0 }, now));
     }
     expect(frames).toHaveLength(200 / FRAME_MS);
     expect(frames.at(-1)?.linear).toBeGreaterThan(0.15);
@@ -150,18 +150,18 @@ describe("holding", () => {
   test("nothing that is not a number goes out", () => {
     ready();
     const bad = { forward: Number.NaN, turn: Number.POSITIVE_INFINITY };
-    expect(machine.press("pad", bad, now, "analog")).toMatchObject([{ linear: 0, angular: 0 }]);
-    machine.move("pad", { forward: 50, turn: -50 }, now);
-    expect(machine.asked).toEqual({ linear: 0.2, angular: -2 });
+    expect(machine.pressHold("pad", bad, now, "analog")).toMatchObject([{ linear: 0, angular: 0 }]);
+    machine.moveHold("pad", { forward: 50, turn: -50 }, now);
+    expect(machine.requestedVelocity).toEqual({ linear: 0.2, angular: -2 });
   });
 });
 
 describe("letting go", () => {
   test("three zero frames, the first at once, then silence", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
     pass(120);
-    const frames = [...machine.release("key:KeyW", now)];
+    const frames = [...machine.releaseHold("key:KeyW", now)];
     expect(frames).toMatchObject([{ linear: 0, angular: 0 }]);
     frames.push(...pass(2000));
     expect(frames).toHaveLength(ZEROS);
@@ -172,8 +172,8 @@ describe("letting go", () => {
 
   test("a page that goes out of sight sends all three at once", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
-    expect(machine.bar("hidden", now)).toHaveLength(ZEROS);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
+    expect(machine.block("hidden", now)).toHaveLength(ZEROS);
     expect(pass(1000)).toEqual([]);
   });
 
@@ -181,36 +181,36 @@ describe("letting go", () => {
     "%s brings it to rest, and what is still held does not start again",
     (why) => {
       ready();
-      machine.press("key:KeyW", PUSH.forward, now);
-      machine.press("pad", PUSH.left, now, "analog");
-      const frames = [...machine.halt(why, now), ...pass(500)];
+      machine.pressHold("key:KeyW", PUSH.forward, now);
+      machine.pressHold("pad", PUSH.left, now, "analog");
+      const frames = [...machine.haltMotion(why, now), ...pass(500)];
       expect(frames).toHaveLength(ZEROS);
-      expect(machine.why).toBe(why);
-      expect(machine.move("pad", PUSH.left, now)).toEqual([]);
-      expect(machine.release("key:KeyW", now)).toEqual([]);
+      expect(machine.haltReason).toBe(why);
+      expect(machine.moveHold("pad", PUSH.left, now)).toEqual([]);
+      expect(machine.releaseHold("key:KeyW", now)).toEqual([]);
       expect(pass(500)).toEqual([]);
     },
   );
 
   test("a halt while nothing is held sends nothing and hides no earlier reason", () => {
     ready();
-    expect(machine.halt("blur", now)).toEqual([]);
-    expect(machine.why).toBeNull();
+    expect(machine.haltMotion("blur", now)).toEqual([]);
+    expect(machine.haltReason).toBeNull();
   });
 
   test("a press during the zero frames drives at once", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
-    machine.release("key:KeyW", now);
-    expect(machine.press("key:KeyD", PUSH.right, now)).toMatchObject([{ angular: -2 }]);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
+    machine.releaseHold("key:KeyW", now);
+    expect(machine.pressHold("key:KeyD", PUSH.right, now)).toMatchObject([{ angular: -2 }]);
     expect(pass(100).every((frame) => frame.angular === -2)).toBe(true);
   });
 
   test("a gateway whose time marks stop is let go of", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
     const frames = pass(SILENT_MS + 300, false);
-    expect(machine.why).toBe("silent");
+    expect(machine.haltReason).toBe("silent");
     expect(frames.slice(-ZEROS).every((frame) => frame.linear === 0)).toBe(true);
     expect(pass(500, false)).toEqual([]);
   });
@@ -219,51 +219,51 @@ describe("letting go", () => {
 describe("while it is barred", () => {
   test.each(["stop", "dialog", "hidden", "offline"] as const)("%s: no press counts", (bar) => {
     ready();
-    machine.bar(bar, now);
-    expect(machine.press("key:KeyW", PUSH.forward, now)).toEqual([]);
-    machine.lift(bar);
+    machine.block(bar, now);
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now)).toEqual([]);
+    machine.unblock(bar);
     expect(pass(300)).toEqual([]);
-    expect(machine.press("key:KeyW", PUSH.forward, now)).toHaveLength(1);
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now)).toHaveLength(1);
   });
 
   test("offline nothing is sent, not even zeros: they would arrive much later", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
-    expect(machine.bar("offline", now)).toEqual([]);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
+    expect(machine.block("offline", now)).toEqual([]);
     expect(pass(500)).toEqual([]);
-    expect(machine.why).toBe("offline");
+    expect(machine.haltReason).toBe("offline");
   });
 
   test.each(["stop", "dialog", "offline"] as const)("%s: once lifted, it is no longer told as the reason", (bar) => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
-    machine.bar(bar, now);
-    expect(machine.why).toBe(bar);
-    machine.lift(bar);
-    expect(machine.why).toBeNull();
+    machine.pressHold("key:KeyW", PUSH.forward, now);
+    machine.block(bar, now);
+    expect(machine.haltReason).toBe(bar);
+    machine.unblock(bar);
+    expect(machine.haltReason).toBeNull();
   });
 
   test("that the page was hidden stays told when it is seen again", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
-    machine.bar("hidden", now);
-    machine.lift("hidden");
-    expect(machine.why).toBe("hidden");
+    machine.pressHold("key:KeyW", PUSH.forward, now);
+    machine.block("hidden", now);
+    machine.unblock("hidden");
+    expect(machine.haltReason).toBe("hidden");
   });
 
   test("a lifted bar does not hide another reason", () => {
     ready();
-    machine.bar("stop", now);
+    machine.block("stop", now);
     machine.revoke("lease lost");
-    machine.lift("stop");
-    expect(machine.why).toBe("lease lost");
+    machine.unblock("stop");
+    expect(machine.haltReason).toBe("lease lost");
   });
 
   test("one bar lifted leaves the other", () => {
     ready();
-    machine.bar("stop", now);
-    machine.bar("dialog", now);
-    machine.lift("dialog");
+    machine.block("stop", now);
+    machine.block("dialog", now);
+    machine.unblock("dialog");
     expect(machine.mayDrive).toBe(false);
   });
 });
@@ -271,35 +271,35 @@ describe("while it is barred", () => {
 describe("the frame", () => {
   test("echoes the newest time mark with the time since it came", () => {
     ready();
-    machine.tick(4711, now + 10);
-    expect(machine.press("key:KeyW", PUSH.forward, now + 25)).toMatchObject([
+    machine.onGatewayTick(4711, now + 10);
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now + 25)).toMatchObject([
       { tick: 4711, held_ms: 15 },
     ]);
   });
 
   test("an older mark that comes late does not replace a newer one", () => {
     machine.grant(7, now);
-    machine.tick(50, now);
-    machine.tick(40, now + 1);
-    expect(machine.press("key:KeyW", PUSH.forward, now + 5)).toMatchObject([
+    machine.onGatewayTick(50, now);
+    machine.onGatewayTick(40, now + 1);
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now + 5)).toMatchObject([
       { tick: 50, held_ms: 5 },
     ]);
   });
 
   test("carries the age of the picture, or -1 without one", () => {
     ready();
-    expect(machine.press("key:KeyW", PUSH.forward, now)[0]?.picture_ms).toBe(-1);
-    machine.picture(now - 80);
-    expect(machine.press("key:KeyW", PUSH.forward, now)[0]?.picture_ms).toBe(80);
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now)[0]?.picture_ms).toBe(-1);
+    machine.setPictureTime(now - 80);
+    expect(machine.pressHold("key:KeyW", PUSH.forward, now)[0]?.picture_ms).toBe(80);
   });
 
   test("sequence numbers rise over releases and leases", () => {
     ready();
-    const frames = [...machine.press("a", PUSH.left, now), ...machine.release("a", now)];
+    const frames = [...machine.pressHold("a", PUSH.left, now), ...machine.releaseHold("a", now)];
     frames.push(...pass(300));
     machine.revoke("freed");
     ready(8);
-    frames.push(...machine.press("a", PUSH.left, now));
+    frames.push(...machine.pressHold("a", PUSH.left, now));
     const numbers = frames.map((frame) => frame.seq);
     expect(numbers).toEqual(numbers.map((_, i) => i + 1));
   });
@@ -309,18 +309,18 @@ describe("faster and slower", () => {
   test("go in steps of ten per cent and stop at ten and a hundred", () => {
     machine.setLevel(0.5);
     machine.faster();
-    expect(machine.level).toBeCloseTo(0.6);
+    expect(machine.speedLevel).toBeCloseTo(0.6);
     for (let i = 0; i < 20; i++) machine.faster();
-    expect(machine.level).toBe(1);
+    expect(machine.speedLevel).toBe(1);
     for (let i = 0; i < 20; i++) machine.slower();
-    expect(machine.level).toBeCloseTo(0.1);
+    expect(machine.speedLevel).toBeCloseTo(0.1);
     machine.setLevel(Number.NaN);
-    expect(machine.level).toBeCloseTo(0.1);
+    expect(machine.speedLevel).toBeCloseTo(0.1);
   });
 
   test("count while a key is held", () => {
     ready();
-    machine.press("key:KeyW", PUSH.forward, now);
+    machine.pressHold("key:KeyW", PUSH.forward, now);
     machine.setLevel(0.1);
     expect(pass(60).at(-1)?.linear).toBeCloseTo(0.02);
   });
@@ -365,30 +365,30 @@ test.each(Array.from({ length: 40 }, (_, i) => i + 1))(
           break;
         case 2:
         case 3:
-          frames = machine.press(source, stick, now, roll(2) === 0 ? "analog" : "digital");
+          frames = machine.pressHold(source, stick, now, roll(2) === 0 ? "analog" : "digital");
           break;
         case 4:
-          frames = machine.move(source, stick, now);
+          frames = machine.moveHold(source, stick, now);
           break;
         case 5:
-          frames = machine.release(source, now);
+          frames = machine.releaseHold(source, now);
           break;
         case 6:
-          frames = machine.halt("blur", now, roll(2) === 0);
+          frames = machine.haltMotion("blur", now, roll(2) === 0);
           break;
         case 7:
           raised.add(bar);
-          frames = machine.bar(bar, now);
+          frames = machine.block(bar, now);
           break;
         case 8:
           raised.delete(bar);
-          machine.lift(bar);
+          machine.unblock(bar);
           break;
         case 9:
-          frames = machine.tick(now, now);
+          frames = machine.onGatewayTick(now, now);
           break;
         default:
-          frames = machine.beat(now);
+          frames = machine.advance(now);
       }
       for (const frame of frames) {
         expect(frame.epoch).toBe(lease);

@@ -19,7 +19,7 @@ export class FakeLine implements Line {
     return true;
   };
 
-  readonly on: Line["on"] = (tag, listener) => {
+  readonly onMessage: Line["onMessage"] = (tag, listener) => {
     const set = this.listeners.get(tag) ?? new Set();
     this.listeners.set(tag, set);
     set.add(listener);

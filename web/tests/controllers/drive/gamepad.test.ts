@@ -10,18 +10,18 @@ function pad(grip: boolean, axes: number[] = [0, 0], pressed: number[] = []): Pa
 
 test("the stick drives only while a shoulder button is held", () => {
   const grip = new PadGrip();
-  expect(grip.read(pad(false, [0, -1]))).toBe("none");
-  expect(grip.read(pad(true, [0, -1]))).toBe("press");
-  expect(grip.read(pad(true, [0, -0.5]))).toBe("move");
-  expect(grip.read(pad(false, [0, -0.5]))).toBe("release");
-  expect(grip.read(pad(false, [0, -0.5]))).toBe("none");
+  expect(grip.readChange(pad(false, [0, -1]))).toBe("none");
+  expect(grip.readChange(pad(true, [0, -1]))).toBe("press");
+  expect(grip.readChange(pad(true, [0, -0.5]))).toBe("move");
+  expect(grip.readChange(pad(false, [0, -0.5]))).toBe("release");
+  expect(grip.readChange(pad(false, [0, -0.5]))).toBe("none");
 });
 
 test("a shoulder button that was held before we looked does not count", () => {
   const grip = new PadGrip();
-  expect(grip.read(pad(true))).toBe("none");
-  grip.read(pad(false));
-  expect(grip.read(pad(true))).toBe("press");
+  expect(grip.readChange(pad(true))).toBe("none");
+  grip.readChange(pad(false));
+  expect(grip.readChange(pad(true))).toBe("press");
 });
 
 test("a drifting stick is at rest", () => {
@@ -37,5 +37,5 @@ test("stick and cross push alike: up is forward, left is left", () => {
 
 test("a pad without axes or buttons is at rest", () => {
   expect(pushOf({ axes: [], buttons: [] })).toEqual({ forward: 0, turn: 0 });
-  expect(new PadGrip().read({ axes: [Number.NaN], buttons: [] })).toBe("none");
+  expect(new PadGrip().readChange({ axes: [Number.NaN], buttons: [] })).toBe("none");
 });

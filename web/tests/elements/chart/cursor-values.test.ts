@@ -5,7 +5,7 @@ import { Trace } from "../../../src/series/trace.js";
 
 function series(samples: readonly (readonly [number, number])[], states: readonly string[] = []): ChartSeries {
   const trace = new Trace(1e12, 5e6);
-  for (const [time, value] of samples) trace.take(time, value);
+  for (const [time, value] of samples) trace.addSample(time, value);
   return { address: "a", name: "A", unit: "m", decimals: 1, colour: 0, samples: trace, states, gaps: [], stale: false };
 }
 

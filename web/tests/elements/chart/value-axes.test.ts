@@ -9,7 +9,7 @@ const SPAN = { fromUs: 0, toUs: 10e6 };
 function series(address: string, unit: string, values: readonly number[], change: Partial<ChartSeries> = {}): ChartSeries {
   const samples = new Trace(Infinity, 5e6);
   values.forEach((value, i) => {
-    samples.take(i * 1e6, value);
+    samples.addSample(i * 1e6, value);
   });
   return { address, name: address, unit, decimals: -1, colour: 0, samples, states: [], gaps: [], stale: false, ...change };
 }
@@ -22,21 +22,21 @@ describe("value axes", () => {
   it("are one for all numbers, unless each unit is to have its own", () => {
     const one = new Axes([volts, fast], false, AXIS);
     expect(one.looks).toEqual([{ title: "", colour: -1 }]);
-    expect(one.ranges([volts, fast], SPAN, 1)).toHaveLength(1);
+    expect(one.axisRanges([volts, fast], SPAN, 1)).toHaveLength(1);
     const many = new Axes([volts, fast, slow], true, AXIS);
     expect(many.looks).toEqual([{ title: "V", colour: 2 }, { title: "m/s", colour: -1 }]);
-    const [v, speed] = many.ranges([volts, fast, slow], SPAN, 1);
+    const [v, speed] = many.axisRanges([volts, fast, slow], SPAN, 1);
     expect(v?.low).toBeGreaterThan(10);
     expect(v?.high).toBeLessThan(13);
     expect(speed?.low).toBeLessThanOrEqual(-100);
-    expect([volts, fast, slow].map((one) => many.indexOf(one))).toEqual([0, 1, 1]);
+    expect([volts, fast, slow].map((one) => many.axisIndex(one))).toEqual([0, 1, 1]);
   });
 
   it("are none beside states, and cover what another day holds", () => {
     expect(new Axes([series("s", "", [0, 1], { states: ["off", "on"] })], true, AXIS).looks).toEqual([]);
     const then = series("v", "V", [30, 40]);
     const both = { ...volts, ghost: { samples: then.samples, shiftUs: 0 } };
-    expect(new Axes([both], false, AXIS).ranges([both], SPAN, 1)[0]?.high).toBeGreaterThanOrEqual(40);
+    expect(new Axes([both], false, AXIS).axisRanges([both], SPAN, 1)[0]?.high).toBeGreaterThanOrEqual(40);
   });
 
   it("take turns left and right, and leave a little room where there is none", () => {

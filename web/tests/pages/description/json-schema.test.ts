@@ -89,27 +89,27 @@ describe("a change by path", () => {
 describe("what was done to a text", () => {
   it("is taken back and done again", () => {
     const edits = new Edits("a");
-    edits.put("b");
-    edits.put("c");
-    edits.undo();
+    edits.recordEdit("b");
+    edits.recordEdit("c");
+    edits.undoEdit();
     expect(edits.text).toBe("b");
-    edits.redo();
+    edits.redoEdit();
     expect(edits.text).toBe("c");
-    edits.undo();
-    edits.put("d");
-    expect(edits.redoable).toBe(false);
-    edits.undo();
-    edits.undo();
-    edits.undo();
-    expect([edits.text, edits.undoable]).toEqual(["a", false]);
+    edits.undoEdit();
+    edits.recordEdit("d");
+    expect(edits.canRedo).toBe(false);
+    edits.undoEdit();
+    edits.undoEdit();
+    edits.undoEdit();
+    expect([edits.text, edits.canUndo]).toEqual(["a", false]);
   });
 
   it("takes typing back in one step", () => {
     const edits = new Edits("");
-    edits.put("x");
-    edits.put("xy", true);
-    edits.put("xyz", true);
-    edits.undo();
+    edits.recordEdit("x");
+    edits.recordEdit("xy", true);
+    edits.recordEdit("xyz", true);
+    edits.undoEdit();
     expect(edits.text).toBe("");
   });
 });

@@ -13,7 +13,7 @@ function page(first: string): { window: WindowController; went: string[]; search
     search = to;
     went.push(to);
   };
-  return { window: new WindowController(host, { search: () => search, go, width: () => 1000 }), went, search: () => search };
+  return { window: new WindowController(host, { searchPart: () => search, navigate: go, width: () => 1000 }), went, search: () => search };
 }
 
 describe("the window of the history page", () => {
@@ -32,7 +32,7 @@ describe("the window of the history page", () => {
     expect(window.span).toEqual({ fromUs: US - 60e6, toUs: US });
     vi.advanceTimersByTime(3000);
     expect(window.span.toUs).toBe(US + 3e6);
-    window.move({ span: { fromUs: US - 100e6, toUs: US - 50e6 }, settled: false });
+    window.applySpanChange({ span: { fromUs: US - 100e6, toUs: US - 50e6 }, settled: false });
     vi.advanceTimersByTime(300);
     expect(window.span).toEqual({ fromUs: US - 100e6, toUs: US - 50e6 });
     window.hostDisconnected();
@@ -40,7 +40,7 @@ describe("the window of the history page", () => {
 
   it("writes one line into the address bar for a whole row of keys", () => {
     const { window, went } = page("?c=a&last=60");
-    for (const by of [10e6, 20e6, 30e6]) window.move({ span: { fromUs: US - 60e6 - by, toUs: US - by }, settled: false });
+    for (const by of [10e6, 20e6, 30e6]) window.applySpanChange({ span: { fromUs: US - 60e6 - by, toUs: US - by }, settled: false });
     expect(went).toEqual([]);
     vi.advanceTimersByTime(1000);
     expect(went).toEqual([`?c=a&from=${String(US - 90e6)}&to=${String(US - 30e6)}`]);
@@ -48,20 +48,20 @@ describe("the window of the history page", () => {
 
   it("does not run ahead of the time", () => {
     const { window } = page("?last=100");
-    window.move({ span: { fromUs: US, toUs: US + 100e6 }, settled: true });
+    window.applySpanChange({ span: { fromUs: US, toUs: US + 100e6 }, settled: true });
     expect(window.span.toUs).toBe(US + 5e6);
   });
 
   it("goes back window by window, and never out of the page", () => {
     const { window, search } = page("?last=60");
-    window.move({ span: { fromUs: US - 50e6, toUs: US - 40e6 }, settled: true });
-    window.move({ span: { fromUs: US - 46e6, toUs: US - 44e6 }, settled: true });
-    window.back();
+    window.applySpanChange({ span: { fromUs: US - 50e6, toUs: US - 40e6 }, settled: true });
+    window.applySpanChange({ span: { fromUs: US - 46e6, toUs: US - 44e6 }, settled: true });
+    window.resetWindow();
     expect(readView(search()).shown).toEqual({ fromUs: US - 50e6, toUs: US - 40e6 });
-    window.back();
+    window.resetWindow();
     expect(readView(search()).shown).toEqual({ last: 60 });
     // Nothing is left to go back to: twice as much, and still not ahead of the time.
-    window.back();
+    window.resetWindow();
     expect(window.span).toEqual({ fromUs: US - 114e6, toUs: US + 6e6 });
   });
 });

@@ -36,7 +36,7 @@ let broken = 0;
 let film: Film;
 
 const show = (one: Shot): void => {
-  film.take(one, () => paid.push(one.seq));
+  film.receivePicture(one, () => paid.push(one.seq));
 };
 
 beforeEach(() => {

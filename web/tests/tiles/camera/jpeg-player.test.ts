@@ -26,7 +26,7 @@ function desk(): { newest: Newest; drawn: number[]; paid: number[]; failed: numb
   return {
     newest, drawn, paid, failed,
     show: (seq) => {
-      newest.take(shot(seq), () => paid.push(seq));
+      newest.receivePicture(shot(seq), () => paid.push(seq));
     },
     finish: async (good = true) => {
       settle?.(good);

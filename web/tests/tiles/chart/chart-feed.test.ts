@@ -57,7 +57,7 @@ const settled = async (): Promise<void> => {
 describe("a feed of charts", () => {
   it("hears scores of detectors beside the signals, and asks for those of before", async () => {
     const { hub, feed } = start();
-    feed.listen([signal("speed")], ["base/speed~together"]);
+    feed.subscribeSignals([signal("speed")], ["base/speed~together"]);
     hub.send("base/speed,base/speed~together", [5e6], { first: true });
     await settled();
     expect(hub.asked.map(({ channels }) => channels)).toEqual([["base/speed"], ["base/speed~together"]]);
@@ -65,14 +65,14 @@ describe("a feed of charts", () => {
     const [speed, score] = hub.asked;
     expect((speed?.fromUs ?? 0) - (score?.fromUs ?? 0)).toBe(130e6);
     // The history has a score a minute at least: so long a pause is no gap.
-    feed.channel("base/speed~together").trace.take(1e6, 0.2);
-    expect(feed.channel("base/speed~together").trace.allowedUs).toBe(130e6);
-    expect(feed.channel("base/speed").trace.allowedUs).toBe(5e6);
+    feed.channelOf("base/speed~together").trace.addSample(1e6, 0.2);
+    expect(feed.channelOf("base/speed~together").trace.allowedUs).toBe(130e6);
+    expect(feed.channelOf("base/speed").trace.allowedUs).toBe(5e6);
   });
 
   it("asks for what came before, once the hub has told its newest", async () => {
     const { hub, feed } = start();
-    feed.listen([signal("speed")]);
+    feed.subscribeSignals([signal("speed")]);
     expect(hub.asked).toEqual([]);
     hub.answer = () =>
       Promise.resolve({ series: [{ address: "base/speed", t_us: [80e6, 90e6], v: [7, 8], kind: "exact", gaps: [] }] });
@@ -80,7 +80,7 @@ describe("a feed of charts", () => {
     await settled();
     expect(hub.asked).toHaveLength(1);
     expect(hub.asked[0]).toMatchObject({ channels: ["base/speed"], toUs: 100e6 });
-    expect([...feed.channel("base/speed").trace.values]).toEqual([7, 8, 0]);
+    expect([...feed.channelOf("base/speed").trace.values]).toEqual([7, 8, 0]);
     expect(feed.backfill).toBe("done");
   });
 
@@ -88,10 +88,10 @@ describe("a feed of charts", () => {
     const { hub, feed } = start();
     hub.answer = ({ channels }) =>
       Promise.resolve({ series: channels.map((address) => ({ address, t_us: [], v: [], kind: "exact" as const, gaps: [] })) });
-    feed.listen([signal("speed")]);
+    feed.subscribeSignals([signal("speed")]);
     hub.send("base/speed", [100e6], { first: true });
     await settled();
-    feed.listen([signal("speed"), signal("turn")]);
+    feed.subscribeSignals([signal("speed"), signal("turn")]);
     hub.send("base/speed,base/turn", [101e6], { first: true });
     await settled();
     hub.send("base/speed,base/turn", [102e6], { first: true });
@@ -102,45 +102,45 @@ describe("a feed of charts", () => {
   it("says that the past could not be had, and goes on with the present", async () => {
     const { hub, feed } = start();
     hub.answer = () => Promise.reject(new Error("no"));
-    feed.listen([signal("speed")]);
+    feed.subscribeSignals([signal("speed")]);
     hub.send("base/speed", [100e6], { first: true });
     await settled();
     hub.send("base/speed", [101e6]);
-    expect([feed.backfill, feed.channel("base/speed").trace.length]).toEqual(["failed", 2]);
+    expect([feed.backfill, feed.channelOf("base/speed").trace.length]).toEqual(["failed", 2]);
   });
 
   it("tells the age of what was old already when it came, and of what stopped coming", () => {
     let now = 1000;
     const { hub, feed } = start(() => now);
-    expect(feed.ageOf("base/speed")).toBeNaN();
-    feed.listen([signal("speed")]);
+    expect(feed.ageS("base/speed")).toBeNaN();
+    feed.subscribeSignals([signal("speed")]);
     hub.send("base/speed", [100e6], { first: true, ageMs: 60_000 });
-    expect(feed.ageOf("base/speed")).toBe(60);
+    expect(feed.ageS("base/speed")).toBe(60);
     hub.send("base/speed", [161e6]);
     now += 7000;
-    expect(feed.ageOf("base/speed")).toBe(7);
+    expect(feed.ageS("base/speed")).toBe(7);
   });
 
   it("does not take a late, older sample for a sign of life", () => {
     let now = 1000;
     const { hub, feed } = start(() => now);
-    feed.listen([signal("speed")]);
+    feed.subscribeSignals([signal("speed")]);
     hub.send("base/speed", [100e6]);
     now += 9000;
     hub.send("base/speed", [99e6]);
-    expect(feed.ageOf("base/speed")).toBe(9);
-    expect([...feed.channel("base/speed").trace.times]).toEqual([99e6, 100e6]);
+    expect(feed.ageS("base/speed")).toBe(9);
+    expect([...feed.channelOf("base/speed").trace.times]).toEqual([99e6, 100e6]);
   });
 
   it("shows the window that ends at the robot's now", () => {
     let now = 1000;
     const { hub, feed } = start(() => now);
-    feed.listen([signal("speed")]);
+    feed.subscribeSignals([signal("speed")]);
     hub.send("base/speed", [100e6]);
     now += 2000;
-    expect(feed.window(now)).toEqual({ fromUs: 72e6, toUs: 102e6 });
-    feed.show(10e6);
-    expect(feed.window(now).fromUs).toBe(92e6);
+    expect(feed.currentWindow(now)).toEqual({ fromUs: 72e6, toUs: 102e6 });
+    feed.setLength(10e6);
+    expect(feed.currentWindow(now).fromUs).toBe(92e6);
   });
 });
 

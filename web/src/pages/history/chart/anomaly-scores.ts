@@ -28,7 +28,7 @@ const WRITTEN_US = 130e6;
 /** What this needs of the hub's HTTP interface. */
 export interface Scores extends Watchers {
   history(site: string, query: HistoryQuery): Promise<History>;
-  forgive(site: string, address: string, detector: string): Promise<boolean>;
+  dismissAnomaly(site: string, address: string, detector: string): Promise<boolean>;
 }
 
 @customElement("t-anomalies")
@@ -86,49 +86,49 @@ export class Anomalies extends LitElement {
     const { site, span, width } = this;
     const api = this.hub ?? this.api;
     if (api === undefined || site === "") return;
-    this.detectors.ask(api, site, this.edition);
+    this.detectors.loadDetectors(api, site, this.edition);
     if (width === 0 || this.moving) return;
     const { fromUs, toUs } = span;
-    const channels = this.shown().map(({ scores }) => scores);
+    const channels = this.shownDetectors().map(({ scores }) => scores);
     if (channels.length === 0) return;
     // A window that follows the time is asked for anew now and then, not with each step.
     const step = Math.max(1, (toUs - fromUs) / 60);
     const key = `${site} ${String(Math.round(fromUs / step))} ${String(Math.round(step))} ${channels.join(" ")}`;
-    this.scores.ask(key, () => api.history(site, { channels, fromUs, toUs, width }));
-    if (this.scores.value !== this.drawnOf) this.draw(this.scores.value);
+    this.scores.load(key, () => api.history(site, { channels, fromUs, toUs, width }));
+    if (this.scores.value !== this.drawnOf) this.buildSeries(this.scores.value);
   }
 
   override render(): unknown {
     if (this.detectors.state === "failed") {
-      const advice = adviceFor(this.detectors.error, "the anomaly detectors");
+      const advice = adviceFor(this.detectors.renderError, "the anomaly detectors");
       return html`<h2>Anomalies</h2>
-        <t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.again}></t-problem>`;
+        <t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
     }
-    if (!this.detectors.known) return html`<t-loading what="Loading the anomaly detectors"></t-loading>`;
-    const shown = this.shown();
+    if (!this.detectors.hasList) return html`<t-loading what="Loading the anomaly detectors"></t-loading>`;
+    const shown = this.shownDetectors();
     if (shown.length === 0) {
       // A site without any detector need not be told so below every chart.
       if (this.detectors.book.list.length === 0) return nothing;
       return html`<p class="said">No anomaly detector watches these signals.</p>`;
     }
-    const { problem, done } = this.action;
+    const { problem, doneText: done } = this.action;
     return html`<h2>Anomalies</h2>
       <p role="status" class="said">${done}</p>
       ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
-      ${this.scores.result.state === "failed" ? this.noScores(this.scores.result.error) : nothing}
+      ${this.scores.result.state === "failed" ? this.renderNoScores(this.scores.result.error) : nothing}
       ${repeat(
         shown,
         ({ scores }) => scores,
-        (one) => this.one(one),
+        (one) => this.renderDetector(one),
       )}`;
   }
 
-  private noScores(error: unknown): TemplateResult {
+  private renderNoScores(error: unknown): TemplateResult {
     const advice = adviceFor(error, "the scores of before");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.scoresAgain}></t-problem>`;
+    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retryScores}></t-problem>`;
   }
 
-  private one(one: Detector): TemplateResult {
+  private renderDetector(one: Detector): TemplateResult {
     return html`<t-detector
       named
       .detector=${one}
@@ -142,16 +142,16 @@ export class Anomalies extends LitElement {
       zone=${this.zone}
       ?may-forgive=${this.detectors.book.mayForgive}
       ?busy=${this.action.busy}
-      @t-forgive=${this.forgiveIt}
+      @t-forgive=${this.onForgive}
     ></t-detector>`;
   }
 
   /** Detectors of the signals that are shown. */
-  private shown(): readonly Detector[] {
+  private shownDetectors(): readonly Detector[] {
     return this.detectors.book.list.filter(({ address }) => this.channels.includes(address));
   }
 
-  private draw(history: History | undefined): void {
+  private buildSeries(history: History | undefined): void {
     this.drawnOf = history;
     this.series = new Map(
       (history?.series ?? []).map((one, colour): [string, ChartSeries] => {
@@ -162,7 +162,7 @@ export class Anomalies extends LitElement {
     );
   }
 
-  private readonly forgiveIt = (event: CustomEvent<Detector>): void => {
+  private readonly onForgive = (event: CustomEvent<Detector>): void => {
     event.stopPropagation();
     void this.forgive(event.detail);
   };
@@ -171,16 +171,16 @@ export class Anomalies extends LitElement {
     const { site } = this;
     const api = this.hub ?? this.api;
     if (api === undefined) return;
-    const done = await this.action.run("tell the detector", () => api.forgive(site, address, detector), `Noted: ${address} is as usual for “${name}”.`);
-    if (done) this.again();
+    const done = await this.action.run("tell the detector", () => api.dismissAnomaly(site, address, detector), `Noted: ${address} is as usual for “${name}”.`);
+    if (done) this.retry();
   }
 
-  private readonly again = (): void => {
-    this.detectors.again();
+  private readonly retry = (): void => {
+    this.detectors.retry();
   };
 
-  private readonly scoresAgain = (): void => {
-    this.scores.again();
+  private readonly retryScores = (): void => {
+    this.scores.invalidate();
   };
 }
 

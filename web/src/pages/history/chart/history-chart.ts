@@ -21,7 +21,7 @@ import { historyChartStyle } from "./history-chart-style.js";
 import type { Loaded } from "../data/history-loader.js";
 import type { Mark } from "./event-marks.js";
 import type { Row, Together } from "../data/channel-rows.js";
-import { statisticsCells, statisticsHead } from "./statistics-cells.js";
+import { renderStatisticsCells, renderStatisticsHead } from "./statistics-cells.js";
 import { textBand, type TextBand } from "../data/text-band.js";
 import "../../../elements/chart/chart.js";
 
@@ -82,7 +82,7 @@ export class HistoryChart extends LitElement {
     const { group } = this;
     if (group === null) return null;
     return html`
-      ${this.table(group)}
+      ${this.renderTable(group)}
       <div class="place">
         <t-chart
           class=${group.type === "number" ? "number" : "band"}
@@ -99,10 +99,10 @@ export class HistoryChart extends LitElement {
           zone=${this.zone}
           label=${`History of ${group.rows.map(({ name }) => name).join(", ")}`}
         ></t-chart>
-        ${this.loaded && this.series.every((one) => !this.hasAny(one)) ? this.none(group) : nothing}
+        ${this.loaded && this.series.every((one) => !this.hasAny(one)) ? this.renderEmpty(group) : nothing}
       </div>
-      ${this.outlierList()}
-      ${group.type === "text" ? this.texts(group) : nothing}
+      ${this.renderOutlierList()}
+      ${group.type === "text" ? this.renderTexts(group) : nothing}
     `;
   }
 
@@ -113,7 +113,7 @@ export class HistoryChart extends LitElement {
       if (by === undefined) return [];
       const memo = this.memos.get(address) ?? new OutlierMemo();
       this.memos.set(address, memo);
-      return [[address, memo.of(samples, this.span, by)]];
+      return [[address, memo.outliersOf(samples, this.span, by)]];
     });
     // The same points are the same map: the chart is drawn again for others only.
     const same = found.length === this.points.size && found.every(([address, one]) => this.points.get(address) === one);
@@ -121,7 +121,7 @@ export class HistoryChart extends LitElement {
   }
 
   /** How many outliers, and of what: of a long window the chart holds the extremes of each pixel, and the hub counts. */
-  private outlierList(): unknown {
+  private renderOutlierList(): unknown {
     const numbers = this.outliers === 0 ? [] : this.series.filter(({ states }) => states.length === 0);
     if (numbers.length === 0) return nothing;
     return html`<ul class="outliers" role="status" aria-label="Outliers">
@@ -142,7 +142,7 @@ export class HistoryChart extends LitElement {
     return `${outlierWords(found, unit, places, false)}.${more}`;
   }
 
-  private table(group: Together): TemplateResult {
+  private renderTable(group: Together): TemplateResult {
     const { cursorUs } = this;
     return html`<div class="scroll">
       <table>
@@ -153,45 +153,45 @@ export class HistoryChart extends LitElement {
               ${cursorUs === null ? "newest shown" : momentText(cursorUs, knownZone(this.zone), lengthOf(this.span))}
               ${this.ghostName === "" ? nothing : html`<span class="then">${this.ghostName}</span>`}
             </th>
-            ${statisticsHead(group.type === "number")}
+            ${renderStatisticsHead(group.type === "number")}
           </tr>
         </thead>
         <tbody>
           ${repeat(
             group.rows,
             (row) => row.address,
-            (row, i) => this.line(row, i),
+            (row, i) => this.renderLine(row, i),
           )}
         </tbody>
       </table>
     </div>`;
   }
 
-  private line(row: Row, index: number): TemplateResult {
+  private renderLine(row: Row, index: number): TemplateResult {
     const series = this.series.find(({ address }) => address === row.address);
     const swatch = row.type === "number" ? html`<span class="swatch c${(index % 8) + 1}"></span>` : nothing;
     return html`<tr>
       <th scope="row">${swatch}${row.name} <span class="muted">${row.device.name}${row.former ? ", no longer in the description" : ""}</span></th>
-      <td class="at">${series === undefined ? NOTHING : html`${this.valueAt(series)} ${this.valueThen(series)}`}</td>
-      ${statisticsCells(row, this.numbers.get(row.address), series && this.drawn(series))}
+      <td class="at">${series === undefined ? NOTHING : html`${this.renderValue(series)} ${this.renderGhostValue(series)}`}</td>
+      ${renderStatisticsCells(row, this.numbers.get(row.address), series && this.drawn(series))}
     </tr>`;
   }
 
-  private valueAt(series: ChartSeries): unknown {
+  private renderValue(series: ChartSeries): unknown {
     const at = this.cursorUs ?? Math.min(this.span.toUs, series.samples.newestUs);
     const { text } = readOut(series, at, this.columnUs(), lengthOf(this.span) * REACH);
-    if (text === NOTHING) return this.whyNothing(series, at);
+    if (text === NOTHING) return this.renderNoValueReason(series, at);
     const spread = series.states.length > 0 ? -1 : text.indexOf(" (");
     return spread < 0 ? text : html`${text.slice(0, spread)}<span class="spread">${text.slice(spread)}</span>`;
   }
 
   /** Where there is no value: the reason, if one is known. */
-  private whyNothing(series: ChartSeries, us: number): unknown {
+  private renderNoValueReason(series: ChartSeries, us: number): unknown {
     const reason = series.gaps.find(({ from_us, to_us }) => us >= from_us && us <= to_us)?.reason ?? "";
     return reason === "" ? NOTHING : html`<span class="why">${reason}</span>`;
   }
 
-  private valueThen(series: ChartSeries): unknown {
+  private renderGhostValue(series: ChartSeries): unknown {
     const { ghost } = series;
     if (ghost === undefined) return nothing;
     const at = (this.cursorUs ?? this.span.toUs) - ghost.shiftUs;
@@ -209,7 +209,7 @@ export class HistoryChart extends LitElement {
     return this.chart?.columnUs || Math.max(1, Math.round(lengthOf(this.span) / COLUMNS));
   }
 
-  private none(group: Together): TemplateResult {
+  private renderEmpty(group: Together): TemplateResult {
     const newest = Math.max(...group.rows.map(({ address }) => this.newest.get(address) ?? 0));
     const now = Date.now() * 1000;
     return html`<div class="none">
@@ -219,7 +219,7 @@ export class HistoryChart extends LitElement {
   }
 
   /** All texts of the window, to read and to copy: in the band there is no room for long ones. */
-  private texts(group: Together): TemplateResult | null {
+  private renderTexts(group: Together): TemplateResult | null {
     const { fromUs, toUs } = this.span;
     const held = this.data.get(group.rows[0]?.address ?? "")?.texts ?? [];
     const texts = held.filter(({ timeUs }) => timeUs >= fromUs && timeUs <= toUs);

@@ -16,6 +16,6 @@ const SHAPES: Readonly<Record<MarkKind, string>> = {
 };
 
 /** The inside of an `<svg viewBox="0 0 16 16">`. */
-export function markShape(kind: MarkKind): SVGTemplateResult {
+export function renderMarkShape(kind: MarkKind): SVGTemplateResult {
   return svg`<path d=${SHAPES[kind]} fill="currentColor"></path>`;
 }

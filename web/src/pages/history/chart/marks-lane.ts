@@ -10,7 +10,7 @@ import { momentText } from "../../../elements/chart/cursor-values.js";
 import { styled } from "../../../elements/base/style-directive.js";
 import { knownZone } from "../../../format/time.js";
 import { lengthOf, type Span } from "../../../series/time-window.js";
-import { markShape } from "./mark-shapes.js";
+import { renderMarkShape } from "./mark-shapes.js";
 import { clusters, KINDS, type Cluster, type Mark, type MarkKind } from "./event-marks.js";
 import { marksLaneStyle } from "./marks-lane-style.js";
 
@@ -67,8 +67,8 @@ export class MarksLane extends LitElement {
     const shown = this.clusters();
     const at = shown.findIndex(({ timeUs }) => timeUs === this.open);
     return html`
-      <div class="head" @change=${this.filtered}>
-        <strong>Events</strong> ${map(KINDS, (one) => this.filter(one))}
+      <div class="head" @change=${this.onFilterChange}>
+        <strong>Events</strong> ${map(KINDS, (one) => this.renderFilter(one))}
         ${shown.length === 0 && this.problem === "" ? html`<span class="muted">none to show in this window</span>` : nothing}
         ${this.problem === "" ? nothing : html`<span role="alert">${this.problem}</span>`}
         ${this.more ? html`<span class="muted">Only the newest 1000 are shown: zoom in for more.</span>` : nothing}
@@ -76,33 +76,33 @@ export class MarksLane extends LitElement {
       <div
         class="track"
         ${styled({ "--left": `${String(this.indent.left)}px`, "--right": `${String(this.indent.right)}px` })}
-        @keydown=${this.key}
-        @pointerleave=${this.away}
-        @focusout=${this.away}
+        @keydown=${this.onKeyDown}
+        @pointerleave=${this.closeTip}
+        @focusout=${this.closeTip}
       >
         <div class="place" role="toolbar" aria-label="Events in the window">
           ${repeat(
             shown,
             ({ timeUs }) => timeUs,
-            (cluster, i) => this.button(cluster, i, shown.length),
+            (cluster, i) => this.renderButton(cluster, i, shown.length),
           )}
         </div>
-        ${at < 0 ? nothing : this.tip(shown[at])}
+        ${at < 0 ? nothing : this.renderTip(shown[at])}
       </div>
     `;
   }
 
-  private filter({ kind, name }: { kind: MarkKind; name: string }): unknown {
-    const count = this.marks.filter((mark) => mark.kind === kind && this.inside(mark)).length;
+  private renderFilter({ kind, name }: { kind: MarkKind; name: string }): unknown {
+    const count = this.marks.filter((mark) => mark.kind === kind && this.isInWindow(mark)).length;
     const hidden = this.without.includes(kind);
     if (count === 0 && !hidden) return nothing;
     return html`<label
-      ><input type="checkbox" .value=${kind} .checked=${!hidden} /><svg viewBox="0 0 16 16" class=${kind}>${markShape(kind)}</svg>
+      ><input type="checkbox" .value=${kind} .checked=${!hidden} /><svg viewBox="0 0 16 16" class=${kind}>${renderMarkShape(kind)}</svg>
       ${name} <span class="muted">${count}</span></label
     >`;
   }
 
-  private button({ timeUs, marks, kind, good }: Cluster, index: number, count: number): TemplateResult {
+  private renderButton({ timeUs, marks, kind, good }: Cluster, index: number, count: number): TemplateResult {
     const first = marks[0];
     const name = marks.length > 1 ? `${String(marks.length)} events, first ${first?.title ?? ""}` : (first?.title ?? "");
     const part = (timeUs - this.span.fromUs) / lengthOf(this.span);
@@ -115,31 +115,31 @@ export class MarksLane extends LitElement {
       aria-expanded=${timeUs === this.open ? "true" : "false"}
       aria-describedby=${timeUs === this.open ? "tip" : nothing}
       data-at=${timeUs}
-      @pointerenter=${this.look}
-      @focus=${this.look}
-      @click=${this.look}
+      @pointerenter=${this.openTip}
+      @focus=${this.openTip}
+      @click=${this.openTip}
     >
-      <svg viewBox="0 0 16 16" class=${good ? kind : "bad"}>${markShape(kind)}</svg>
+      <svg viewBox="0 0 16 16" class=${good ? kind : "bad"}>${renderMarkShape(kind)}</svg>
       ${marks.length > 1 ? html`<span class="many">${marks.length}</span>` : nothing}
     </button>`;
   }
 
-  private tip(cluster: Cluster | undefined): unknown {
+  private renderTip(cluster: Cluster | undefined): unknown {
     if (cluster === undefined) return nothing;
     const part = (cluster.timeUs - this.span.fromUs) / lengthOf(this.span);
     // Over its mark as far as the lane goes: at the left its left side, at the right its right side.
     const style = { left: `calc(var(--left) + ${String(part)} * (100% - var(--left) - var(--right)))`, translate: `${String(-100 * part)}% 0` };
     const rest = cluster.marks.length - TOLD;
     return html`<div id="tip" class="tip" role="tooltip" ${styled(style)}>
-      ${map(cluster.marks.slice(0, TOLD), (mark) => this.told(mark))}
+      ${map(cluster.marks.slice(0, TOLD), (mark) => this.renderDetails(mark))}
       ${rest > 0 ? html`<span class="muted">and ${rest} more: zoom in to tell them apart</span>` : nothing}
     </div>`;
   }
 
-  private told({ timeUs, kind, title, device, who, message, good }: Mark): TemplateResult {
+  private renderDetails({ timeUs, kind, title, device, who, message, good }: Mark): TemplateResult {
     const about = [device, who === "" ? "" : `by ${who}`].filter(Boolean).join(", ");
     return html`<p>
-      <svg viewBox="0 0 16 16" class=${good ? kind : "bad"}>${markShape(kind)}</svg>
+      <svg viewBox="0 0 16 16" class=${good ? kind : "bad"}>${renderMarkShape(kind)}</svg>
       <span><time>${this.moment(timeUs)}</time> <strong>${title}</strong></span>
       ${about === "" ? nothing : html`<span class="muted">${about}</span>`} ${message === "" ? nothing : html`<span>${message}</span>`}
     </p>`;
@@ -149,7 +149,7 @@ export class MarksLane extends LitElement {
     return momentText(us, knownZone(this.zone), lengthOf(this.span));
   }
 
-  private inside({ timeUs }: Mark): boolean {
+  private isInWindow({ timeUs }: Mark): boolean {
     return timeUs >= this.span.fromUs && timeUs <= this.span.toUs;
   }
 
@@ -158,25 +158,25 @@ export class MarksLane extends LitElement {
     return clusters(shown, this.span, APART / Math.max(1, this.width - this.indent.left - this.indent.right));
   }
 
-  private readonly look = (event: Event): void => {
+  private readonly openTip = (event: Event): void => {
     if (!(event.currentTarget instanceof HTMLElement)) return;
     const at = Number(event.currentTarget.dataset["at"]);
     this.open = at;
     this.stop = Math.max(0, this.clusters().findIndex(({ timeUs }) => timeUs === at));
-    this.tell("t-cursor", at);
+    this.fireEvent("t-cursor", at);
   };
 
-  private readonly away = (): void => {
+  private readonly closeTip = (): void => {
     if (this.open === null) return;
     this.open = null;
-    this.tell("t-cursor", null);
+    this.fireEvent("t-cursor", null);
   };
 
-  private readonly key = (event: KeyboardEvent): void => {
+  private readonly onKeyDown = (event: KeyboardEvent): void => {
     const { buttons } = this;
     const last = buttons.length - 1;
     const to = { ArrowRight: Math.min(last, this.stop + 1), ArrowLeft: Math.max(0, this.stop - 1), Home: 0, End: last }[event.key];
-    if (event.key === "Escape" && this.open !== null) this.away();
+    if (event.key === "Escape" && this.open !== null) this.closeTip();
     else if (to !== undefined && !event.ctrlKey && !event.altKey && !event.metaKey) buttons[to]?.focus();
     else return;
     // The page moves its window with the same keys.
@@ -184,13 +184,13 @@ export class MarksLane extends LitElement {
     event.stopPropagation();
   };
 
-  private readonly filtered = (event: Event): void => {
+  private readonly onFilterChange = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     const { value, checked } = event.target;
-    this.tell("t-hide", KINDS.map(({ kind }) => kind).filter((kind) => (kind === value ? !checked : this.without.includes(kind))));
+    this.fireEvent("t-hide", KINDS.map(({ kind }) => kind).filter((kind) => (kind === value ? !checked : this.without.includes(kind))));
   };
 
-  private tell(kind: string, detail: unknown): void {
+  private fireEvent(kind: string, detail: unknown): void {
     this.dispatchEvent(new CustomEvent(kind, { detail }));
   }
 }

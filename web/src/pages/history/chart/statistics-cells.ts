@@ -6,7 +6,7 @@ import type { Summary } from "../../../series/columns.js";
 import type { StatisticsInfo } from "../../../wire/api-types.js";
 import type { Row } from "../data/channel-rows.js";
 
-export function statisticsHead(numbers: boolean): TemplateResult {
+export function renderStatisticsHead(numbers: boolean): TemplateResult {
   return html`${numbers
       ? html`<th scope="col">min</th>
           <th scope="col">mean</th>
@@ -20,7 +20,7 @@ export function statisticsHead(numbers: boolean): TemplateResult {
  * @param counted what the hub counted; undefined until it has, while the window moves
  * @param drawn what is drawn: its least and greatest are those of all samples, its mean is not
  */
-export function statisticsCells(row: Row, counted: StatisticsInfo | undefined, drawn: Summary | undefined): TemplateResult {
+export function renderStatisticsCells(row: Row, counted: StatisticsInfo | undefined, drawn: Summary | undefined): TemplateResult {
   const samples = html`<td class="roomy">${counted === undefined ? "…" : formatNumber(counted.count, 0)}</td>`;
   if (row.type !== "number") return samples;
   const decimals = decimalsFor(row.unit, row.decimals);

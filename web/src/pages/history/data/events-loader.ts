@@ -26,11 +26,11 @@ export class EventsLoader {
   constructor(happened: Happened, changed: () => void) {
     this.asker = new Asker<Question, EventList>({
       fetch: ({ site, span }, signal) => happened.events(site, span, LIMIT, signal),
-      related: (running, next) => running.site === next.site,
-      answered: (list) => {
+      isStillUseful: (running, next) => running.site === next.site,
+      onAnswer: (list) => {
         this.list = list;
       },
-      changed,
+      onChange: changed,
     });
   }
 
@@ -39,14 +39,14 @@ export class EventsLoader {
   }
 
   /** Asks for some more than the window, in steps, so that a small move asks for nothing new. */
-  ask(site: string, span: Span): void {
+  loadEvents(site: string, span: Span): void {
     const step = Math.max(EVERY_US, 2 ** Math.floor(Math.log2(lengthOf(span) / 4)));
     const fromUs = Math.max(0, Math.floor(span.fromUs / step) * step);
-    this.asker.ask({ site, span: { fromUs, toUs: Math.ceil(span.toUs / step) * step } });
+    this.asker.request({ site, span: { fromUs, toUs: Math.ceil(span.toUs / step) * step } });
   }
 
   close(): void {
-    this.asker.drop();
+    this.asker.cancelRequest();
     this.list = NOTHING_YET;
   }
 }

@@ -51,13 +51,13 @@ export class HistoryLoader {
   ) {
     this.asker = new Asker<Question, History>({
       fetch: (question, signal) => this.past.history(question.site, queryOf(question), signal),
-      related: (running, next) => sameChannels(running, next) && overlap(running.span, next.span),
-      answered: (answer, question) => {
+      isStillUseful: (running, next) => sameChannels(running, next) && overlap(running.span, next.span),
+      onAnswer: (answer, question) => {
         const ages = new Map(question.channels.map(({ address, maxAge }) => [address, maxAge * SECOND_US]));
         this.data = new Map(answer.series.map((one) => [one.address, loadedOf(one, ages.get(one.address) ?? 0)]));
         this.held = question;
       },
-      changed,
+      onChange: changed,
     });
   }
 
@@ -65,29 +65,29 @@ export class HistoryLoader {
     return this.asker.state;
   }
 
-  get error(): unknown {
+  get renderError(): unknown {
     return this.asker.error;
   }
 
   /** Ask, unless this was the last question. @param moving what is held does for as long as it is fine enough */
-  ask(question: Question, moving: boolean): void {
+  loadHistory(question: Question, moving: boolean): void {
     if (question.channels.length === 0) {
-      this.asker.drop("ready");
+      this.asker.cancelRequest("ready");
       this.data = new Map();
       this.held = null;
     } else if (!moving || this.held === null || !covers(this.held, question)) {
-      this.asker.ask(question);
+      this.asker.request(question);
     }
   }
 
   /** The next `ask` asks, also when the question is the same. */
-  forget(): void {
-    this.asker.forget();
+  invalidate(): void {
+    this.asker.invalidate();
   }
 
   /** Forget what is held: the next site may have signals of the same names. */
   close(): void {
-    this.asker.drop();
+    this.asker.cancelRequest();
     this.data = new Map();
     this.held = null;
   }

@@ -9,9 +9,9 @@ export type AskerState = "idle" | "loading" | "ready" | "failed";
 export interface Errand<Q, A> {
   fetch(question: Q, signal: AbortSignal): Promise<A>;
   /** An answer to `running` would still be worth something to who asks `next`; otherwise it is cancelled. */
-  related(running: Q, next: Q): boolean;
-  answered(answer: A, question: Q): void;
-  changed(): void;
+  isStillUseful(running: Q, next: Q): boolean;
+  onAnswer(answer: A, question: Q): void;
+  onChange(): void;
 }
 
 export class Asker<Q, A> {
@@ -24,20 +24,20 @@ export class Asker<Q, A> {
   constructor(private readonly errand: Errand<Q, A>) {}
 
   /** Ask, unless this was the last question. */
-  ask(question: Q): void {
+  request(question: Q): void {
     const key = JSON.stringify(question);
     if (key === this.asked) return;
     this.asked = key;
-    if (this.running !== null && this.errand.related(this.running.question, question)) {
+    if (this.running !== null && this.errand.isStillUseful(this.running.question, question)) {
       this.waiting = question;
       return;
     }
     this.running?.stop.abort();
-    void this.run(question);
+    void this.runRequest(question);
   }
 
   /** Nothing is wanted any more; what is under way is cancelled. */
-  drop(state: AskerState = "idle"): void {
+  cancelRequest(state: AskerState = "idle"): void {
     this.asked = "";
     this.waiting = null;
     this.running?.stop.abort();
@@ -47,15 +47,15 @@ export class Asker<Q, A> {
   }
 
   /** The next `ask` asks, also when the question is the same. */
-  forget(): void {
+  invalidate(): void {
     this.asked = "";
   }
 
-  private async run(question: Q): Promise<void> {
+  private async runRequest(question: Q): Promise<void> {
     const stop = new AbortController();
     this.running = { question, stop };
     this.waiting = null;
-    this.become("loading", null);
+    this.setState("loading", null);
     let said: { readonly answer: A } | { readonly error: unknown };
     try {
       said = { answer: await this.errand.fetch(question, stop.signal) };
@@ -65,16 +65,16 @@ export class Asker<Q, A> {
     // Cancelled: somebody else has gone on already.
     if (stop.signal.aborted) return;
     this.running = null;
-    if ("answer" in said) this.errand.answered(said.answer, question);
+    if ("answer" in said) this.errand.onAnswer(said.answer, question);
     const next = this.waiting as Q | null;
-    if (next !== null) void this.run(next);
-    else if ("answer" in said) this.become("ready", null);
-    else this.become("failed", said.error);
+    if (next !== null) void this.runRequest(next);
+    else if ("answer" in said) this.setState("ready", null);
+    else this.setState("failed", said.error);
   }
 
-  private become(state: AskerState, error: unknown): void {
+  private setState(state: AskerState, error: unknown): void {
     this.state = state;
     this.error = error;
-    this.errand.changed();
+    this.errand.onChange();
   }
 }

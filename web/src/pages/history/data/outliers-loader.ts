@@ -31,12 +31,12 @@ export class OutliersLoader {
     this.asker = new Asker<Question, OutlierList>({
       fetch: ({ site, channels, span, k }, signal) => finding.outliers(site, channels, span, k, signal),
       // It may take seconds: what nobody wants any more is given up.
-      related: () => false,
-      answered: (list, question) => {
+      isStillUseful: () => false,
+      onAnswer: (list, question) => {
         this.found = new Map(list.outliers.map((one) => [one.address, one]));
         this.of = question;
       },
-      changed,
+      onChange: changed,
     });
   }
 
@@ -45,7 +45,7 @@ export class OutliersLoader {
   }
 
   /** @param following the window goes with the time: it is not looked at again with each step */
-  ask(site: string, channels: readonly string[], span: Span, k: number, following: boolean): void {
+  loadOutliers(site: string, channels: readonly string[], span: Span, k: number, following: boolean): void {
     if (k === 0 || channels.length === 0) {
       if (this.asked !== null) this.close();
       return;
@@ -54,7 +54,7 @@ export class OutliersLoader {
     const same = before !== null && before.site === site && before.k === k && before.channels.join("\n") === channels.join("\n");
     if (same && following && apart(before.span, span) < STEP) return;
     this.asked = { site, channels, span: { fromUs: Math.round(span.fromUs), toUs: Math.round(span.toUs) }, k };
-    this.asker.ask(this.asked);
+    this.asker.request(this.asked);
   }
 
   /** What was found in a window, or in one that is hardly another. */
@@ -64,7 +64,7 @@ export class OutliersLoader {
   }
 
   close(): void {
-    this.asker.drop();
+    this.asker.cancelRequest();
     this.of = null;
     this.asked = null;
   }

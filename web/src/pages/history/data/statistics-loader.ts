@@ -28,24 +28,24 @@ export class StatisticsLoader {
   constructor(counting: Counting, changed: () => void) {
     this.asker = new Asker<Question, StatisticsList>({
       fetch: ({ site, channels, span }, signal) => counting.statistics(site, channels, span, signal),
-      related: (running, next) => running.site === next.site,
-      answered: (list, question) => {
+      isStillUseful: (running, next) => running.site === next.site,
+      onAnswer: (list, question) => {
         this.found = new Map(list.statistics.map((one) => [one.address, one]));
         this.of = question;
       },
-      changed,
+      onChange: changed,
     });
   }
 
   /** @param following the window goes with the time: it is not counted at each step */
-  ask(site: string, channels: readonly string[], span: Span, following: boolean): void {
+  loadStatistics(site: string, channels: readonly string[], span: Span, following: boolean): void {
     const question = { site, channels, span: { fromUs: Math.round(span.fromUs), toUs: Math.round(span.toUs) } };
     const before = this.asked;
     const same = before !== null && before.site === site && before.channels.join("\n") === channels.join("\n");
     if (same && following && apart(before.span, span) < STEP) return;
     this.asked = question;
-    if (channels.length === 0) this.asker.drop("ready");
-    else this.asker.ask(question);
+    if (channels.length === 0) this.asker.cancelRequest("ready");
+    else this.asker.request(question);
   }
 
   /** The numbers of a window, as far as they are known of this one or one that is hardly another. */
@@ -55,7 +55,7 @@ export class StatisticsLoader {
   }
 
   close(): void {
-    this.asker.drop();
+    this.asker.cancelRequest();
     this.of = null;
     this.asked = null;
   }

@@ -42,30 +42,30 @@ export class WindowData {
   }
 
   /** What happened, or what was on the other day, could not be loaded. */
-  get without(): string {
+  get missingText(): string {
     if (this.then.state === "failed") return "The other day cannot be loaded now.";
     return this.happened.failed ? "What happened cannot be loaded now." : "";
   }
 
-  ask({ ghostUs, moving, following, outliers, ...question }: Wanted): void {
+  loadWindow({ ghostUs, moving, following, outliers, ...question }: Wanted): void {
     const { site, channels, span } = question;
-    this.now.ask(question, moving);
-    if (ghostUs !== 0) this.then.ask({ ...question, span: pan(span, -ghostUs) }, moving);
+    this.now.loadHistory(question, moving);
+    if (ghostUs !== 0) this.then.loadHistory({ ...question, span: pan(span, -ghostUs) }, moving);
     else if (this.then.data.size > 0) this.then.close();
-    this.happened.ask(site, span);
+    this.happened.loadEvents(site, span);
     // Lines first: a day's statistics cost the hub as much as its chart, and the eye waits for the chart.
     if (moving || this.now.state !== "ready") return;
     const addresses = channels.map(({ address }) => address);
-    this.statistics.ask(site, addresses, span, following);
+    this.statistics.loadStatistics(site, addresses, span, following);
     // Where the chart holds every sample it counts by itself.
     const thinned = addresses.filter((address) => this.now.data.get(address)?.exact === false);
-    this.outliers.ask(site, thinned, span, outliers, following);
+    this.outliers.loadOutliers(site, thinned, span, outliers, following);
   }
 
   /** The next `ask` asks, also when the question is the same. */
-  forget(): void {
-    this.now.forget();
-    this.then.forget();
+  invalidate(): void {
+    this.now.invalidate();
+    this.then.invalidate();
   }
 
   close(): void {

@@ -48,11 +48,11 @@ export class FilmController implements ReactiveController {
     host.addController(this);
     this.asker = new Asker<Question, FilmList>({
       fetch: ({ site, span }, signal) => this.source()?.list(site, span.fromUs, span.toUs, signal) ?? Promise.resolve(NOTHING),
-      related: (running, next) => running.site === next.site,
-      answered: (list) => {
+      isStillUseful: (running, next) => running.site === next.site,
+      onAnswer: (list) => {
         this.list = list;
       },
-      changed: () => {
+      onChange: () => {
         host.requestUpdate();
       },
     });
@@ -61,7 +61,7 @@ export class FilmController implements ReactiveController {
   hostDisconnected(): void {
     cancelAnimationFrame(this.frame);
     this.head.pause(performance.now());
-    this.asker.drop();
+    this.asker.cancelRequest();
     this.list = NOTHING;
     this.reels = [];
     this.moment = null;
@@ -94,35 +94,35 @@ export class FilmController implements ReactiveController {
     return this.isHeld;
   }
 
-  get failed(): unknown {
+  get renderFailure(): unknown {
     return this.asker.state === "failed" ? this.asker.error : null;
   }
 
   /** @param names of the cameras, by their address */
-  ask(site: string, span: Span, names: ReadonlyMap<string, string>): void {
+  load(site: string, span: Span, names: ReadonlyMap<string, string>): void {
     this.span = span;
     const step = Math.max(STEP_US, 2 ** Math.floor(Math.log2(lengthOf(span) / 4)));
     const fromUs = Math.max(0, Math.floor(span.fromUs / step) * step);
     const coming = this.list.filming.length > 0 || this.list.films.some(({ state }) => state === "uploading");
     const turn = coming ? Math.floor(Date.now() / AGAIN_MS) : 0;
-    this.asker.ask({ site, span: { fromUs, toUs: Math.ceil(span.toUs / step) * step }, turn });
+    this.asker.request({ site, span: { fromUs, toUs: Math.ceil(span.toUs / step) * step }, turn });
     this.reels = this.within(reelsOf(this.list, names), span);
     this.more = this.list.more;
-    this.settle();
+    this.moveToFilm();
   }
 
-  again(): void {
-    this.asker.forget();
+  retry(): void {
+    this.asker.invalidate();
     this.host.requestUpdate();
   }
 
   seek(us: number): void {
     this.isMeant = true;
-    this.glance(us);
+    this.previewMoment(us);
   }
 
   /** Shows a moment that a pointer passes over. */
-  glance(us: number): void {
+  previewMoment(us: number): void {
     this.head.seek(us, performance.now());
     this.moment = us;
     this.host.requestUpdate();
@@ -144,14 +144,14 @@ export class FilmController implements ReactiveController {
     }
     this.head.play(performance.now());
     this.isHeld = false;
-    this.next();
+    this.scheduleFrame();
     this.host.requestUpdate();
   }
 
   pause(): void {
     const now = performance.now();
     this.head.pause(now);
-    this.moment = this.head.at(now);
+    this.moment = this.head.timeUs(now);
     cancelAnimationFrame(this.frame);
     this.host.requestUpdate();
   }
@@ -161,15 +161,15 @@ export class FilmController implements ReactiveController {
     this.host.requestUpdate();
   }
 
-  faster(by: 1 | -1): void {
+  changeSpeed(by: 1 | -1): void {
     this.setSpeed(nextSpeed(this.speed, by));
   }
 
   /** The moment waits for a picture that has not come, or goes on. */
-  hold(held: boolean): void {
+  setWaiting(held: boolean): void {
     if (held === this.isHeld || !this.playing) return;
     this.isHeld = held;
-    this.head.hold(held, performance.now());
+    this.head.setWaiting(held, performance.now());
     this.host.requestUpdate();
   }
 
@@ -179,7 +179,7 @@ export class FilmController implements ReactiveController {
   }
 
   /** Puts the moment to where there is a film, unless a person has put it elsewhere. */
-  private settle(): void {
+  private moveToFilm(): void {
     const { moment, span } = this;
     if (this.reels.length === 0 && !this.playing) {
       if (this.list !== NOTHING) this.moment = null;
@@ -193,15 +193,15 @@ export class FilmController implements ReactiveController {
     this.isMeant = false;
   }
 
-  private next(): void {
+  private scheduleFrame(): void {
     cancelAnimationFrame(this.frame);
-    this.frame = requestAnimationFrame(this.tick);
+    this.frame = requestAnimationFrame(this.onFrame);
   }
 
-  private readonly tick = (nowMs: number): void => {
+  private readonly onFrame = (nowMs: number): void => {
     if (!this.playing) return;
     const now = performance.now();
-    let us = this.head.at(now);
+    let us = this.head.timeUs(now);
     if (!isFilmed(this.reels, us)) {
       const skip = nextBegin(this.reels, us);
       if (skip === null) {
@@ -218,6 +218,6 @@ export class FilmController implements ReactiveController {
       if (us > this.span.toUs || us < this.span.fromUs) this.left(us);
       this.host.requestUpdate();
     }
-    this.next();
+    this.scheduleFrame();
   };
 }

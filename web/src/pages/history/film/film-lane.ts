@@ -72,22 +72,22 @@ export class FilmLane extends LitElement {
     const room = { "margin-inline": `${String(this.indent.left)}px ${String(this.indent.right)}px` };
     // The buttons of each view lead to the same moments: this is for eyes and pointers.
     return this.reels.map(
-      (reel) => html`<div class="row" aria-hidden="true" ${styled(room)} @click=${this.hit}>
-        ${map(reel.films, (film) => this.bar(film.begin_us, film.end_us, film.state === "complete" ? "" : "coming"))}
-        ${map(reel.unfilmed, (one) => this.bar(one.begin_us, one.end_us, "raw"))}
+      (reel) => html`<div class="row" aria-hidden="true" ${styled(room)} @click=${this.onClick}>
+        ${map(reel.films, (film) => this.renderBar(film.begin_us, film.end_us, film.state === "complete" ? "" : "coming"))}
+        ${map(reel.unfilmed, (one) => this.renderBar(one.begin_us, one.end_us, "raw"))}
         ${at < 0 || at > 1 ? nothing : html`<div class="at" ${styled({ "inset-inline-start": `${String(100 * at)}%` })}></div>`}
         <span class="name">${reel.name}</span>
       </div>`,
     );
   }
 
-  private bar(fromUs: number, toUs: number, kind: string): TemplateResult {
+  private renderBar(fromUs: number, toUs: number, kind: string): TemplateResult {
     const part = (us: number): number => Math.min(1, Math.max(0, (us - this.span.fromUs) / lengthOf(this.span)));
     const wide = Math.max(LEAST_PART, part(toUs) - part(fromUs));
     return html`<div class="film ${kind}" ${styled({ "inset-inline-start": `${String(100 * part(fromUs))}%`, "inline-size": `${String(100 * wide)}%` })}></div>`;
   }
 
-  private readonly hit = (event: MouseEvent): void => {
+  private readonly onClick = (event: MouseEvent): void => {
     if (!(event.currentTarget instanceof HTMLElement)) return;
     const box = event.currentTarget.getBoundingClientRect();
     const us = this.span.fromUs + ((event.clientX - box.left) / Math.max(1, box.width)) * lengthOf(this.span);

@@ -166,16 +166,16 @@ export class FilmPanel extends LitElement {
 
   override connectedCallback(): void {
     super.connectedCallback();
-    document.addEventListener("fullscreenchange", this.fullChanged);
+    document.addEventListener("fullscreenchange", this.onFullScreenChange);
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    document.removeEventListener("fullscreenchange", this.fullChanged);
+    document.removeEventListener("fullscreenchange", this.onFullScreenChange);
   }
 
   /** Does what a key asks for; whether it was one of ours. */
-  keyed(key: string): boolean {
+  handleKey(key: string): boolean {
     switch (key) {
       case " ":
       case "k":
@@ -187,10 +187,10 @@ export class FilmPanel extends LitElement {
         return true;
       case ">":
       case "<":
-        this.control?.faster(key === ">" ? 1 : -1);
+        this.control?.changeSpeed(key === ">" ? 1 : -1);
         return true;
       case "f":
-        this.toggleFull();
+        this.toggleFullScreen();
         return true;
       default:
         return false;
@@ -198,14 +198,14 @@ export class FilmPanel extends LitElement {
   }
 
   protected override updated(): void {
-    this.wait();
+    this.updateWaiting();
   }
 
   override render(): TemplateResult {
     const shown = this.shown();
     return html`<div class="head">
         <h2>${this.reels.length === 1 ? "Film" : "Films"}</h2>
-        ${this.reels.length > 1 ? this.reels.map(({ stream, name }) => this.box(stream, name, shown.includes(stream))) : nothing}
+        ${this.reels.length > 1 ? this.reels.map(({ stream, name }) => this.renderBox(stream, name, shown.includes(stream))) : nothing}
       </div>
       <div class="views">
         ${repeat(
@@ -220,33 +220,33 @@ export class FilmPanel extends LitElement {
             .held=${this.held}
             .speed=${this.speed}
             zone=${this.zone}
-            @t-ready=${this.wait}
+            @t-ready=${this.updateWaiting}
           ></t-film-view>`,
         )}
       </div>
-      ${this.tools()}
+      ${this.renderTools()}
       <p class="hint">Keys: space plays, comma and point step a picture, &lt; and &gt; change the speed, F fills the screen.</p>`;
   }
 
-  private tools(): TemplateResult {
+  private renderTools(): TemplateResult {
     const { playing, speed, us } = this;
     return html`<div class="tools" role="group" aria-label="Films">
-      ${this.tool("A picture back", BACK, () => {
+      ${this.renderTool("A picture back", BACK, () => {
         this.step(-1);
       })}
-      ${this.tool(playing ? "Pause" : "Play", playing ? PAUSE : PLAY, () => this.control?.toggle(), "main")}
-      ${this.tool("A picture on", ON, () => {
+      ${this.renderTool(playing ? "Pause" : "Play", playing ? PAUSE : PLAY, () => this.control?.toggle(), "main")}
+      ${this.renderTool("A picture on", ON, () => {
         this.step(1);
       })}
-      <select aria-label="Speed" @change=${this.speedChosen}>
+      <select aria-label="Speed" @change=${this.onSpeedChange}>
         ${map(SPEEDS, (one) => html`<option value=${one} .selected=${one === speed}>${one === 0.5 ? "½" : one}×</option>`)}
       </select>
-      ${this.tool(this.full ? "Leave full screen" : "Full screen", this.full ? "M9 4v5H4M15 4v5h5M9 20v-5H4M15 20v-5h5" : "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5", this.toggleFull, "line")}
+      ${this.renderTool(this.full ? "Leave full screen" : "Full screen", this.full ? "M9 4v5H4M15 4v5h5M9 20v-5H4M15 20v-5h5" : "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5", this.toggleFullScreen, "line")}
       <span class="moment"><strong>${momentText(us, knownZone(this.zone), 0)}</strong><span>${formatClock(us, "UTC")} UTC</span></span>
     </div>`;
   }
 
-  private tool(label: string, path: string, act: () => unknown, kind = ""): TemplateResult {
+  private renderTool(label: string, path: string, act: () => unknown, kind = ""): TemplateResult {
     return html`<button type="button" class=${kind} aria-label=${label} title=${label} @click=${act}>
       <svg viewBox="0 0 24 24" aria-hidden="true">
         <path
@@ -260,8 +260,8 @@ export class FilmPanel extends LitElement {
     </button>`;
   }
 
-  private box(stream: string, name: string, on: boolean): TemplateResult {
-    return html`<label><input type="checkbox" .value=${stream} .checked=${on} @change=${this.cameraChosen} /> ${name}</label>`;
+  private renderBox(stream: string, name: string, on: boolean): TemplateResult {
+    return html`<label><input type="checkbox" .value=${stream} .checked=${on} @change=${this.onCameraChange} /> ${name}</label>`;
   }
 
   private shown(): readonly string[] {
@@ -272,23 +272,23 @@ export class FilmPanel extends LitElement {
     this.control?.pause();
     const moments = [...this.views].map((view) => view.stepped(this.control?.us ?? this.us, by)).filter((us) => us !== null);
     // With several cameras: to the nearest picture of any of them.
-    if (moments.length > 0) this.go(by > 0 ? Math.min(...moments) : Math.max(...moments));
+    if (moments.length > 0) this.seekTo(by > 0 ? Math.min(...moments) : Math.max(...moments));
   }
 
-  private go(us: number): void {
+  private seekTo(us: number): void {
     this.dispatchEvent(new CustomEvent("t-moment", { detail: us, bubbles: true, composed: true }));
   }
 
   /** No film runs ahead of another that has not got its picture yet. */
-  private readonly wait = (): void => {
-    if (this.playing) this.control?.hold([...this.views].some((view) => !view.ready));
+  private readonly updateWaiting = (): void => {
+    if (this.playing) this.control?.setWaiting([...this.views].some((view) => !view.ready));
   };
 
-  private readonly speedChosen = (event: Event): void => {
+  private readonly onSpeedChange = (event: Event): void => {
     if (event.target instanceof HTMLSelectElement) this.control?.setSpeed(Number(event.target.value));
   };
 
-  private readonly cameraChosen = (event: Event): void => {
+  private readonly onCameraChange = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     const { value, checked } = event.target;
     const before = this.shown();
@@ -296,12 +296,12 @@ export class FilmPanel extends LitElement {
     this.dispatchEvent(new CustomEvent("t-cameras", { detail }));
   };
 
-  private readonly toggleFull = (): void => {
+  private readonly toggleFullScreen = (): void => {
     if (this.matches(":fullscreen")) void document.exitFullscreen();
     else void this.requestFullscreen().catch(() => undefined);
   };
 
-  private readonly fullChanged = (): void => {
+  private readonly onFullScreenChange = (): void => {
     this.full = this.matches(":fullscreen");
   };
 }

@@ -140,7 +140,7 @@ export class FilmView extends LitElement {
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
-    this.take(null);
+    this.loadFilm(null);
   }
 
   /** Whether the picture of the moment is there, or none is to be expected. */
@@ -162,8 +162,8 @@ export class FilmView extends LitElement {
   protected override updated(): void {
     const { reel } = this;
     const showing = reel === null ? null : showingAt(reel, this.us);
-    this.take(showing?.kind === "film" ? showing.film : null);
-    this.follow();
+    this.loadFilm(showing?.kind === "film" ? showing.film : null);
+    this.followMoment();
   }
 
   override render(): TemplateResult {
@@ -177,9 +177,9 @@ export class FilmView extends LitElement {
         disablepictureinpicture
         ?hidden=${!plays}
         aria-label=${`Film of ${name}${plays && this.shownUs > 0 ? `, picture of ${this.moment(this.shownUs)}` : ""}`}
-        @seeked=${this.came}
-        @loadeddata=${this.came}
-        @error=${this.failed}
+        @seeked=${this.onMediaReady}
+        @loadeddata=${this.onMediaReady}
+        @error=${this.onMediaError}
       ></video>
       ${plays
         ? html`<div class="tint"></div>
@@ -188,18 +188,18 @@ export class FilmView extends LitElement {
                 <path d="M12 4v11M7 10l5 5 5-5M5 20h14" fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"></path>
               </svg>
             </a>`
-        : showing === null ? nothing : this.veil(showing)}
+        : showing === null ? nothing : this.renderPlaceholder(showing)}
       <span class="badge">${name}${plays && this.shownUs > 0 ? html`<time> · ${this.moment(this.shownUs)}</time>` : nothing}</span>`;
   }
 
-  private veil(showing: Showing): TemplateResult {
+  private renderPlaceholder(showing: Showing): TemplateResult {
     switch (showing.kind) {
       case "film":
         return html`<div class="veil">
           <h3>This film cannot be played</h3>
           <p role="alert">${this.broken}</p>
           <div class="ways">
-            <t-button @click=${this.again}>Try again</t-button>
+            <t-button @click=${this.retry}>Try again</t-button>
             <a href=${filmPath(this.site, showing.film.id)} download>Download the film</a>
           </div>
         </div>`;
@@ -226,14 +226,14 @@ export class FilmView extends LitElement {
           <h3>No film of this moment</h3>
           ${showing.filming ? html`<p>It is being filmed now; the film comes when it has ended.</p>` : nothing}
           <div class="ways">
-            ${showing.before === null ? nothing : this.way("Before", showing.before.end_us)}
-            ${showing.after === null ? nothing : this.way("Next", showing.after.begin_us)}
+            ${showing.before === null ? nothing : this.renderFilmLink("Before", showing.before.end_us)}
+            ${showing.after === null ? nothing : this.renderFilmLink("Next", showing.after.begin_us)}
           </div>
         </div>`;
     }
   }
 
-  private way(word: string, us: number): TemplateResult {
+  private renderFilmLink(word: string, us: number): TemplateResult {
     const go = (): void => {
       this.dispatchEvent(new CustomEvent("t-moment", { detail: us, bubbles: true, composed: true }));
     };
@@ -246,7 +246,7 @@ export class FilmView extends LitElement {
 
   // ── the file ──
 
-  private take(film: FilmRow | null): void {
+  private loadFilm(film: FilmRow | null): void {
     if (film?.id === this.film?.id) return;
     this.film = film;
     this.times = null;
@@ -262,7 +262,7 @@ export class FilmView extends LitElement {
     }
     const path = filmPath(this.site, film.id);
     video.src = path;
-    this.watch(this.watching);
+    this.watchFrames(this.watching);
     const asking = new AbortController();
     this.asking = asking;
     fetchTimes(path, asking.signal).then(
@@ -277,17 +277,17 @@ export class FilmView extends LitElement {
   }
 
   /** Learns of each picture that is seen while it plays when it came. */
-  private watch(turn: number): void {
+  private watchFrames(turn: number): void {
     const { video } = this;
-    const note = (_now: number, { mediaTime }: Presented): void => {
+    const recordFrameTime = (_now: number, { mediaTime }: Presented): void => {
       if (turn !== this.watching || this.film === null) return;
-      if (!video.paused) this.shows(this.film, mediaTime);
-      video.requestVideoFrameCallback(note);
+      if (!video.paused) this.holdsTime(this.film, mediaTime);
+      video.requestVideoFrameCallback(recordFrameTime);
     };
-    if ("requestVideoFrameCallback" in video) video.requestVideoFrameCallback(note);
+    if ("requestVideoFrameCallback" in video) video.requestVideoFrameCallback(recordFrameTime);
   }
 
-  private shows({ begin_us }: FilmRow, timeS: number): void {
+  private holdsTime({ begin_us }: FilmRow, timeS: number): void {
     const { times } = this;
     const us = Math.round(timeS * 1e6);
     // The browser's own clock is coarser than the film's.
@@ -297,21 +297,21 @@ export class FilmView extends LitElement {
   // ── where it stands ──
 
   /** Where in the file the moment is (s). */
-  private place(film: FilmRow): number {
+  private positionInFile(film: FilmRow): number {
     const us = Math.max(0, this.us - film.begin_us);
     const { times } = this;
     if (times === null) return us / 1e6;
     return (times[pictureAt(times, us)] ?? us) / 1e6 + INTO_S;
   }
 
-  private follow(): void {
+  private followMoment(): void {
     const { film, video } = this;
     if (film === null || this.broken !== "") return;
-    if (this.playing && this.us < film.end_us) this.run(film, video);
-    else this.stand(film, video);
+    if (this.playing && this.us < film.end_us) this.playFilm(film, video);
+    else this.showStill(film, video);
   }
 
-  private run(film: FilmRow, video: HTMLVideoElement): void {
+  private playFilm(film: FilmRow, video: HTMLVideoElement): void {
     const offS = (video.currentTime - (this.us - film.begin_us) / 1e6) / this.speed;
     if (video.seeking || video.readyState < HTMLMediaElement.HAVE_METADATA) return;
     if (Math.abs(offS) > FAR_S) {
@@ -328,26 +328,26 @@ export class FilmView extends LitElement {
     if (video.paused) video.play().catch(() => undefined);
   }
 
-  private stand(film: FilmRow, video: HTMLVideoElement): void {
+  private showStill(film: FilmRow, video: HTMLVideoElement): void {
     if (!video.paused) {
       video.pause();
-      this.shows(film, video.currentTime);
+      this.holdsTime(film, video.currentTime);
     }
     // One after the other: while fingers move the cursor, what comes in between is left out.
     if (video.seeking || video.readyState < HTMLMediaElement.HAVE_METADATA) return;
-    const place = this.place(film);
+    const place = this.positionInFile(film);
     if (Math.abs(video.currentTime - place) > SAME_S) video.currentTime = place;
   }
 
-  private readonly came = (): void => {
+  private readonly onMediaReady = (): void => {
     const { film, video } = this;
     // Standing still, the picture is that of the place: what is told of frames may come too late.
-    if (film !== null && video.paused && !video.seeking) this.shows(film, video.currentTime);
-    this.follow();
+    if (film !== null && video.paused && !video.seeking) this.holdsTime(film, video.currentTime);
+    this.followMoment();
     this.dispatchEvent(new CustomEvent("t-ready"));
   };
 
-  private readonly failed = (): void => {
+  private readonly onMediaError = (): void => {
     const { error } = this.video;
     if (this.film === null || error === null) return;
     this.broken = error.code === MediaError.MEDIA_ERR_SRC_NOT_SUPPORTED || error.code === MediaError.MEDIA_ERR_DECODE
@@ -355,10 +355,10 @@ export class FilmView extends LitElement {
       : "The hub does not answer.";
   };
 
-  private readonly again = (): void => {
+  private readonly retry = (): void => {
     const { film } = this;
-    this.take(null);
-    this.take(film);
+    this.loadFilm(null);
+    this.loadFilm(film);
   };
 }
 

@@ -19,7 +19,7 @@ export class Playhead {
   }
 
   /** @param nowMs a clock that only goes forward (ms) */
-  at(nowMs: number): number {
+  timeUs(nowMs: number): number {
     if (!this.going || this.held) return this.anchorUs;
     return this.anchorUs + (nowMs - this.anchorMs) * 1000 * this.pace;
   }
@@ -30,30 +30,30 @@ export class Playhead {
   }
 
   play(nowMs: number): void {
-    this.fix(nowMs);
+    this.freezeTime(nowMs);
     this.going = true;
     this.held = false;
   }
 
   pause(nowMs: number): void {
-    this.fix(nowMs);
+    this.freezeTime(nowMs);
     this.going = false;
   }
 
   /** Stands still while a picture that should be shown has not come; goes on by itself. */
-  hold(held: boolean, nowMs: number): void {
+  setWaiting(held: boolean, nowMs: number): void {
     if (held === this.held) return;
-    this.fix(nowMs);
+    this.freezeTime(nowMs);
     this.held = held;
   }
 
   setSpeed(speed: number, nowMs: number): void {
-    this.fix(nowMs);
+    this.freezeTime(nowMs);
     this.pace = speed;
   }
 
-  private fix(nowMs: number): void {
-    this.seek(this.at(nowMs), nowMs);
+  private freezeTime(nowMs: number): void {
+    this.seek(this.timeUs(nowMs), nowMs);
   }
 }
 

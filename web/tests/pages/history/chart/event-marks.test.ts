@@ -32,12 +32,12 @@ describe("loading what happened", () => {
   it("asks anew for another window, and not for a move within what is known", () => {
     const asked: number[] = [];
     const loader = new EventsLoader({ events: (_site, { fromUs }) => (asked.push(fromUs), new Promise(() => undefined)) }, () => undefined);
-    loader.ask("agv", { fromUs: 1000e6, toUs: 1900e6 });
+    loader.loadEvents("agv", { fromUs: 1000e6, toUs: 1900e6 });
     const [first = NaN] = asked;
     expect(first).toBeLessThanOrEqual(1000e6);
-    loader.ask("agv", { fromUs: 1000e6 + 1, toUs: 1900e6 + 1 });
+    loader.loadEvents("agv", { fromUs: 1000e6 + 1, toUs: 1900e6 + 1 });
     expect(asked).toHaveLength(1);
-    loader.ask("other", { fromUs: 1000e6, toUs: 1900e6 });
+    loader.loadEvents("other", { fromUs: 1000e6, toUs: 1900e6 });
     expect(asked).toHaveLength(2);
   });
 });

@@ -40,14 +40,14 @@ function question(fromUs: number, address = "a", length = 1000): Question {
 describe("loading windows", () => {
   it("asks once for what is asked twice, with a little more on each side", () => {
     const { loader, asked } = hub();
-    loader.ask(question(3000), false);
-    loader.ask(question(3000), false);
+    loader.loadHistory(question(3000), false);
+    loader.loadHistory(question(3000), false);
     expect(asked.map(({ query }) => query)).toEqual([{ channels: ["a"], fromUs: 2750, toUs: 4250, width: 150 }]);
   });
 
   it("fills a window that is dragged while it moves, and of what was asked meanwhile asks only the last", async () => {
     const { loader, asked } = hub();
-    for (const from of [1000, 1300, 1600, 1900]) loader.ask(question(from), true);
+    for (const from of [1000, 1300, 1600, 1900]) loader.loadHistory(question(from), true);
     expect(asked).toHaveLength(1);
     await asked[0]?.answer(ONE);
     expect([loader.state, loader.data.get("a")?.count]).toEqual(["loading", 2]);
@@ -58,47 +58,47 @@ describe("loading windows", () => {
 
   it("cancels what is of no use any more: another place in time, or other signals", () => {
     const { loader, asked } = hub();
-    loader.ask(question(0), false);
-    loader.ask(question(50_000), false);
-    loader.ask(question(50_000, "b"), false);
+    loader.loadHistory(question(0), false);
+    loader.loadHistory(question(50_000), false);
+    loader.loadHistory(question(50_000, "b"), false);
     expect(asked.map(({ signal }) => signal?.aborted)).toEqual([true, true, false]);
   });
 
   it("does not ask for a small move that what is there covers, but does once it rests", async () => {
     const { loader, asked } = hub();
-    loader.ask(question(0), false);
+    loader.loadHistory(question(0), false);
     await asked[0]?.answer(ONE);
-    loader.ask(question(200), true);
+    loader.loadHistory(question(200), true);
     expect(asked).toHaveLength(1);
-    loader.ask(question(300), true);
+    loader.loadHistory(question(300), true);
     expect(asked).toHaveLength(2);
     await asked[1]?.answer(ONE);
-    loader.ask(question(400, "a", 500), true);
+    loader.loadHistory(question(400, "a", 500), true);
     expect(asked).toHaveLength(3);
     await asked[2]?.answer(ONE);
-    loader.ask(question(410, "a", 500), false);
+    loader.loadHistory(question(410, "a", 500), false);
     expect(asked).toHaveLength(4);
   });
 
   it("keeps the old picture while it loads and when it fails, and asks again when told to", async () => {
     const { loader, asked } = hub();
-    loader.ask(question(0), false);
+    loader.loadHistory(question(0), false);
     await asked[0]?.answer(ONE);
-    loader.ask(question(5000), false);
+    loader.loadHistory(question(5000), false);
     expect([loader.state, loader.data.size]).toEqual(["loading", 1]);
     await asked[1]?.fail();
     expect([loader.state, loader.data.size]).toEqual(["failed", 1]);
-    loader.forget();
-    loader.ask(question(5000), false);
+    loader.invalidate();
+    loader.loadHistory(question(5000), false);
     await asked[2]?.answer(ONE);
     expect(loader.state).toBe("ready");
   });
 
   it("forgets all when nothing is chosen", async () => {
     const { loader, asked } = hub();
-    loader.ask(question(0), false);
+    loader.loadHistory(question(0), false);
     await asked[0]?.answer(ONE);
-    loader.ask({ ...question(0), channels: [] }, false);
+    loader.loadHistory({ ...question(0), channels: [] }, false);
     expect([loader.state, loader.data.size]).toEqual(["ready", 0]);
   });
 });

@@ -29,7 +29,7 @@ const settled = async (): Promise<void> => {
 
 test("what the hub found is said of its window, and of one that is hardly another", async () => {
   const { loader, answer } = hub();
-  loader.ask("agv", ["a"], SPAN, 1.5, false);
+  loader.loadOutliers("agv", ["a"], SPAN, 1.5, false);
   expect(loader.foundIn("agv", SPAN, 1.5).size).toBe(0);
   answer[0]?.();
   await settled();
@@ -42,27 +42,27 @@ test("what the hub found is said of its window, and of one that is hardly anothe
 
 test("nothing is asked while no outliers are wanted, or the charts hold every sample", () => {
   const { loader, asked } = hub();
-  loader.ask("agv", ["a"], SPAN, 0, false);
-  loader.ask("agv", [], SPAN, 1.5, false);
+  loader.loadOutliers("agv", ["a"], SPAN, 0, false);
+  loader.loadOutliers("agv", [], SPAN, 1.5, false);
   expect(asked).toEqual([]);
 });
 
 test("a window that goes with the time is looked at again once it has moved a little", async () => {
   const { loader, asked, answer } = hub();
-  loader.ask("agv", ["a"], SPAN, 1.5, true);
+  loader.loadOutliers("agv", ["a"], SPAN, 1.5, true);
   answer[0]?.();
   await settled();
-  loader.ask("agv", ["a"], { fromUs: 20, toUs: 1020 }, 1.5, true);
+  loader.loadOutliers("agv", ["a"], { fromUs: 20, toUs: 1020 }, 1.5, true);
   expect(asked).toHaveLength(1);
-  loader.ask("agv", ["a"], { fromUs: 60, toUs: 1060 }, 1.5, true);
+  loader.loadOutliers("agv", ["a"], { fromUs: 60, toUs: 1060 }, 1.5, true);
   expect(asked).toEqual(["agv a 0-1000 1.5", "agv a 60-1060 1.5"]);
 });
 
 test("what nobody wants any more is given up", () => {
   const { loader, stopped } = hub();
-  loader.ask("agv", ["a"], SPAN, 1.5, false);
-  loader.ask("agv", ["a"], SPAN, 3, false);
+  loader.loadOutliers("agv", ["a"], SPAN, 1.5, false);
+  loader.loadOutliers("agv", ["a"], SPAN, 3, false);
   expect(stopped()).toBe(1);
-  loader.ask("agv", ["a"], SPAN, 0, false);
+  loader.loadOutliers("agv", ["a"], SPAN, 0, false);
   expect(stopped()).toBe(2);
 });

@@ -50,7 +50,7 @@ describe("statistics of the window", () => {
 
   it("are those of the window that is shown, not of one from before", async () => {
     const { loader, answer } = hub();
-    loader.ask("agv", ["a"], { fromUs: 0, toUs: 1000 }, false);
+    loader.loadStatistics("agv", ["a"], { fromUs: 0, toUs: 1000 }, false);
     await answer();
     expect(loader.numbersOf("agv", { fromUs: 0, toUs: 1000 }).get("a")).toEqual(one);
     expect(loader.numbersOf("agv", { fromUs: 500, toUs: 1500 }).size).toBe(0);
@@ -60,7 +60,7 @@ describe("statistics of the window", () => {
   it("are not counted anew at each small step of a window that follows", async () => {
     const { loader, asked, answer } = hub();
     for (const step of [0, 2, 4, 6, 8, 10]) {
-      loader.ask("agv", ["a"], { fromUs: step, toUs: 1000 + step }, true);
+      loader.loadStatistics("agv", ["a"], { fromUs: step, toUs: 1000 + step }, true);
       await answer();
     }
     expect(asked).toEqual([1000, 1010]);

@@ -15,9 +15,9 @@ async function page(...films: readonly FilmRow[]): Promise<{ control: FilmContro
   const left: number[] = [];
   const host = { addController: () => undefined, removeController: () => undefined, requestUpdate: () => undefined, updateComplete: Promise.resolve(true) };
   const control = new FilmController(host, () => ({ list: () => Promise.resolve(list) }), (us) => left.push(us));
-  control.ask("site", SPAN, NAMES);
+  control.load("site", SPAN, NAMES);
   await vi.waitFor(() => {
-    control.ask("site", SPAN, NAMES);
+    control.load("site", SPAN, NAMES);
     expect(control.reels.length).toBe(films.length === 0 ? 0 : 1);
   });
   return { control, left };
@@ -42,12 +42,12 @@ describe("films and the charts' cursor", () => {
   it("begin with the first film, and have no cursor until a person wants one", async () => {
     const { control } = await page(film("a", 110e6, 120e6));
     expect([control.us, control.cursorUs]).toEqual([110e6, null]);
-    control.glance(115e6);
+    control.previewMoment(115e6);
     expect([control.us, control.cursorUs]).toEqual([115e6, null]);
     control.seek(112e6);
     expect(control.cursorUs).toBe(112e6);
     // Another window: its own films count.
-    control.ask("site", { fromUs: 90e6, toUs: 111e6 }, NAMES);
+    control.load("site", { fromUs: 90e6, toUs: 111e6 }, NAMES);
     expect([control.us, control.cursorUs]).toEqual([110e6, null]);
   });
 
@@ -76,10 +76,10 @@ describe("films and the charts' cursor", () => {
     control.setSpeed(16);
     control.seek(159e6);
     control.play();
-    control.hold(true);
+    control.setWaiting(true);
     vi.advanceTimersByTime(2000);
     expect(control.us).toBe(159e6);
-    control.hold(false);
+    control.setWaiting(false);
     vi.advanceTimersByTime(500);
     expect(left[0]).toBeGreaterThan(160e6);
   });

@@ -72,19 +72,19 @@ describe("the moment that is shown", () => {
   it("goes on at its speed, and stands while it is paused or waits for a picture", () => {
     const head = new Playhead();
     head.seek(1000e6, 0);
-    expect(head.at(5000)).toBe(1000e6);
+    expect(head.timeUs(5000)).toBe(1000e6);
     head.play(5000);
-    expect(head.at(6000)).toBe(1001e6);
+    expect(head.timeUs(6000)).toBe(1001e6);
     head.setSpeed(4, 6000);
-    expect(head.at(7000)).toBe(1005e6);
-    head.hold(true, 7000);
-    expect(head.at(99_000)).toBe(1005e6);
-    head.hold(false, 99_000);
-    expect(head.at(100_000)).toBe(1009e6);
+    expect(head.timeUs(7000)).toBe(1005e6);
+    head.setWaiting(true, 7000);
+    expect(head.timeUs(99_000)).toBe(1005e6);
+    head.setWaiting(false, 99_000);
+    expect(head.timeUs(100_000)).toBe(1009e6);
     head.pause(100_000);
-    expect([head.at(200_000), head.playing]).toEqual([1009e6, false]);
+    expect([head.timeUs(200_000), head.playing]).toEqual([1009e6, false]);
     head.seek(7, 200_000);
-    expect(head.at(300_000)).toBe(7);
+    expect(head.timeUs(300_000)).toBe(7);
   });
 
   it("has speeds from half to sixteen times", () => {
