@@ -22,7 +22,7 @@ import psutil
 import talaia.gateway.adapters.ros2.adapter
 import talaia.gateway.run  # noqa: F401
 from talaia.gateway.samples.batching import records_of
-from talaia.gateway.spool.journal import SEGMENT_BYTES, Head, Spool
+from talaia.gateway.spool.journal import SEGMENT_BYTES, SegmentHead, Spool
 from talaia.gateway.spool.segment import records
 from talaia.wire.columns import Columns
 
@@ -43,7 +43,7 @@ def batches(count: int, size: int, period_us: int) -> list[Columns]:
 
 def spool_in(folder: str) -> Spool:
     """Open a spool for one boot."""
-    head = Head("bench", "catalogue", [f"base/s{each}" for each in range(CHANNELS)])
+    head = SegmentHead("bench", "catalogue", [f"base/s{each}" for each in range(CHANNELS)])
     return Spool(Path(folder), head, 4 << 30)
 
 

@@ -14,9 +14,9 @@ from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
 from talaia.gateway.app import Gateway
-from talaia.gateway.change_policy import Accepts
-from talaia.gateway.reload.description_file import OwnCopy
-from talaia.gateway.settings import HubAddress, Settings
+from talaia.gateway.change_policy import AcceptedChanges
+from talaia.gateway.reload.description_file import DescriptionFile
+from talaia.gateway.settings import GatewaySettings, HubAddress
 from talaia.model.check import raise_first
 from talaia.model.load import load_site
 from talaia.wire.frames import (
@@ -169,16 +169,16 @@ async def running(
     key: str = "test-key",
     fingerprint: str = "",
     file: Path | None = None,
-    accepts: Accepts = Accepts.NO,
+    accepts: AcceptedChanges = AcceptedChanges.NO,
 ) -> AsyncIterator[Gateway]:
     """A gateway in this process, ended cleanly whatever happens; with ``file`` it follows that."""
     copy = None
     if file is not None:
         file.write_text(text)  # noqa: ASYNC240 - before anything runs
-        copy = OwnCopy(file)
+        copy = DescriptionFile(file)
     site = raise_first(load_site(text))
     hub = HubAddress.checked(url, fingerprint=fingerprint, allow_plain=True)
-    settings = Settings(hub=hub, key=key, data=data, accepts=accepts)
+    settings = GatewaySettings(hub=hub, key=key, data=data, accepts=accepts)
     gateway = Gateway(site, settings, SystemClock(), copy)
     ended = asyncio.Event()
     task = asyncio.ensure_future(gateway.run(ended))

@@ -13,22 +13,22 @@ from hypothesis import given, settings, strategies as st
 from talaia.clock import SECOND
 from talaia.gateway.samples.absence_gaps import FirstHeard, absence
 from talaia.gateway.spool import journal
-from talaia.gateway.spool.journal import Head, Place, Spool
+from talaia.gateway.spool.journal import SegmentHead, Spool, SpoolPosition
 from talaia.gateway.spool.opening import TORN
-from talaia.gateway.spool.progress_mark import Mark
-from talaia.gateway.spool.segment import Record
-from talaia.gateway.spool.spool_thread import Keeper
+from talaia.gateway.spool.progress_mark import ProgressMark
+from talaia.gateway.spool.segment import SampleRecord
+from talaia.gateway.spool.spool_thread import SpoolThread
 
-HEAD = Head("boot-a", "cat", ["a/x"])
+HEAD = SegmentHead("boot-a", "cat", ["a/x"])
 LARGE = 1 << 30
 
 
-def record(first: int, size: int = 20) -> Record:
-    return Record(first, 10, first * 1000, first * 1000 + 9000, b"x" * size)
+def record(first: int, size: int = 20) -> SampleRecord:
+    return SampleRecord(first, 10, first * 1000, first * 1000 + 9000, b"x" * size)
 
 
 def held(spool: Spool) -> set[int]:
-    place, found = Place(), set()
+    place, found = SpoolPosition(), set()
     while True:
         some, place = spool.read(place, 300)
         if not some:
@@ -49,7 +49,7 @@ def test_torn_tail_is_a_gap_that_spans_what_was_in_it(batches: int, cut: int, ac
         # Killed: nobody closes it. And the disk has lost the end of the file.
         (file,) = path.glob("*.seg")
         os.truncate(file, min(cut, file.stat().st_size))
-        later = Spool(path, Head("boot-b", "cat", []), LARGE)
+        later = Spool(path, SegmentHead("boot-b", "cat", []), LARGE)
         gaps = [each for each in later.gaps() if each.boot == "boot-a"]
         told = {n for each in gaps for n in range(each.first, each.last + 1)}
         there = held(later)
@@ -71,7 +71,7 @@ def test_what_the_hub_has_is_no_gap_when_the_file_was_emptied_and_the_gateway_ki
         spool.append(record(number * 10))
     spool.ack("boot-a", 100)
     spool.append(record(100))
-    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
     assert later.gaps() == []
     assert held(later) == set(range(100, 110))
 
@@ -84,7 +84,7 @@ def test_what_was_only_in_memory_when_the_gateway_was_killed_is_a_gap(
     monkeypatch.setattr(Spool, "_write", lambda *_: False)
     spool.append(record(10))
     monkeypatch.undo()
-    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
     assert [(each.first, each.last) for each in later.gaps()] == [(10, 19)]
 
 
@@ -93,22 +93,22 @@ def test_loss_of_a_run_that_was_killed_is_kept_before_the_next_one_leaves_word(t
     first.append(record(0))
     (file,) = tmp_path.glob("*.seg")
     os.truncate(file, file.stat().st_size - 1)
-    second = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    second = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
     second.append(record(0))
     # Killed before its first second is over.
-    third = Spool(tmp_path, Head("boot-c", "cat", []), LARGE)
+    third = Spool(tmp_path, SegmentHead("boot-c", "cat", []), LARGE)
     assert [(each.boot, each.first, each.last) for each in third.gaps()] == [("boot-a", 0, 9)]
 
 
 def test_time_without_a_gateway_is_told_from_the_last_that_was_heard() -> None:
-    former = Mark("a", 5, 0, 0, 10_000_000, 100.0, 0, "m")
+    former = ProgressMark("a", 5, 0, 0, 10_000_000, 100.0, 0, "m")
     assert absence(former, 18_000_000, 108.0, "m") == (10_000_000, 18_000_000)
     # Another run of the machine: its monotonic clock says nothing.
     assert absence(former, 18_000_000, 3.0, "n") == (10_000_000, 18_000_000)
 
 
 def test_clock_that_was_set_meanwhile_makes_the_absence_neither_longer_nor_shorter() -> None:
-    former = Mark("a", 5, 0, 0, 10_000_000_000, 100.0, 0, "m")
+    former = ProgressMark("a", 5, 0, 0, 10_000_000_000, 100.0, 0, "m")
     hour = 3_600_000_000
     for now_us in (10_008_000_000 + hour, 10_008_000_000 - hour):
         assert absence(former, now_us, 108.0, "m") == (now_us - 8_000_000, now_us)
@@ -144,30 +144,30 @@ def test_gap_of_the_beginning_ends_with_the_first_of_the_last_channel_that_misse
 def test_gap_that_the_hub_has_been_told_of_is_no_damage_to_the_next_run(tmp_path: Path) -> None:
     spool = Spool(tmp_path, HEAD, LARGE)
     spool.append(record(0))
-    spool.lose(Record(10, 1, 5, 6, b""), "stood still")
+    spool.lose(SampleRecord(10, 1, 5, 6, b""), "stood still")
     spool.append(record(11))
     spool.ack("boot-a", 15)
     spool.sync(1)
-    assert Spool(tmp_path, Head("boot-b", "cat", []), LARGE).gaps() == []
+    assert Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE).gaps() == []
 
 
 async def test_spool_that_is_new_has_no_run_before_it_and_later_it_has(tmp_path: Path) -> None:
-    keeper = Keeper(Spool(tmp_path, HEAD, LARGE, wall_us=lambda: 7, machine="m"))
+    keeper = SpoolThread(Spool(tmp_path, HEAD, LARGE, wall_us=lambda: 7, machine="m"))
     assert keeper.former is None
     keeper.append(record(0))
     await keeper.sync(20_000)
     await keeper.close()
-    later = Keeper(Spool(tmp_path, Head("boot-b", "cat", []), LARGE, wall_us=lambda: 9))
-    assert later.former == Mark("boot-a", 10, 0, 7, 20_000, 0.0, 0, "m")
+    later = SpoolThread(Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE, wall_us=lambda: 9))
+    assert later.former == ProgressMark("boot-a", 10, 0, 7, 20_000, 0.0, 0, "m")
     later.append(record(0))
     await later.sync(30_000)
     await later.close()
-    last = Spool(tmp_path, Head("boot-c", "cat", []), LARGE)
+    last = Spool(tmp_path, SegmentHead("boot-c", "cat", []), LARGE)
     assert last.former is not None
     assert last.former.deaf_us == 9
     last.all_heard()
     last.append(record(0))
-    assert Spool(tmp_path, Head("boot-d", "cat", []), LARGE).former == Mark(
+    assert Spool(tmp_path, SegmentHead("boot-d", "cat", []), LARGE).former == ProgressMark(
         "boot-c", 10, 0, 0, 9000, 0.0, 0, ""
     )
     await asyncio.sleep(0)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.ports import Reading
+from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.safety.sensor_agreement import Sensor, closed_by
 from talaia.model.capabilities import Capabilities, capabilities_of
@@ -103,10 +103,10 @@ class Roof:
         self.problems: list[str] = []
         self.interlocks = Interlocks(self.site, self, self, self.run, 0)
 
-    def latest(self, address: str) -> Reading | None:
+    def latest(self, address: str) -> ChannelReading | None:
         device, _, signal = address.partition("/")
         value = self.rain if device == "weather" else self.sensors.get(signal)
-        return None if value is None else Reading(value, self.said.get(signal, self.now))
+        return None if value is None else ChannelReading(value, self.said.get(signal, self.now))
 
     def send(self, message: object) -> None:
         if isinstance(message, EnclosureState):

@@ -9,19 +9,19 @@ import numpy as np
 
 from talaia.gateway.samples.batching import records_of
 from talaia.gateway.spool import journal, packing
-from talaia.gateway.spool.journal import Head, Spool
-from talaia.gateway.spool.spool_thread import Keeper
+from talaia.gateway.spool.journal import SegmentHead, Spool
+from talaia.gateway.spool.spool_thread import SpoolThread
 from talaia.gateway.uplink import catchup
 from talaia.gateway.uplink.catchup import CatchUp
-from talaia.gateway.uplink.lanes import Lanes
+from talaia.gateway.uplink.lanes import SendLanes
 from talaia.wire.columns import Columns
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples, StopState
 
 BATCHES, SIZE = 40, 10
 
 
-def keeper_of(folder: Path, batches: int = BATCHES) -> Keeper:
-    spool = Spool(folder, Head("b", "c", ["base/v"]), 1 << 30)
+def keeper_of(folder: Path, batches: int = BATCHES) -> SpoolThread:
+    spool = Spool(folder, SegmentHead("b", "c", ["base/v"]), 1 << 30)
     for number in range(batches):
         first = number * SIZE
         columns = Columns(
@@ -29,10 +29,10 @@ def keeper_of(folder: Path, batches: int = BATCHES) -> Keeper:
         )
         (record,) = records_of(columns, "b", "c", first)
         spool.append(record)
-    return Keeper(spool)
+    return SpoolThread(spool)
 
 
-async def sent(lanes: Lanes, count: int) -> list[int]:
+async def sent(lanes: SendLanes, count: int) -> list[int]:
     """Take so many old batches out as the writer does; give their first samples."""
     found: list[int] = []
     async with asyncio.timeout(10):
@@ -49,7 +49,7 @@ async def sent(lanes: Lanes, count: int) -> list[int]:
 
 
 async def test_what_the_hub_asks_for_again_is_sent_again_and_no_more(tmp_path: Path) -> None:
-    keeper, lanes = keeper_of(tmp_path), Lanes(lambda: None)
+    keeper, lanes = keeper_of(tmp_path), SendLanes(lambda: None)
     lanes.link_up()
     running = asyncio.ensure_future(
         CatchUp(keeper, lanes, "b", lambda: "c", 10_000_000).run(BATCHES * SIZE)
@@ -67,7 +67,7 @@ async def test_what_was_packed_is_not_sent_at_one_blow(tmp_path: Path, monkeypat
     monkeypatch.setattr(journal, "SEGMENT_BYTES", 300_000)
     monkeypatch.setattr(packing, "FRAME_SAMPLES", 500)
     batches, rate = 2500, 40_000
-    keeper, lanes = keeper_of(tmp_path, batches), Lanes(lambda: None)
+    keeper, lanes = keeper_of(tmp_path, batches), SendLanes(lambda: None)
     lanes.link_up()
     running = asyncio.ensure_future(
         CatchUp(keeper, lanes, "b", lambda: "c", rate).run(batches * SIZE)
@@ -92,7 +92,7 @@ async def test_old_samples_wait_while_the_hub_stores_nothing_and_stop_never_wait
     tmp_path: Path, monkeypatch
 ) -> None:
     monkeypatch.setattr(catchup, "MOST_UNHEARD", 1000)
-    keeper, lanes = keeper_of(tmp_path), Lanes(lambda: None)
+    keeper, lanes = keeper_of(tmp_path), SendLanes(lambda: None)
     lanes.link_up()
     running = asyncio.ensure_future(
         CatchUp(keeper, lanes, "b", lambda: "c", 20_000).run(BATCHES * SIZE)

@@ -12,7 +12,7 @@ import pytest
 from fake_hub import KEY, FakeHub, fake_hub
 from gateway_bench import SITE, Peer, addresses_of, running
 
-from talaia.gateway.change_policy import Accepts
+from talaia.gateway.change_policy import AcceptedChanges
 from talaia.wire.frames import (
     ChangeAsk,
     ChangePhase,
@@ -44,7 +44,7 @@ IDS = count()
 
 @asynccontextmanager
 async def following(
-    tmp_path: Path, accepts: Accepts = Accepts.NO
+    tmp_path: Path, accepts: AcceptedChanges = AcceptedChanges.NO
 ) -> AsyncIterator[tuple[FakeHub, Path]]:
     file = tmp_path / "site.yaml"
     async with (
@@ -220,7 +220,7 @@ async def test_gateway_takes_no_change_from_the_hub_unless_it_was_told_to(
 async def test_sealed_change_of_readings_is_written_to_the_file_and_counts_at_once(
     ros_domain: int, tmp_path: Path
 ) -> None:
-    async with following(tmp_path, Accepts.READINGS) as (hub, file):
+    async with following(tmp_path, AcceptedChanges.READINGS) as (hub, file):
         wanted = "# by hand\n" + with_signal(SITE, "wind", SPEED)
         assert (await asked(hub, SITE, wanted, key="another")).phase is ChangePhase.REFUSED
         assert (await asked(hub, SITE, wanted)).phase is ChangePhase.APPLIED
@@ -237,7 +237,7 @@ async def test_sealed_change_of_readings_is_written_to_the_file_and_counts_at_on
 async def test_file_that_cannot_be_written_refuses_the_change(
     ros_domain: int, tmp_path: Path
 ) -> None:
-    async with following(tmp_path, Accepts.ALL) as (hub, file):
+    async with following(tmp_path, AcceptedChanges.ALL) as (hub, file):
         # A folder in the way of the new file.
         (tmp_path / "site.yaml.new").mkdir()
         told = await asked(hub, SITE, SITE.replace("max_speed: 0.2", "max_speed: 0.1"))

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from talaia.clock import SECOND
-from talaia.gateway.change_policy import Accepts, forbidden
-from talaia.gateway.errors import RosterFull
-from talaia.gateway.ports import Reading
+from talaia.gateway.change_policy import AcceptedChanges, forbidden
+from talaia.gateway.errors import ChannelNumbersFull
+from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.gateway.samples.channel_numbering import Roster
-from talaia.gateway.spool.files import Head
-from talaia.gateway.spool.journal import Place, Spool
+from talaia.gateway.samples.channel_numbering import ChannelNumbering
+from talaia.gateway.spool.files import SegmentHead
+from talaia.gateway.spool.journal import Spool, SpoolPosition
 from talaia.gateway.uplink.catchup import as_old
 from talaia.model.change import renames
 from talaia.model.load import load_site
@@ -67,7 +67,7 @@ def changed(*pairs: tuple[str, str]) -> object:
 
 
 def test_channel_keeps_its_number_whatever_comes_and_goes_around_it() -> None:
-    roster = Roster(BEFORE)
+    roster = ChannelNumbering(BEFORE)
     rain = roster.numbers(BEFORE)["weather/rain"]
     after = changed(("      wind:", f"      gust: {{name: G, source: {SOURCE}}}\n      wind:"))
     roster.take(after, {})
@@ -79,7 +79,7 @@ def test_channel_keeps_its_number_whatever_comes_and_goes_around_it() -> None:
 
 
 def test_renamed_channel_keeps_its_number_and_a_removed_one_has_no_place() -> None:
-    roster = Roster(BEFORE)
+    roster = ChannelNumbering(BEFORE)
     wind, rain = (roster.numbers(BEFORE)[f"weather/{each}"] for each in ("wind", "rain"))
     after = changed(
         ("      wind: {", "      gale: {was: wind, "), ("weather/wind", "weather/gale"),
@@ -97,9 +97,9 @@ def test_renamed_channel_keeps_its_number_and_a_removed_one_has_no_place() -> No
 
 def test_full_roster_says_so_and_stays_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("talaia.gateway.samples.channel_numbering.MOST", 3)
-    roster = Roster(BEFORE)
+    roster = ChannelNumbering(BEFORE)
     after = changed(("      wind:", f"      gust: {{name: G, source: {SOURCE}}}\n      wind:"))
-    with pytest.raises(RosterFull):
+    with pytest.raises(ChannelNumbersFull):
         roster.take(after, {})
     assert len(roster.order(BEFORE)) == 3
 
@@ -128,9 +128,9 @@ def test_hub_may_change_what_the_gateway_permits_and_no_more(
     everything: bool,  # noqa: FBT001
 ) -> None:
     after = changed(change)
-    assert (not forbidden(BEFORE, after, Accepts.READINGS)) is readings
-    assert (not forbidden(BEFORE, after, Accepts.ALL)) is everything
-    assert forbidden(BEFORE, after, Accepts.NO)
+    assert (not forbidden(BEFORE, after, AcceptedChanges.READINGS)) is readings
+    assert (not forbidden(BEFORE, after, AcceptedChanges.ALL)) is everything
+    assert forbidden(BEFORE, after, AcceptedChanges.NO)
 
 
 class World:
@@ -141,8 +141,8 @@ class World:
         self.now_ns = 0
         self.notes: list[str] = []
 
-    def latest(self, address: str) -> Reading | None:
-        return Reading(self.value, self.now_ns) if address == "weather/wind" else None
+    def latest(self, address: str) -> ChannelReading | None:
+        return ChannelReading(self.value, self.now_ns) if address == "weather/wind" else None
 
     def send(self, message: object) -> None: ...
 
@@ -191,11 +191,11 @@ def batch(first: int, catalogue: str) -> object:
 
 
 def test_spool_keeps_each_batch_by_the_list_of_its_time(tmp_path) -> None:
-    spool = Spool(tmp_path, Head("b", "old", ["a/x"]), 10**7)
+    spool = Spool(tmp_path, SegmentHead("b", "old", ["a/x"]), 10**7)
     spool.append(batch(0, "old"))
-    spool.redescribe(Head("b", "new", ["a/y"]))
+    spool.redescribe(SegmentHead("b", "new", ["a/y"]))
     spool.append(batch(1, "new"))
-    found, place = spool.read(Place(), 10**6)
+    found, place = spool.read(SpoolPosition(), 10**6)
     found += spool.read(place, 10**6)[0]
     frames = [LINK_FROM_GATEWAY.decode(as_old(each, "new")) for each in found]
     assert all(isinstance(each, Samples) for each in frames)

@@ -12,10 +12,10 @@ from patience import PATIENCE_S
 
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.commands.command_book import FINAL, CommandBook
-from talaia.gateway.commands.command_sequences import Sequences
-from talaia.gateway.commands.command_service import Commanding, Journal
+from talaia.gateway.commands.command_sequences import SequenceRunner
+from talaia.gateway.commands.command_service import CommandJournal, CommandService
 from talaia.gateway.disk_trouble import DiskTrouble
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.safety.enclosure_guard import Hold
 from talaia.model.arguments import fields_of
 from talaia.model.enclosure import Enclosure
@@ -134,7 +134,7 @@ class Dome:
 
     def __init__(self) -> None:  # noqa: D107
         self.asked: list[str] = []
-        self.answer: Outcome | None = Outcome(P.SUCCEEDED, "open")
+        self.answer: CommandOutcome | None = CommandOutcome(P.SUCCEEDED, "open")
 
     def act(self, device: str, command: str, fields: dict, done: Callable) -> None:
         self.asked.append(f"{device}/{command}")
@@ -152,11 +152,11 @@ class Bench:
         self.disk: Callable[[], None] = lambda: None
         self.barred = ""
         self.held: Hold | None = None
-        self.commanding = Commanding(
+        self.commanding = CommandService(
             SITE,
             self.clock,
             self.dome,
-            Journal(folder / "c.jsonl"),
+            CommandJournal(folder / "c.jsonl"),
             self.on_disk,
             self.say,
             lambda _device, _command, _args: self.barred,
@@ -329,13 +329,13 @@ async def test_trouble_with_the_journal_is_said_once_and_its_end_once(tmp_path: 
 
 def test_journal_ignores_a_line_cut_short(tmp_path: Path) -> None:
     path = tmp_path / "c.jsonl"
-    journal = Journal(path)
+    journal = CommandJournal(path)
     journal.write(state(P.ACCEPTED, "a"), sure=True)
     journal.write(state(P.SUCCEEDED, "a"), sure=True)
     path.write_bytes(path.read_bytes()[:-10])
-    later = Journal(path)
+    later = CommandJournal(path)
     later.write(state(P.FAILED, "b"), sure=True)
-    assert [each.phase for each in Journal(path).remembered] == [P.ACCEPTED, P.FAILED]
+    assert [each.phase for each in CommandJournal(path).remembered] == [P.ACCEPTED, P.FAILED]
 
 
 STEPS = (Step(command="dome/open", within=0.05), Step(command="dome/open"))
@@ -352,7 +352,7 @@ async def run_sequence(bench: Bench, steps: tuple[Step, ...]) -> list[str]:
             if kind == "sequence_done" or "not done" in message:
                 done.set()
 
-    sequences = Sequences(bench.commanding, Mouth(), "boot")
+    sequences = SequenceRunner(bench.commanding, Mouth(), "boot")
     sequences.begin("interlock rain", steps)
     sequences.begin("interlock rain", steps)
     async with asyncio.timeout(PATIENCE_S):
@@ -375,7 +375,7 @@ async def test_a_sequence_does_its_steps_in_order_once_though_an_interlock_refus
 
 async def test_a_required_step_that_fails_ends_the_sequence(tmp_path: Path) -> None:
     bench = Bench(tmp_path)
-    bench.dome.answer = Outcome(P.FAILED, "stuck")
+    bench.dome.answer = CommandOutcome(P.FAILED, "stuck")
     notes = await run_sequence(bench, STEPS)
     assert bench.dome.asked == ["dome/open"]
     assert "failed: stuck; the rest is not done" in notes[0]
@@ -398,7 +398,7 @@ async def test_a_command_whose_end_is_reached_all_the_same_has_not_failed(
     tmp_path: Path, kind: str
 ) -> None:
     bench = Bench(tmp_path)
-    bench.dome.answer = Outcome(P.FAILED, "the telescope parks")
+    bench.dome.answer = CommandOutcome(P.FAILED, "the telescope parks")
     notes: list[str] = []
 
     class Mouth:
@@ -413,7 +413,7 @@ async def test_a_command_whose_end_is_reached_all_the_same_has_not_failed(
         looks += 1
         return kind == "sequence_done" and looks > 3
 
-    sequences = Sequences(bench.commanding, Mouth(), "boot", reached)
+    sequences = SequenceRunner(bench.commanding, Mouth(), "boot", reached)
     sequences.begin("enclosure dome park 1", (Step(command="dome/open"),))
     async with asyncio.timeout(PATIENCE_S):
         await asyncio.gather(*sequences._running.values())

@@ -13,11 +13,11 @@ from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
 from talaia.gateway.adapters.connection_scope import shares_of
-from talaia.gateway.adapters.connectivity import Reach
-from talaia.gateway.adapters.multi_adapter import Many, Post
-from talaia.gateway.adapters.null_adapter import Nobody
+from talaia.gateway.adapters.connectivity import DeviceReachability
+from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
+from talaia.gateway.adapters.null_adapter import NullAdapter
 from talaia.gateway.errors import AdapterLost
-from talaia.gateway.ports import Reading
+from talaia.gateway.ports import ChannelReading
 from talaia.gateway.reload.discovered_devices import joined, keep_found, with_kept
 from talaia.model.load import load_site
 from talaia.model.site import Device, Signal, Source
@@ -76,10 +76,10 @@ async def test_two_robots_of_one_site_are_heard_and_told_each_for_itself(
         assert peer.heard("wander") == []
 
 
-class Fragile(Nobody):
+class Fragile(NullAdapter):
     """A robot's side that is there when it is told, and has one reading."""
 
-    def __init__(self, post: Post, told: Told) -> None:  # noqa: D107
+    def __init__(self, post: ConnectionStatus, told: Told) -> None:  # noqa: D107
         self.post, self.told = post, told
         self.there = asyncio.Event()
         self.loss: asyncio.Future[None] = asyncio.get_running_loop().create_future()
@@ -94,8 +94,8 @@ class Fragile(Nobody):
         self.post.up()
         await self.loss
 
-    def latest(self, address: str) -> Reading | None:
-        return Reading(1.0, 0)
+    def latest(self, address: str) -> ChannelReading | None:
+        return ChannelReading(1.0, 0)
 
 
 class Told:
@@ -128,13 +128,13 @@ async def test_a_lost_connection_is_told_once_comes_back_by_itself_and_hurts_no_
 ) -> None:
     monkeypatch.setattr("talaia.gateway.adapters.multi_adapter.AGAIN_S", 0.01)
     told, of = Told(), {"dome": "left", "lamp": "left", "weather": "right"}
-    reach = Reach(of, SystemClock(), told.say)
+    reach = DeviceReachability(of, SystemClock(), told.say)
     loop = asyncio.get_running_loop()
-    posts = {name: Post(name, loop, reach) for name in ("left", "right")}
+    posts = {name: ConnectionStatus(name, loop, reach) for name in ("left", "right")}
     left, right = Fragile(posts["left"], told), Fragile(posts["right"], told)
     right.there.set()
     adapters = {"left": (left, posts["left"]), "right": (right, posts["right"])}
-    many = Many(of, adapters, reach, told, told.lost.extend, told.back.extend)
+    many = MultiAdapter(of, adapters, reach, told, told.lost.extend, told.back.extend)
     running = asyncio.ensure_future(many.run())
     await told.until(lambda: len(told.states) == 2 and left.runs > 3)
     assert told.events == [("connection lost", "left: nobody answers")]
@@ -163,14 +163,14 @@ async def test_a_lost_connection_is_told_once_comes_back_by_itself_and_hurts_no_
 
 
 async def test_what_an_adapter_cannot_help_ends_the_gateway() -> None:
-    reach = Reach({}, SystemClock(), lambda _state: None)
+    reach = DeviceReachability({}, SystemClock(), lambda _state: None)
 
-    class Broken(Nobody):
+    class Broken(NullAdapter):
         async def run(self) -> None:
             raise ZeroDivisionError("a defect")
 
-    post = Post("x", asyncio.get_running_loop(), reach)
-    many = Many({}, {"x": (Broken(), post)}, reach, Told(), list, list)
+    post = ConnectionStatus("x", asyncio.get_running_loop(), reach)
+    many = MultiAdapter({}, {"x": (Broken(), post)}, reach, Told(), list, list)
     with pytest.raises(ZeroDivisionError, match="a defect"):
         await asyncio.wait_for(many.run(), PATIENCE_S)
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from talaia.clock import MS, SECOND, HandClock
-from talaia.gateway.driving.drive_service import Control, Ticks
-from talaia.gateway.driving.persistent_state import Epochs, KeptStops
-from talaia.gateway.ports import Reading
+from talaia.gateway.driving.drive_service import DriveService, TickClock
+from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
+from talaia.gateway.ports import ChannelReading
 from talaia.model.load import load_site
 from talaia.wire.frames import (
     Drive,
@@ -57,7 +57,7 @@ class Robot:
         self.stopped: list[bool] = []
         self.sent: list[object] = []
         self.notes: list[str] = []
-        self.speed: Reading | None = None
+        self.speed: ChannelReading | None = None
 
     def drive(self, device: str, linear: float, angular: float) -> None:
         assert device == "base"
@@ -73,7 +73,7 @@ class Robot:
     def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
         self.notes.append(kind)
 
-    def latest(self, address: str) -> Reading | None:
+    def latest(self, address: str) -> ChannelReading | None:
         assert address == "base/v"
         return self.speed
 
@@ -95,17 +95,17 @@ class Bench:
         self.control = self.build()
         self.control.link_up()
 
-    def build(self) -> Control:
+    def build(self) -> DriveService:
         async def on_disk(work) -> None:
             work()
 
-        return Control(
+        return DriveService(
             self.site,
             self.clock,
             self.robot,
             self.robot,
-            Epochs(self.folder / "epochs.json").next,
-            KeptStops(self.folder / "stops.json"),
+            LeaseEpochs(self.folder / "epochs.json").next,
+            PersistentStops(self.folder / "stops.json"),
             on_disk,
         )
 
@@ -333,10 +333,10 @@ def test_repeated_stop_is_answered_each_time(bench: Bench) -> None:
 
 def test_stop_is_confirmed_by_the_robot_itself(bench: Bench) -> None:
     bench.control.stop(StopAsk(device="base", id="i", who="Ben"))
-    bench.robot.speed = Reading(0.1, bench.clock.monotonic_ns())
+    bench.robot.speed = ChannelReading(0.1, bench.clock.monotonic_ns())
     bench.pass_time(100 * MS)
     assert not bench.robot.last(StopState).confirmed
-    bench.robot.speed = Reading(0.001, bench.clock.monotonic_ns())
+    bench.robot.speed = ChannelReading(0.001, bench.clock.monotonic_ns())
     bench.pass_time(100 * MS)
     assert bench.robot.last(StopState).confirmed
 
@@ -382,11 +382,11 @@ async def test_reset_needs_lease_and_token_and_starts_no_motion(bench: Bench) ->
     bench.drive()
     bench.pass_time(50 * MS)
     assert bench.robot.driven[-1][1] > 0
-    assert KeptStops(bench.folder / "stops.json").get("base") is None
+    assert PersistentStops(bench.folder / "stops.json").get("base") is None
 
 
 def test_ticks_that_were_never_sent_have_no_age() -> None:
-    ticks = Ticks()
+    ticks = TickClock()
     assert ticks.age_ns(0, 0) < 0
     for number in range(100):
         ticks.next(number)

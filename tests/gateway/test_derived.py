@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.ports import Reading
+from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.check import check
 from talaia.model.dew_point import dew_point
@@ -71,9 +71,9 @@ class Roof:
             self.site, self, self, lambda *_: None, 0, lambda: round(self.wall_s * SECOND)
         )
 
-    def latest(self, address: str) -> Reading | None:
+    def latest(self, address: str) -> ChannelReading | None:
         value = self.values.get(address.partition("/")[2])
-        return None if value is None else Reading(value, self.now)
+        return None if value is None else ChannelReading(value, self.now)
 
     def send(self, message: object) -> None: ...
 

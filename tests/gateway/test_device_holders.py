@@ -11,10 +11,10 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import SECOND, HandClock
-from talaia.gateway.commands.command_journal import Journal
-from talaia.gateway.commands.command_service import Commanding
-from talaia.gateway.commands.device_holders import DeviceHolders, Holder
-from talaia.gateway.ports import Outcome
+from talaia.gateway.commands.command_journal import CommandJournal
+from talaia.gateway.commands.command_service import CommandService
+from talaia.gateway.commands.device_holders import DeviceHolder, DeviceHolders
+from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.safety.enclosure_guard import Hold
 from talaia.model.load import read_site
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState
@@ -34,14 +34,17 @@ class Robot:
         self.said: list[CommandState] = []
         self.numbers = itertools.count()
         self.waits: Hold | None = None
-        self.commanding = Commanding(
-            EXAMPLE, self.clock, self, Journal(folder / "c.jsonl"), self.on_disk, self.said.append,
+        self.commanding = CommandService(
+            EXAMPLE, self.clock, self, CommandJournal(folder / "c.jsonl"), self.on_disk,
+            self.said.append,
             hold=lambda _device, command: self.waits if command == "open" else None,
         )  # fmt: skip
 
-    def act(self, device: str, command: str, fields: dict, done: Callable[[Outcome], None]) -> None:
+    def act(
+        self, device: str, command: str, fields: dict, done: Callable[[CommandOutcome], None]
+    ) -> None:
         self.did.append(f"{device}/{command}")
-        self.ends = lambda phase: done(Outcome(phase))
+        self.ends = lambda phase: done(CommandOutcome(phase))
 
     async def on_disk(self, work: Callable[[], None]) -> None:
         work()
@@ -180,7 +183,7 @@ async def test_a_command_that_has_ended_holds_nothing(robot: Robot) -> None:
 
 def test_a_hold_of_another_kind_than_a_command_counts_as_well_until_it_is_released() -> None:
     holders = DeviceHolders()
-    night = Holder("night-1", "dome", "Dome: observes M 31", "tonight's plan", 0)
+    night = DeviceHolder("night-1", "dome", "Dome: observes M 31", "tonight's plan", 0)
     holders.hold(night)
     assert holders.against("dome", "Ada") == night
     assert holders.against("dome", "tonight's plan") is None

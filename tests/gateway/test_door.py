@@ -20,8 +20,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from talaia.clock import SystemClock
 from talaia.gateway.app import Gateway
 from talaia.gateway.command_line import parsed
-from talaia.gateway.legacy.messages import AskWrong, read_message
-from talaia.gateway.settings import DoorSettings, HubAddress, Settings
+from talaia.gateway.legacy.messages import LegacyRequestError, read_message
+from talaia.gateway.settings import GatewaySettings, HubAddress, LegacySettings
 from talaia.model.classic import site_of
 
 if TYPE_CHECKING:
@@ -78,7 +78,9 @@ async def house(tmp_path: Path) -> AsyncIterator[House]:
     (tmp_path / "clients.py").write_text(CLIENTS.format(folder=str(tmp_path)))
     text = COMMANDS.replace("ros2 run", f"{sys.executable} -S {tmp_path / 'clients.py'}")
     hub = HubAddress.checked("ws://127.0.0.1:9", allow_plain=True)
-    settings = Settings(hub=hub, key="k", data=tmp_path / "data", door=DoorSettings(port=0))
+    settings = GatewaySettings(
+        hub=hub, key="k", data=tmp_path / "data", door=LegacySettings(port=0)
+    )
     gateway = Gateway(site_of(text, "observatory"), settings, SystemClock())
     ended = asyncio.Event()
     task = asyncio.ensure_future(gateway.run(ended))
@@ -221,7 +223,7 @@ anything = st.recursive(
 
 @given(anything)
 def test_no_message_breaks_the_reader(document: object) -> None:
-    with contextlib.suppress(AskWrong):
+    with contextlib.suppress(LegacyRequestError):
         for each in read_message(json.dumps(document), SITE):
             assert each.command in SITE.devices[each.device].commands
 

@@ -10,7 +10,7 @@ from talaia.clock import MS, SECOND
 from talaia.gateway.driving.velocity_limits import (
     STILL,
     STOP_BY_NS,
-    Driving,
+    VelocityLimiter,
     cap_of_loop,
     cap_of_picture,
 )
@@ -29,8 +29,8 @@ def frame(seq: int = 0, linear: float = 0.2, angular: float = 0.0, **more: float
     return Frame(device="base", session="tab", seq=seq, linear=linear, angular=angular, **values)
 
 
-def driving() -> Driving:
-    return Driving(RULE)
+def driving() -> VelocityLimiter:
+    return VelocityLimiter(RULE)
 
 
 def test_nothing_is_said_before_the_first_frame() -> None:
@@ -128,7 +128,7 @@ def test_driver_who_echoes_one_old_tick_is_stopped_450_ms_after_it() -> None:
 
 
 def test_no_time_to_live_that_may_be_described_lets_a_frame_move_after_450_ms() -> None:
-    one = Driving(structs.replace(RULE, ttl=0.5))
+    one = VelocityLimiter(structs.replace(RULE, ttl=0.5))
     assert one.offer(frame(0), 1, 449 * MS, 449 * MS) == ""
     one.step(449 * MS)
     assert one.step(450 * MS) == STILL
@@ -149,7 +149,7 @@ def test_velocity_is_zero_by_450_ms_after_the_tick_of_the_last_frame(
     journeys: list[tuple[int, int]], dark_ms: int, ttl: float
 ) -> None:
     """Nothing sent after `dark_ms` from the gateway reaches the page, which presses on."""
-    one = Driving(structs.replace(RULE, ttl=ttl))
+    one = VelocityLimiter(structs.replace(RULE, ttl=ttl))
     arrivals, sent_ms = [], 0
     for seq, (under_way, wait) in enumerate(journeys):
         sent_ms += wait

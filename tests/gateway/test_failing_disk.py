@@ -17,9 +17,9 @@ from gateway_bench import addresses_of, running
 from patience import PATIENCE_S
 
 from talaia.gateway import persistence
-from talaia.gateway.commands.command_service import Journal
+from talaia.gateway.commands.command_service import CommandJournal
 from talaia.gateway.driving import persistent_state
-from talaia.gateway.driving.stop_latch import Latched
+from talaia.gateway.driving.stop_latch import LatchedStop
 from talaia.gateway.errors import SpoolError
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, Event
 
@@ -199,7 +199,9 @@ async def test_a_roof_closes_in_the_rain_though_the_disk_takes_nothing(
                 await full.aclose()
             (data / "ballast").unlink(missing_ok=True)
             await hill.event("disk_recovered")
-        remembered = {each.id: each.phase for each in Journal(data / "commands.jsonl").remembered}
+        remembered = {
+            each.id: each.phase for each in CommandJournal(data / "commands.jsonl").remembered
+        }
         assert remembered["by hand"] is CommandPhase.SUCCEEDED
         assert any(key.startswith("enclosure-roof-close") for key in remembered)
 
@@ -258,8 +260,8 @@ def test_two_gateways_on_one_folder_are_told_apart_on_a_read_only_disk(tmp_path:
 def test_a_stop_that_the_disk_did_not_take_is_written_when_it_does(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stops = persistent_state.KeptStops(tmp_path / "stops.json")
-    latched = Latched("id", "Ada", 5)
+    stops = persistent_state.PersistentStops(tmp_path / "stops.json")
+    latched = LatchedStop("id", "Ada", 5)
     with monkeypatch.context() as patch:
         fail_with(patch, errno.EROFS)
         with pytest.raises(OSError, match="Read-only"):
@@ -268,7 +270,7 @@ def test_a_stop_that_the_disk_did_not_take_is_written_when_it_does(
     assert stops.get("base") == latched
     stops.write_waiting()
     assert not stops.behind
-    assert persistent_state.KeptStops(tmp_path / "stops.json").get("base") == latched
+    assert persistent_state.PersistentStops(tmp_path / "stops.json").get("base") == latched
 
 
 def test_where_stops_and_epochs_cannot_be_read_all_is_stopped_and_nobody_drives(
@@ -277,20 +279,20 @@ def test_where_stops_and_epochs_cannot_be_read_all_is_stopped_and_nobody_drives(
     # A folder in a file's place is an error of reading like any other.
     for name in ("stops.json", "epochs.json"):
         (tmp_path / name).mkdir()
-    stops = persistent_state.KeptStops(tmp_path / "stops.json")
+    stops = persistent_state.PersistentStops(tmp_path / "stops.json")
     found = stops.get("base")
     assert found is not None
     assert "cannot read its disk" in found.who
     with pytest.raises(OSError, match="cannot be read"):
         stops.write("base", None)
-    epochs = persistent_state.Epochs(tmp_path / "epochs.json")
+    epochs = persistent_state.LeaseEpochs(tmp_path / "epochs.json")
     with pytest.raises(OSError, match="directory"):
         epochs.next()
 
 
 def test_a_journal_that_cannot_be_read_is_not_written_over(tmp_path: Path) -> None:
     (tmp_path / "c.jsonl").mkdir()
-    journal = Journal(tmp_path / "c.jsonl")
+    journal = CommandJournal(tmp_path / "c.jsonl")
     state = CommandState(id="a", device="d", command="c", phase=CommandPhase.ACCEPTED)
     with pytest.raises(OSError, match="what was done before cannot be read"):
         journal.write(state, sure=True)

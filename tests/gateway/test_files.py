@@ -10,11 +10,11 @@ from fake_hub import fake_hub
 from gateway_bench import addresses_of
 
 from talaia.gateway.errors import LinkLost
-from talaia.gateway.fits.outbox import Outbox
-from talaia.gateway.recording.recording_store import Kept, Shelf
-from talaia.gateway.settings import HubAddress, Settings
-from talaia.gateway.uplink.files import Lane, Sending, send_files
-from talaia.gateway.uplink.tls import Trust
+from talaia.gateway.fits.outbox import ArchiveOutbox
+from talaia.gateway.recording.recording_store import RecordingStore, StoredRecording
+from talaia.gateway.settings import GatewaySettings, HubAddress
+from talaia.gateway.uplink.files import FileLane, TransferCallbacks, send_files
+from talaia.gateway.uplink.tls import HubTrust
 from talaia.wire.frames import PIECE, ArchiveOffer
 
 if TYPE_CHECKING:
@@ -26,28 +26,30 @@ async def test_pictures_and_recordings_share_a_connection_and_a_picture_goes_bef
     tmp_path: Path,
 ) -> None:
     data = tmp_path / "gateway"
-    shelf = Shelf(data / "recordings", 10**9, 0)
+    shelf = RecordingStore(data / "recordings", 10**9, 0)
     shelf.open(lambda _part, _whole: None)
     long = os.urandom(20 * PIECE)
-    kept = Kept(id="20260101T000000Z-abcdef", why="test")
+    kept = StoredRecording(id="20260101T000000Z-abcdef", why="test")
     shelf.begin(kept, len(long))
     shelf.whole(kept.id).write_bytes(long)
     shelf.finish(kept)
-    outbox = Outbox(data / "outbox", 10**9, lambda: None)
+    outbox = ArchiveOutbox(data / "outbox", 10**9, lambda: None)
     (tmp_path / "made").write_bytes(b"picture")
     async with fake_hub(addresses_of) as hub:
         # Cut in the middle of the recording; meanwhile a picture is taken.
         hub.cut_after = 5
         source = Source(shelf, lambda: outbox.put(tmp_path / "made", "fits", "camera", 7))
-        lanes = [Lane("pictures", outbox, 1e9), Lane("recordings", source, 1e9)]
-        settings = Settings(
+        lanes = [FileLane("pictures", outbox, 1e9), FileLane("recordings", source, 1e9)]
+        settings = GatewaySettings(
             hub=HubAddress.checked(hub.url, allow_plain=True), key="test-key", data=data
         )
         refused: list[str] = []
-        sending = Sending(lambda: False, lambda: None, lambda offer, _why: refused.append(offer.id))
+        sending = TransferCallbacks(
+            lambda: False, lambda: None, lambda offer, _why: refused.append(offer.id)
+        )
         with pytest.raises(LinkLost):
-            await send_files(settings, Trust(settings.hub), lanes, sending)
-        await send_files(settings, Trust(settings.hub), lanes, sending)
+            await send_files(settings, HubTrust(settings.hub), lanes, sending)
+        await send_files(settings, HubTrust(settings.hub), lanes, sending)
         picture = next(each for each in hub.offers if isinstance(each, ArchiveOffer))
         assert (picture.kind, picture.device, hub.files[picture.id]) == (
             "fits",
@@ -65,7 +67,7 @@ async def test_pictures_and_recordings_share_a_connection_and_a_picture_goes_bef
 class Source:
     """A shelf during whose third piece something happens."""
 
-    def __init__(self, shelf: Shelf, happens: Callable[[], None]) -> None:  # noqa: D107
+    def __init__(self, shelf: RecordingStore, happens: Callable[[], None]) -> None:  # noqa: D107
         self._shelf, self._happens, self._reads = shelf, happens, 0
         self.offers, self.remove, self.refuse = shelf.offers, shelf.remove, shelf.refuse
 
@@ -80,23 +82,26 @@ async def test_a_hub_that_does_not_know_pictures_still_gets_recordings(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("talaia.gateway.uplink.files.DONE_S", 0.2)
-    outbox = Outbox(tmp_path / "outbox", 10**9, lambda: None)
+    outbox = ArchiveOutbox(tmp_path / "outbox", 10**9, lambda: None)
     (tmp_path / "made").write_bytes(b"picture")
     outbox.put(tmp_path / "made", "fits", "camera", 7)
-    shelf = Shelf(tmp_path / "recordings", 10**9, 0)
+    shelf = RecordingStore(tmp_path / "recordings", 10**9, 0)
     shelf.open(lambda _part, _whole: None)
-    kept = Kept(id="20260101T000000Z-abcdef", why="test")
+    kept = StoredRecording(id="20260101T000000Z-abcdef", why="test")
     shelf.begin(kept, 3)
     shelf.whole(kept.id).write_bytes(b"abc")
     shelf.finish(kept)
     async with fake_hub(addresses_of) as hub:
         hub.knows_pictures = False
-        settings = Settings(
+        settings = GatewaySettings(
             hub=HubAddress.checked(hub.url, allow_plain=True), key="test-key", data=tmp_path
         )
-        lanes = [Lane("pictures", outbox, 1e9), Lane("recordings", shelf, 1e9)]
+        lanes = [FileLane("pictures", outbox, 1e9), FileLane("recordings", shelf, 1e9)]
         await send_files(
-            settings, Trust(settings.hub), lanes, Sending(bool, lambda: None, lambda *_: None)
+            settings,
+            HubTrust(settings.hub),
+            lanes,
+            TransferCallbacks(bool, lambda: None, lambda *_: None),
         )
         assert hub.files == {kept.id: b"abc"}
     # It waits until the hub is updated.
@@ -106,7 +111,7 @@ async def test_a_hub_that_does_not_know_pictures_still_gets_recordings(
 def test_the_outbox_keeps_to_its_size_and_offers_what_is_whole_and_not_refused(
     tmp_path: Path,
 ) -> None:
-    outbox = Outbox(tmp_path / "outbox", 25, lambda: None)
+    outbox = ArchiveOutbox(tmp_path / "outbox", 25, lambda: None)
     for number in range(4):
         (tmp_path / "made").write_bytes(b"0123456789")
         outbox.put(tmp_path / "made", "fits", "camera", number)
@@ -121,17 +126,19 @@ def test_the_outbox_keeps_to_its_size_and_offers_what_is_whole_and_not_refused(
 
 
 async def test_a_file_that_is_damaged_here_is_not_sent_for_ever(tmp_path: Path) -> None:
-    outbox = Outbox(tmp_path / "outbox", 10**9, lambda: None)
+    outbox = ArchiveOutbox(tmp_path / "outbox", 10**9, lambda: None)
     (tmp_path / "made").write_bytes(b"picture")
     outbox.put(tmp_path / "made", "fits", "camera", 7)
     async with fake_hub(addresses_of) as hub:
         hub.finds_damage = True
-        settings = Settings(
+        settings = GatewaySettings(
             hub=HubAddress.checked(hub.url, allow_plain=True), key="test-key", data=tmp_path
         )
         told: list[str] = []
-        sending = Sending(bool, lambda: None, lambda _offer, why: told.append(why))
-        await send_files(settings, Trust(settings.hub), [Lane("pictures", outbox, 1e9)], sending)
+        sending = TransferCallbacks(bool, lambda: None, lambda _offer, why: told.append(why))
+        await send_files(
+            settings, HubTrust(settings.hub), [FileLane("pictures", outbox, 1e9)], sending
+        )
         assert hub.pieces == 3
     assert told == ["it is not what its digest says"]
     assert outbox.offers() == []

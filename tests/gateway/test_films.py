@@ -25,9 +25,9 @@ from hypothesis import given, settings, strategies as st
 from talaia.clock import HandClock
 from talaia.gateway.ports import Filming
 from talaia.gateway.recording.film_file import recover_film
-from talaia.gateway.recording.film_recorder import Films
+from talaia.gateway.recording.film_recorder import FilmRecorder
 from talaia.gateway.recording.film_ring import FilmRing
-from talaia.gateway.recording.recording_store import FILM, Shelf
+from talaia.gateway.recording.recording_store import FILM, RecordingStore
 from talaia.model.check import check
 from talaia.model.load import load_site
 from talaia.model.recording import Recording, Trigger
@@ -58,11 +58,11 @@ class Bench:
     def __init__(self, folder: Path, cameras: tuple[str, ...] = (), **plan: object) -> None:
         """Begin; ``plan`` is of `Recording`."""
         self.clock = HandClock()
-        self.shelf = Shelf(folder, 10**9, 0, FILM)
+        self.shelf = RecordingStore(folder, 10**9, 0, FILM)
         self.shelf.open(recover_film)
         self.events: list[tuple[str, str]] = []
         self.finished = threading.Semaphore(0)
-        self.films = Films(
+        self.films = FilmRecorder(
             Recording(**plan), cameras, self.shelf, self.clock, self, self.finished.release,
             lambda: None,
         )  # fmt: skip
@@ -317,7 +317,7 @@ def test_a_film_that_was_cut_anywhere_is_made_whole_up_to_there(tmp_path) -> Non
         folder.mkdir()
         (folder / part.name).write_bytes(body[:cut])
         (folder / part.name.replace(".mp4.part", ".json")).write_bytes(about)
-        shelf = Shelf(folder, 10**9, 0, FILM)
+        shelf = RecordingStore(folder, 10**9, 0, FILM)
         shelf.open(recover_film)
         (kept,) = shelf.waiting()
         film = shown(shelf.whole(kept.id))
@@ -330,7 +330,7 @@ def test_a_film_that_was_cut_anywhere_is_made_whole_up_to_there(tmp_path) -> Non
     assert 0 < lengths[0] < lengths[1] <= lengths[2]
     assert lengths[-1] >= 88
     (tmp_path / "x.mp4.part").write_bytes(b"noise")
-    Shelf(tmp_path, 10**9, 0, FILM).open(recover_film)
+    RecordingStore(tmp_path, 10**9, 0, FILM).open(recover_film)
     assert not (tmp_path / "x.mp4.part").exists()
 
 
@@ -376,7 +376,7 @@ def test_a_killed_gateway_leaves_what_it_has_filmed(tmp_path) -> None:
             if int(line) == 120:
                 filming.send_signal(signal.SIGKILL)
                 break
-    shelf = Shelf(tmp_path / "films", 10**9, 0, FILM)
+    shelf = RecordingStore(tmp_path / "films", 10**9, 0, FILM)
     shelf.open(recover_film)
     (kept,) = shelf.waiting()
     numbers = numbers_in(shelf.whole(kept.id))

@@ -13,7 +13,7 @@ from astropy.time import Time
 from hypothesis import given, settings, strategies as st
 
 from talaia.gateway.adapters.indi.fits_circumstances import precessed
-from talaia.gateway.fits.header import BLOCK, Card, NotFits, length_of, rewritten, values_of
+from talaia.gateway.fits.header import BLOCK, HeaderCard, NotFits, length_of, rewritten, values_of
 
 ASCII = st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=60)
 VALUES = st.one_of(
@@ -36,7 +36,9 @@ def picture(**cards: object) -> bytes:
 def test_card_is_read_by_astropy_as_it_was_meant(value: object, comment: str) -> None:
     data = picture(OBJECT="M 31")
     length = length_of(data)
-    whole = rewritten(data[:length], [Card("OBJECT", "other"), Card("NEW", value, comment)])
+    whole = rewritten(
+        data[:length], [HeaderCard("OBJECT", "other"), HeaderCard("NEW", value, comment)]
+    )
     assert len(whole) % BLOCK == 0
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -58,13 +60,13 @@ def test_card_is_read_by_astropy_as_it_was_meant(value: object, comment: str) ->
 
 def test_letters_that_fits_does_not_allow_are_spelled_out() -> None:
     data = picture()
-    whole = rewritten(data[: length_of(data)], [Card("SITENAME", "Montsec, 1568 m µ°²\n日")])
+    whole = rewritten(data[: length_of(data)], [HeaderCard("SITENAME", "Montsec, 1568 m µ°²\n日")])
     assert values_of(whole)["SITENAME"] == "Montsec, 1568 m udeg2??"
 
 
 def test_value_that_is_no_number_is_written_as_undefined() -> None:
     data = picture()
-    whole = rewritten(data[: length_of(data)], [Card("A", math.nan), Card("B", None)])
+    whole = rewritten(data[: length_of(data)], [HeaderCard("A", math.nan), HeaderCard("B", None)])
     assert values_of(whole)["A"] is None
     with fits.open(io.BytesIO(whole + data[length_of(data) :])) as hdus:
         assert hdus[0].header["A"] is None
@@ -73,7 +75,7 @@ def test_value_that_is_no_number_is_written_as_undefined() -> None:
 def test_header_grows_over_its_block(tmp_path) -> None:
     data = picture()
     length = length_of(data)
-    whole = rewritten(data[:length], [Card(f"KEY{at}", at) for at in range(80)])
+    whole = rewritten(data[:length], [HeaderCard(f"KEY{at}", at) for at in range(80)])
     assert len(whole) == 3 * BLOCK
     with fits.open(io.BytesIO(whole + data[length:])) as hdus:
         assert hdus[0].header["KEY79"] == 79

@@ -12,10 +12,14 @@ from msgspec import structs
 from test_control import Bench as ControlBench, Robot
 
 from talaia.clock import MS, SECOND, HandClock
-from talaia.gateway.driving.drive_service import Control
-from talaia.gateway.driving.persistent_state import Epochs, KeptStops
-from talaia.gateway.ports import Reading
-from talaia.gateway.safety.interlock_state import Change, Latch, Verdict
+from talaia.gateway.driving.drive_service import DriveService
+from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
+from talaia.gateway.ports import ChannelReading
+from talaia.gateway.safety.interlock_state import (
+    InterlockChange,
+    InterlockStateMachine,
+    InterlockVerdict,
+)
 from talaia.gateway.safety.interlocks import Interlocks, judged, together
 from talaia.model.interlock import Condition, Interlock, Overriding
 from talaia.model.load import load_site
@@ -91,12 +95,12 @@ class World(Robot):
     def __init__(self, clock: HandClock) -> None:  # noqa: D107
         super().__init__(clock)
         self.values: dict[str, float] = {}
-        self.said: dict[str, Reading] = {}
+        self.said: dict[str, ChannelReading] = {}
         self.ran: list[str] = []
 
-    def latest(self, address: str) -> Reading | None:
+    def latest(self, address: str) -> ChannelReading | None:
         if address in self.values:
-            return Reading(self.values[address], self.clock.monotonic_ns())
+            return ChannelReading(self.values[address], self.clock.monotonic_ns())
         return self.said.get(address)
 
     def run(self, label: str, steps: tuple[Step, ...]) -> None:
@@ -106,7 +110,7 @@ class World(Robot):
 class Bench(ControlBench):
     """A control with interlocks; values are as young as `World.values` says."""
 
-    def build(self) -> Control:
+    def build(self) -> DriveService:
         self.world = self.robot = World(self.clock)
         now = self.clock.monotonic_ns()
         self.interlocks = Interlocks(SITE, self.world, self.world, self.world.run, now)
@@ -114,13 +118,13 @@ class Bench(ControlBench):
         async def on_disk(work) -> None:
             work()
 
-        return Control(
+        return DriveService(
             SITE,
             self.clock,
             self.world,
             self.world,
-            Epochs(self.folder / "epochs.json").next,
-            KeptStops(self.folder / "stops.json"),
+            LeaseEpochs(self.folder / "epochs.json").next,
+            PersistentStops(self.folder / "stops.json"),
             on_disk,
             self.interlocks,
         )
@@ -192,7 +196,7 @@ def test_a_passing_cloud_does_not_pump_the_shutter(safe: Bench) -> None:
 
 def test_a_value_that_stops_coming_is_unsafe_within_its_limit(safe: Bench) -> None:
     now = safe.clock.monotonic_ns()
-    safe.world.said["weather/wind"] = Reading(safe.world.values.pop("weather/wind"), now)
+    safe.world.said["weather/wind"] = ChannelReading(safe.world.values.pop("weather/wind"), now)
     safe.pass_time(1900 * MS)
     assert safe.refusal() == ""
     safe.pass_time(200 * MS)
@@ -498,7 +502,7 @@ def test_only_a_fresh_finite_value_within_limits_is_safe(
     known: bool,  # noqa: FBT001 - given by the test's own table
     limit: float,
 ) -> None:
-    reading = Reading(value, 0) if known else None
+    reading = ChannelReading(value, 0) if known else None
     verdict = judged(Condition(signal="w/w", above=limit), WIND, reading, age)
     if not verdict.why:
         assert known
@@ -512,7 +516,7 @@ def test_a_state_that_is_none_of_the_described_is_never_safe(
     value: float, bad: list[str], good: list[str]
 ) -> None:
     condition = Condition(signal="w/r", is_one_of=tuple(bad), is_not=tuple(good))
-    verdict = judged(condition, RAIN, Reading(value, 0), 0)
+    verdict = judged(condition, RAIN, ChannelReading(value, 0), 0)
     if not verdict.why:
         assert value in (0.0, 1.0)
         word = RAIN.states[int(value)]
@@ -520,12 +524,14 @@ def test_a_state_that_is_none_of_the_described_is_never_safe(
         assert not good or word in good
 
 
-verdicts = st.builds(Verdict, st.sampled_from(["", "wet", "cold", "x" * 400]), st.booleans())
+verdicts = st.builds(
+    InterlockVerdict, st.sampled_from(["", "wet", "cold", "x" * 400]), st.booleans()
+)
 
 
 @given(st.lists(verdicts, max_size=8))
 def test_conditions_together_are_unsafe_exactly_while_each_is_and_certain_only_if_all_are(
-    parts: list[Verdict],
+    parts: list[InterlockVerdict],
 ) -> None:
     verdict = together(parts)
     assert bool(verdict.why) == (bool(parts) and all(part.why for part in parts))
@@ -570,8 +576,8 @@ def test_it_refuses_while_unsafe_and_for_the_whole_dwell_time_after(
     history: list[tuple[str, int]],
 ) -> None:
     rule = Interlock(name="R", when=(), dwell=30.0)
-    one, now, unsafe_ns, over_until = Latch("r", rule, 0), 0, 0, -1
-    verdict, fired = Verdict(), False
+    one, now, unsafe_ns, over_until = InterlockStateMachine("r", rule, 0), 0, 0, -1
+    verdict, fired = InterlockVerdict(), False
     for what, seconds in history:
         # Looked at each second, as the gateway does ten times a second.
         for _ in range(seconds):
@@ -579,7 +585,7 @@ def test_it_refuses_while_unsafe_and_for_the_whole_dwell_time_after(
             changes = one.look(verdict, now)
             if verdict.why:
                 unsafe_ns = now
-            if Change.OVERRIDE_ENDED in changes:
+            if InterlockChange.OVERRIDE_ENDED in changes:
                 over_until = -1
             overridden = now < over_until
             safe_for = now - unsafe_ns
@@ -589,23 +595,23 @@ def test_it_refuses_while_unsafe_and_for_the_whole_dwell_time_after(
                 assert one.locked
             elif safe_for > 31 * SECOND:
                 assert not one.locked
-            if Change.OVERRIDE_ENDED in changes:
+            if InterlockChange.OVERRIDE_ENDED in changes:
                 fired = False
-            if Change.FIRED in changes:
+            if InterlockChange.FIRED in changes:
                 assert verdict.certain
                 assert verdict.why
                 assert not overridden
                 assert not fired
                 fired = True
-            if Change.RELEASED in changes:
+            if InterlockChange.RELEASED in changes:
                 fired = False
         match what:
             case "safe":
-                verdict = Verdict()
+                verdict = InterlockVerdict()
             case "unsafe":
-                verdict = Verdict("it rains")
+                verdict = InterlockVerdict("it rains")
             case "unsure":
-                verdict = Verdict("nothing yet", certain=False)
+                verdict = InterlockVerdict("nothing yet", certain=False)
             case "override":
                 if not one.overrule("Ada", "to see", 45.0, now):
                     over_until = now + 45 * SECOND

@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.driving.lease import Lease
+from talaia.gateway.driving.lease import DeviceLease
 
 pytestmark = pytest.mark.pure
 
 
-def lease() -> Lease:
+def lease() -> DeviceLease:
     numbers = count(1)
-    return Lease(3 * SECOND, lambda: next(numbers))
+    return DeviceLease(3 * SECOND, lambda: next(numbers))
 
 
 def test_free_lease_is_granted() -> None:

@@ -11,7 +11,7 @@ from msgspec import structs
 from test_interlocks import SITE, World
 
 from talaia.clock import SECOND, HandClock
-from talaia.gateway.freeze_watchdog import StallCredit
+from talaia.gateway.freeze_watchdog import FreezeCredit
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.enclosure import Enclosure, Sighting
 from talaia.model.interlock import LinkLossPolicy, Step
@@ -123,7 +123,7 @@ def test_a_gateway_that_stood_still_itself_does_not_lock_for_it(bench: Bench) ->
 def test_a_station_that_is_silent_after_the_standstill_locks(bench: Bench) -> None:
     stop_values(bench)
     bench.clock.advance(30 * SECOND)
-    bench.run(StallCredit.SETTLE_NS / SECOND + 0.3)
+    bench.run(FreezeCredit.SETTLE_NS / SECOND + 0.3)
     assert "Wind: no value" in bench.interlocks.refusal("dome", "open", bench.clock.monotonic_ns())
     assert bench.asked("dome/close")
 

@@ -11,11 +11,11 @@ import pytest
 from talaia.clock import HandClock
 from talaia.gateway.samples.batching import Batcher, records_of
 from talaia.gateway.spool import journal
-from talaia.gateway.spool.journal import Head, Spool
-from talaia.gateway.spool.spool_thread import Keeper
+from talaia.gateway.spool.journal import SegmentHead, Spool
+from talaia.gateway.spool.spool_thread import SpoolThread
 from talaia.gateway.uplink.catchup import CatchUp
-from talaia.gateway.uplink.lanes import Lanes
-from talaia.gateway.uplink.newest_samples import NewestTeller
+from talaia.gateway.uplink.lanes import SendLanes
+from talaia.gateway.uplink.newest_samples import NewestSamplesSender
 from talaia.wire.columns import Columns
 from talaia.wire.frames import LINK_FROM_GATEWAY, Newest, Samples
 from talaia.wire.newest import newest_of
@@ -69,7 +69,7 @@ def killed(folder: Path, runs: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(journal, "SEGMENT_BYTES", 1200)
     for run in range(runs):
         boot = f"boot-{run}"
-        spool = Spool(folder, Head(boot, "c", ADDRESSES), 1 << 30)
+        spool = Spool(folder, SegmentHead(boot, "c", ADDRESSES), 1 << 30)
         for number in range(30):
             rows = [(0, number, run * 100.0 + number)]
             if run == 0 and number == 3:
@@ -91,11 +91,11 @@ async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older
         asyncio.get_running_loop(), "boot-9", "c", 60.0, lambda _: None, lambda *_: None
     )
     keeper, lanes = (
-        Keeper(Spool(tmp_path, Head("boot-9", "c", ADDRESSES), 1 << 30)),
-        Lanes(lambda: None),
+        SpoolThread(Spool(tmp_path, SegmentHead("boot-9", "c", ADDRESSES), 1 << 30)),
+        SendLanes(lambda: None),
     )
     lanes.link_up()
-    teller = NewestTeller(batcher.newest, keeper, lanes, HandClock(), "boot-9")
+    teller = NewestSamplesSender(batcher.newest, keeper, lanes, HandClock(), "boot-9")
     for _ in range(2):  # the second time from memory
         await teller.tell_former(lambda: ADDRESSES)
         told = [LINK_FROM_GATEWAY.decode(data) for data in iter(lanes.next, None)]
@@ -124,14 +124,14 @@ async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older
 async def test_newest_goes_before_what_is_heard_after_it_and_is_told_again_when_live_ones_go(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Lanes, "MAX_LIVE", 600)
-    lanes = Lanes(lambda: None)
-    keeper = Keeper(Spool(tmp_path, Head("b", "c", ADDRESSES), 1 << 30))
+    monkeypatch.setattr(SendLanes, "MAX_LIVE", 600)
+    lanes = SendLanes(lambda: None)
+    keeper = SpoolThread(Spool(tmp_path, SegmentHead("b", "c", ADDRESSES), 1 << 30))
     batcher = Batcher(
         asyncio.get_running_loop(), "b", "c", 60.0,
         lambda record: lanes.live(record.body, record.first, record.end), lambda *_: None,
     )  # fmt: skip
-    teller = NewestTeller(batcher.newest, keeper, lanes, HandClock(), "b")
+    teller = NewestSamplesSender(batcher.newest, keeper, lanes, HandClock(), "b")
     batcher.put(columns((2, 1, 11.0)))
     batcher.flush()
     lanes.link_up()

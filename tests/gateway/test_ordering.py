@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from talaia.gateway.adapters.arrivals import Arrivals
 from talaia.gateway.samples.batching import OVERRUN, Batcher
 from talaia.gateway.samples.rising_times import STEP_BACK_US, RisingTimes
-from talaia.gateway.spool.segment import Record
+from talaia.gateway.spool.segment import SampleRecord
 from talaia.wire.columns import Columns, part, unpack
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
@@ -88,7 +88,7 @@ def test_clock_that_is_set_back_by_much_is_another_time_and_taken_as_it_is() -> 
 
 
 async def test_batches_carry_rising_times_when_threads_hand_over_late() -> None:
-    kept: list[Record] = []
+    kept: list[SampleRecord] = []
     batcher = Batcher(asyncio.get_running_loop(), "b", "c", 60.0, kept.append, lambda *_: None)
     batcher.put(columns([7], [BEGAN_US + 10]))
     batcher.flush()
@@ -106,7 +106,7 @@ async def test_batches_carry_rising_times_when_threads_hand_over_late() -> None:
 
 async def test_gap_of_what_could_not_be_kept_up_with_spans_all_of_it(monkeypatch) -> None:
     monkeypatch.setattr("talaia.gateway.samples.batching.MAX_WAITING", 1)
-    lost: list[tuple[Record, str]] = []
+    lost: list[tuple[SampleRecord, str]] = []
     batcher = Batcher(
         asyncio.get_running_loop(), "b", "c", 60.0, lambda _: None,
         lambda record, why: lost.append((record, why)),
@@ -115,4 +115,4 @@ async def test_gap_of_what_could_not_be_kept_up_with_spans_all_of_it(monkeypatch
     batcher.put(columns([0, 0], [30, 40]))
     batcher.put(columns([0], [50]))
     batcher.flush()
-    assert lost == [(Record(2, 3, 30, 50, b""), OVERRUN)]
+    assert lost == [(SampleRecord(2, 3, 30, 50, b""), OVERRUN)]

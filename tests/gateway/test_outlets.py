@@ -10,9 +10,9 @@ import pytest
 from msgspec.structs import replace
 
 from talaia.clock import HandClock
-from talaia.gateway.commands.command_journal import Journal
-from talaia.gateway.commands.command_service import Commanding
-from talaia.gateway.ports import Outcome, Reading
+from talaia.gateway.commands.command_journal import CommandJournal
+from talaia.gateway.commands.command_service import CommandService
+from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.check import check
 from talaia.model.load import dump_site, load_site, read_site
@@ -49,11 +49,11 @@ class Robot:
         self.interlocks = Interlocks(
             site, self, self, lambda _label, _steps: None, self.clock.monotonic_ns()
         )
-        self.commanding = Commanding(
+        self.commanding = CommandService(
             site,
             self.clock,
             self,
-            Journal(folder / "c.jsonl"),
+            CommandJournal(folder / "c.jsonl"),
             self.on_disk,
             self.said.append,
             power_cut=lambda device, command, args: self.interlocks.refuse_power_cut(
@@ -61,14 +61,16 @@ class Robot:
             ),
         )
 
-    def latest(self, address: str) -> Reading | None:
+    def latest(self, address: str) -> ChannelReading | None:
         value = self.values.get(address)
         at_ns = self.clock.monotonic_ns() - round(self.old_s * 1e9)
-        return None if value is None else Reading(value, at_ns)
+        return None if value is None else ChannelReading(value, at_ns)
 
-    def act(self, device: str, command: str, fields: dict, done: Callable[[Outcome], None]) -> None:
+    def act(
+        self, device: str, command: str, fields: dict, done: Callable[[CommandOutcome], None]
+    ) -> None:
         self.did.append(f"{device}/{command}")
-        done(Outcome(CommandPhase.SUCCEEDED))
+        done(CommandOutcome(CommandPhase.SUCCEEDED))
 
     async def on_disk(self, work: Callable[[], None]) -> None:
         work()

@@ -11,17 +11,17 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.ros2.qos import Quality, fits, quality_for
+from talaia.gateway.adapters.ros2.qos import QosProfile, fits, quality_for
 from talaia.gateway.adapters.ros2.requests import fill, outcome_of
 from talaia.gateway.driving.drive_keys import strongest_key
-from talaia.gateway.driving.persistent_state import Epochs, KeptStops
-from talaia.gateway.driving.stop_latch import Latched
+from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
+from talaia.gateway.driving.stop_latch import LatchedStop
 from talaia.gateway.errors import FieldError, SpoolError
-from talaia.gateway.freeze_watchdog import Stalls
-from talaia.gateway.ports import Outcome
+from talaia.gateway.freeze_watchdog import FreezeDetector
+from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.run import main
 from talaia.gateway.samples.batching import Batcher, records_of
-from talaia.gateway.spool.segment import Record
+from talaia.gateway.spool.segment import SampleRecord
 from talaia.model.site import Drive, DriveMessage
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.frames import LINK_FROM_GATEWAY, CommandPhase, Samples
@@ -60,7 +60,7 @@ def test_columns_come_back_from_their_batches_however_far_apart(
 
 
 async def test_batches_are_numbered_and_made_once_per_flush() -> None:
-    kept: list[Record] = []
+    kept: list[SampleRecord] = []
     batcher = Batcher(asyncio.get_running_loop(), "b", "c", 60.0, kept.append, lambda *_: None)
     batcher.put(columns([1, 2]))
     batcher.put(columns([3], {0: "three"}))
@@ -75,8 +75,8 @@ async def test_batches_are_numbered_and_made_once_per_flush() -> None:
 
 
 async def test_time_in_which_nothing_was_heard_is_a_gap_with_a_number_of_its_own() -> None:
-    kept: list[Record] = []
-    lost: list[tuple[Record, str]] = []
+    kept: list[SampleRecord] = []
+    lost: list[tuple[SampleRecord, str]] = []
     batcher = Batcher(
         asyncio.get_running_loop(), "b", "c", 60.0, kept.append,
         lambda record, why: lost.append((record, why)),
@@ -86,23 +86,23 @@ async def test_time_in_which_nothing_was_heard_is_a_gap_with_a_number_of_its_own
     batcher.missed(10, 20, "stood still")
     batcher.put(columns([3]))
     batcher.flush()
-    assert lost == [(Record(2, 1, 10, 20, b""), "stood still")]
+    assert lost == [(SampleRecord(2, 1, 10, 20, b""), "stood still")]
     assert [(each.first, each.end) for each in kept] == [(0, 2), (3, 4)]
 
 
 def test_process_that_stood_still_knows_from_when_to_when() -> None:
-    stalls = Stalls(0)
+    stalls = FreezeDetector(0)
     assert stalls.at(1_000 * SECOND, SECOND) is None
     # The wall clock may have been set meanwhile: how long it was is the other clock's to say.
     assert stalls.at(5_000 * SECOND, 31 * SECOND) == (4_970_000_000, 5_000_000_000)
     assert stalls.at(5_001 * SECOND, 32 * SECOND) is None
 
 
-qualities = st.builds(Quality, st.booleans(), st.booleans())
+qualities = st.builds(QosProfile, st.booleans(), st.booleans())
 
 
 @given(st.lists(qualities, min_size=1, max_size=5))
-def test_subscription_hears_every_publisher_it_was_made_for(offers: list[Quality]) -> None:
+def test_subscription_hears_every_publisher_it_was_made_for(offers: list[QosProfile]) -> None:
     asked = quality_for(offers)
     assert fits(asked, offers)
     if all(each.reliable for each in offers):
@@ -112,8 +112,8 @@ def test_subscription_hears_every_publisher_it_was_made_for(offers: list[Quality
 
 
 def test_subscription_is_changed_only_for_a_publisher_it_would_not_hear() -> None:
-    assert not fits(Quality(reliable=True, latched=False), [Quality(False, False)])  # noqa: FBT003
-    assert fits(Quality(reliable=False, latched=False), [Quality(True, True)])  # noqa: FBT003
+    assert not fits(QosProfile(reliable=True, latched=False), [QosProfile(False, False)])  # noqa: FBT003
+    assert fits(QosProfile(reliable=False, latched=False), [QosProfile(True, True)])  # noqa: FBT003
 
 
 def test_request_fields_are_set_by_path_in_the_types_they_have() -> None:
@@ -134,11 +134,13 @@ def test_field_that_does_not_fit_is_refused(fields: dict) -> None:
 
 
 def test_robots_own_no_is_a_failure_with_its_words() -> None:
-    assert outcome_of(Message(success=False, message="stuck")) == Outcome(
+    assert outcome_of(Message(success=False, message="stuck")) == CommandOutcome(
         CommandPhase.FAILED, "stuck"
     )
-    assert outcome_of(Message(success=True, message="ok")) == Outcome(CommandPhase.SUCCEEDED, "ok")
-    assert outcome_of(Message(result=3)) == Outcome(CommandPhase.SUCCEEDED, "")
+    assert outcome_of(Message(success=True, message="ok")) == CommandOutcome(
+        CommandPhase.SUCCEEDED, "ok"
+    )
+    assert outcome_of(Message(result=3)) == CommandOutcome(CommandPhase.SUCCEEDED, "")
 
 
 KEYS = Drive(topic="/control", message=DriveMessage.KEYS, max_speed=0.2, max_turn=2.0)
@@ -158,7 +160,7 @@ def test_epochs_rise_over_restarts(tmp_path: Path) -> None:
     path = tmp_path / "e.json"
     seen = []
     for count in (1, 1500, 1003, 2002, 1):
-        epochs = Epochs(path)
+        epochs = LeaseEpochs(path)
         seen += [epochs.next() for _ in range(count)]
     assert seen == sorted(set(seen))
 
@@ -167,17 +169,17 @@ def test_damaged_epochs_are_not_guessed(tmp_path: Path) -> None:
     path = tmp_path / "e.json"
     path.write_bytes(b"12x")
     with pytest.raises(SpoolError, match="not guessed"):
-        Epochs(path)
+        LeaseEpochs(path)
 
 
 def test_stops_are_kept_by_device(tmp_path: Path) -> None:
-    stops = KeptStops(tmp_path / "s.json")
-    stops.write("a", Latched("1", "Ada", 5))
-    stops.write("b", Latched("2", "Ben", 6))
+    stops = PersistentStops(tmp_path / "s.json")
+    stops.write("a", LatchedStop("1", "Ada", 5))
+    stops.write("b", LatchedStop("2", "Ben", 6))
     stops.write("a", None)
-    later = KeptStops(tmp_path / "s.json")
+    later = PersistentStops(tmp_path / "s.json")
     assert later.get("a") is None
-    assert later.get("b") == Latched("2", "Ben", 6)
+    assert later.get("b") == LatchedStop("2", "Ben", 6)
 
 
 @pytest.mark.parametrize(
@@ -219,6 +221,6 @@ def test_lists_in_a_request_grow_to_what_is_filled_in_and_its_answer_is_read() -
         fill(request, {"nothing[0].name": "x"})
     response = srv.SetParametersAtomically.Response()
     response.result.successful, response.result.reason = False, "below the horizon"
-    assert outcome_of(response) == Outcome(CommandPhase.FAILED, "below the horizon")
+    assert outcome_of(response) == CommandOutcome(CommandPhase.FAILED, "below the horizon")
     response.result.successful = True
     assert outcome_of(response).phase is CommandPhase.SUCCEEDED

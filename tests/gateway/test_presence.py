@@ -6,26 +6,26 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import MS
-from talaia.gateway.adapters.presence import LOOK_S, Offer, Presence
+from talaia.gateway.adapters.presence import LOOK_S, DeviceEndpoints, DevicePresence
 
 pytestmark = pytest.mark.pure
 
 LOOK_NS = round(LOOK_S * 1000) * MS
 NODE = frozenset({"/dome_server"})
-THERE, NOTHING = Offer(there=True, nodes=NODE, askable=NODE), Offer(there=False)
+THERE, NOTHING = DeviceEndpoints(there=True, nodes=NODE, askable=NODE), DeviceEndpoints(there=False)
 
 
 class Robot:
     """One device, whose node answers or not."""
 
-    def __init__(self, offer: Offer) -> None:  # noqa: D107
+    def __init__(self, offer: DeviceEndpoints) -> None:  # noqa: D107
         self.told: list[str] = []
         self.asked = 0
         self.now = 10_000 * MS
         self.heard = 0
         self.offer = offer
         self.answers = True
-        self.presence = Presence(["dome"], lambda _, why, _sure: self.told.append(why))
+        self.presence = DevicePresence(["dome"], lambda _, why, _sure: self.told.append(why))
 
     def looks(self, times: int, *, speaks: bool = False) -> None:
         for _ in range(times):
@@ -87,7 +87,7 @@ def test_a_gateway_that_stood_still_blames_nobody(robot: Robot) -> None:
 
 
 def test_who_cannot_be_asked_is_away_only_when_the_graph_says_so() -> None:
-    robot = Robot(Offer(there=True, nodes=NODE))
+    robot = Robot(DeviceEndpoints(there=True, nodes=NODE))
     robot.looks(40)
     assert (robot.asked, robot.told) == (0, [])
     robot.offer = NOTHING
@@ -97,7 +97,7 @@ def test_who_cannot_be_asked_is_away_only_when_the_graph_says_so() -> None:
 
 def test_one_of_two_nodes_that_lives_is_enough() -> None:
     both = frozenset({"/a", "/b"})
-    robot = Robot(Offer(there=True, nodes=both, askable=both))
+    robot = Robot(DeviceEndpoints(there=True, nodes=both, askable=both))
     robot.presence.gone("/a")
     robot.looks(10)
     assert robot.told == []

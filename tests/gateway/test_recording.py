@@ -23,9 +23,9 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from talaia.clock import HandClock
 from talaia.gateway.recording import definitions
 from talaia.gateway.recording.mcap_file import recover
-from talaia.gateway.recording.message_ring import OVERHEAD, Raw, Ring
+from talaia.gateway.recording.message_ring import OVERHEAD, MessageRing, RawMessage
 from talaia.gateway.recording.recorder import Recorder
-from talaia.gateway.recording.recording_store import Kept, NoRoom, Shelf
+from talaia.gateway.recording.recording_store import NoRoom, RecordingStore, StoredRecording
 from talaia.model.check import check
 from talaia.model.load import load_site
 from talaia.model.recording import Recording, Trigger
@@ -50,7 +50,7 @@ class Bench:
 
     def __init__(self, folder: Path, definition=None, **plan: object) -> None:  # noqa: D107
         self.clock = HandClock()
-        self.shelf = Shelf(folder, 10**9, 0)
+        self.shelf = RecordingStore(folder, 10**9, 0)
         self.shelf.open(recover)
         self.states: list[RecordState] = []
         self.events: list[tuple[str, str]] = []
@@ -99,10 +99,10 @@ def numbers_in(path: Path, topic: str = "/number") -> list[float]:
     st.integers(1, 5_000),
 )
 def test_the_ring_holds_the_newest_within_its_time_and_its_bytes(steps, keep, most) -> None:
-    ring, now, all_of_them = Ring(keep, most), 0, []
+    ring, now, all_of_them = MessageRing(keep, most), 0, []
     for step, size in steps:
         now += step
-        all_of_them.append(Raw("/t", "k", now, now, bytes(size)))
+        all_of_them.append(RawMessage("/t", "k", now, now, bytes(size)))
         ring.add(all_of_them[-1])
         assert ring.bytes <= max(most, 0)
     fitting, room = [], most
@@ -192,7 +192,7 @@ def test_a_disk_that_fails_is_told_and_the_next_recording_goes_well(tmp_path, mo
     bench.shelf._spare = 1
     monkeypatch.setattr(shutil, "disk_usage", lambda _: full)
     with pytest.raises(NoRoom, match="has only 0 MiB left"):
-        bench.shelf.begin(Kept(id="x", why=""), 1)
+        bench.shelf.begin(StoredRecording(id="x", why=""), 1)
     bench.recorder.close()
 
 
@@ -227,7 +227,7 @@ def test_a_recording_that_was_cut_off_is_made_whole_at_the_next_start(tmp_path) 
         folder.mkdir()
         (folder / f"{kept.id}.mcap.part").write_bytes(body[:cut])
         (folder / f"{kept.id}.json").write_bytes((tmp_path / f"{kept.id}.json").read_bytes())
-        shelf = Shelf(folder, 10**9, 0)
+        shelf = RecordingStore(folder, 10**9, 0)
         shelf.open(recover)
         (found,) = shelf.waiting()
         saved = numbers_in(shelf.whole(found.id))
@@ -238,7 +238,7 @@ def test_a_recording_that_was_cut_off_is_made_whole_at_the_next_start(tmp_path) 
     assert 0 < lengths[0] < lengths[1] <= lengths[2] == len(whole)
     # What holds nothing is let go of, and does not keep the gateway from starting.
     (tmp_path / "x.mcap.part").write_bytes(b"noise")
-    Shelf(tmp_path, 10**9, 0).open(recover)
+    RecordingStore(tmp_path, 10**9, 0).open(recover)
     assert not (tmp_path / "x.mcap.part").exists()
 
 
@@ -347,11 +347,11 @@ async def test_the_robots_messages_around_stop_reach_the_hub_as_a_file_that_othe
 
 async def test_an_upload_goes_on_from_where_it_was_cut(tmp_path: Path) -> None:
     text = "talaia: 1\nsite: q\nname: Q\nros2: {}\ndevices: {d: {name: D}}\n"
-    shelf = Shelf(tmp_path / "gateway" / "recordings", 10**9, 0)
+    shelf = RecordingStore(tmp_path / "gateway" / "recordings", 10**9, 0)
     shelf.open(recover)
     body = os.urandom(300_000)
     shelf.whole("20260101T000000Z-abc").write_bytes(body)
-    shelf.finish(Kept(id="20260101T000000Z-abc", why="a test"))
+    shelf.finish(StoredRecording(id="20260101T000000Z-abc", why="a test"))
     async with fake_hub(addresses_of) as hub:
         hub.cut_after = 3
         async with running(hub.url, tmp_path / "gateway", text + "recording: {upload: 5000}"):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import asyncio
 
 from talaia.clock import HandClock
-from talaia.gateway.uplink.link_capacity import Room
-from talaia.gateway.uplink.pictures import Pictures
-from talaia.gateway.video.frame_source import Looks
+from talaia.gateway.uplink.link_capacity import LinkCapacity
+from talaia.gateway.uplink.pictures import PictureUplink
+from talaia.gateway.video.frame_source import FrameSource
 from talaia.wire.frames import (
     MEDIA_FROM_GATEWAY,
     Beat,
@@ -18,7 +18,9 @@ from talaia.wire.frames import (
 )
 
 
-def over(room: Room, speed: float, way_us: int, seconds: float, start_us: int = 0) -> list[float]:
+def over(
+    room: LinkCapacity, speed: float, way_us: int, seconds: float, start_us: int = 0
+) -> list[float]:
     """Send 6400 bytes at 30 Hz, times the share, over a line; give the shares."""
     shares, free_us, n, now_us = [], start_us, start_us, start_us
     back: list[tuple[int, int]] = []
@@ -40,12 +42,12 @@ def over(room: Room, speed: float, way_us: int, seconds: float, start_us: int = 
 
 
 def test_a_line_with_room_for_all_gets_all() -> None:
-    assert set(over(Room(), 2_000_000, 20_000, 20)) == {1.0}
-    assert set(over(Room(), 2_000_000, 300_000, 20)) == {1.0}
+    assert set(over(LinkCapacity(), 2_000_000, 20_000, 20)) == {1.0}
+    assert set(over(LinkCapacity(), 2_000_000, 300_000, 20)) == {1.0}
 
 
 def test_a_narrow_line_gets_fewer_bits_until_they_fit_and_more_once_it_is_wide() -> None:
-    room = Room()
+    room = LinkCapacity()
     narrow = over(room, 60_000, 20_000, 60)
     assert 0.1 <= sorted(narrow[-300:])[150] <= 0.5
     wide = over(room, 2_000_000, 20_000, 60, 100_000_000)
@@ -53,7 +55,7 @@ def test_a_narrow_line_gets_fewer_bits_until_they_fit_and_more_once_it_is_wide()
 
 
 def test_a_receipt_for_nothing_changes_nothing() -> None:
-    room = Room()
+    room = LinkCapacity()
     room.arrived(77, 5)
     room.sent(1, 0)
     assert room.share(100_000) == 1.0
@@ -69,7 +71,7 @@ def picture(seq: int, *, key: bool = False, form: str = "h264") -> Picture:
     )  # fmt: skip
 
 
-async def sent(pictures: Pictures) -> list[object]:
+async def sent(pictures: PictureUplink) -> list[object]:
     """What goes out, until nothing waits."""
     out: list[object] = []
     while True:
@@ -80,8 +82,8 @@ async def sent(pictures: Pictures) -> list[object]:
             return out
 
 
-def linked() -> Pictures:
-    pictures = Pictures(asyncio.get_running_loop(), HandClock(), Looks())
+def linked() -> PictureUplink:
+    pictures = PictureUplink(asyncio.get_running_loop(), HandClock(), FrameSource())
     pictures.link_up()
     return pictures
 
@@ -126,8 +128,8 @@ async def test_an_old_hub_gets_jpeg_and_no_messages_it_does_not_know() -> None:
 
 
 async def test_a_camera_is_read_for_those_at_the_hub_and_those_at_the_gateway() -> None:
-    looks = Looks()
-    pictures = Pictures(asyncio.get_running_loop(), HandClock(), looks)
+    looks = FrameSource()
+    pictures = PictureUplink(asyncio.get_running_loop(), HandClock(), looks)
     pictures.watch(["cam/front"], {})
     looks.hold("cam/back")
     assert pictures.watched() == {"cam/front", "cam/back"}

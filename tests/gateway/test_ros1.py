@@ -30,7 +30,7 @@ from ports import free_port
 
 from talaia.cli.importing.decoding import decoder_of
 from talaia.cli.importing.mcap_file import McapFile
-from talaia.gateway.adapters.ros1.frames import Heard, Reader, frame_of
+from talaia.gateway.adapters.ros1.frames import FrameSplitter, ReceivedMessage, frame_of
 from talaia.gateway.adapters.ros1.node import environment_of
 from talaia.gateway.errors import AdapterLost
 from talaia.wire.frames import (
@@ -495,8 +495,8 @@ def test_frames_are_read_however_the_pipe_cuts_them(said: list, cut: int) -> Non
         else:
             body = struct.pack("<Hq", *each[:2]) + each[2]
             sent += struct.pack("<IB", len(body) + 1, 1) + body
-            expected.append(Heard(*each))
-    reader, found = Reader(), []
+            expected.append(ReceivedMessage(*each))
+    reader, found = FrameSplitter(), []
     for start in range(0, len(sent), cut):
         found += reader.feed(sent[start : start + cut])
     assert found == expected
@@ -505,7 +505,7 @@ def test_frames_are_read_however_the_pipe_cuts_them(said: list, cut: int) -> Non
 @given(st.binary(max_size=60))
 def test_any_bytes_are_frames_or_a_lost_adapter(data: bytes) -> None:
     with suppress(AdapterLost):
-        assert all(isinstance(each, Heard | dict) for each in Reader().feed(data))
+        assert all(isinstance(each, ReceivedMessage | dict) for each in FrameSplitter().feed(data))
 
 
 def test_the_node_gets_nothing_that_is_for_our_python_only() -> None:

@@ -13,13 +13,13 @@ from patience import PATIENCE_S
 
 from talaia.clock import SECOND
 from talaia.gateway.adapters.connection_scope import shares_of
-from talaia.gateway.change_policy import Accepts, forbidden
+from talaia.gateway.change_policy import AcceptedChanges, forbidden
 from talaia.gateway.detection import sighting_reports as module
-from talaia.gateway.detection.sighting_reports import MOST_KEPT, Telling
-from talaia.gateway.ports import Reading
+from talaia.gateway.detection.sighting_reports import MOST_KEPT, DetectionReporter
+from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.gateway.samples.channel_numbering import Roster
-from talaia.gateway.uplink.lanes import Lanes
+from talaia.gateway.samples.channel_numbering import ChannelNumbering
+from talaia.gateway.uplink.lanes import SendLanes
 from talaia.model.load import load_site
 from talaia.model.seen import with_counts
 from talaia.objects.eyes import Told
@@ -44,9 +44,9 @@ class Bench:
 
     def __init__(self, folder: Path) -> None:  # noqa: D107
         self.folder = folder
-        self.lanes = Lanes(lambda: None)
+        self.lanes = SendLanes(lambda: None)
         self.files = ThreadPoolExecutor(1)
-        self.telling = Telling(folder, self.lanes, self.files)
+        self.telling = DetectionReporter(folder, self.lanes, self.files)
 
     def link(self, *, takes: bool = True) -> None:
         self.lanes.link_up()
@@ -200,7 +200,7 @@ def site(old: str = "", new: str = "") -> Site:
 
 
 def test_adapter_is_told_nothing_of_what_is_seen() -> None:
-    roster = Roster(site())
+    roster = ChannelNumbering(site())
     (share,) = shares_of(site(), roster)
     assert list(share.devices["base"].signals) == ["speed"]
     assert share.channel.keys() == {"base/speed"}
@@ -213,18 +213,23 @@ def test_adapter_is_told_nothing_of_what_is_seen() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "accepts", "where"),
     [
-        ("a.onnx", "b.onnx", Accepts.ALL, "$.object_models"),
+        ("a.onnx", "b.onnx", AcceptedChanges.ALL, "$.object_models"),
         (
             "classes: [person]}\n      rear",
             "classes: [person], confidence: 0.99}\n      rear",
-            Accepts.READINGS,
+            AcceptedChanges.READINGS,
             "$.devices.base.signals.front_person",
         ),
-        ("topic: /front", "topic: /other", Accepts.READINGS, "$.devices.base.signals.front_person"),
+        (
+            "topic: /front",
+            "topic: /other",
+            AcceptedChanges.READINGS,
+            "$.devices.base.signals.front_person",
+        ),
     ],
 )
 def test_hub_changes_neither_the_file_that_is_run_nor_the_eye_of_an_interlock(
-    old: str, new: str, accepts: Accepts, where: str
+    old: str, new: str, accepts: AcceptedChanges, where: str
 ) -> None:
     assert [each.where for each in forbidden(site(), site(old, new), accepts)] == [where]
 
@@ -240,7 +245,7 @@ def test_hub_may_change_what_is_only_looked_at() -> None:
         )
     )  # fmt: skip
     assert before != after
-    assert forbidden(before, after, Accepts.READINGS) == []
+    assert forbidden(before, after, AcceptedChanges.READINGS) == []
 
 
 class Nobody:
@@ -249,8 +254,8 @@ class Nobody:
     def __init__(self) -> None:  # noqa: D107
         self.said: list[object] = []
 
-    def latest(self, _address: str) -> Reading | None:
-        return Reading(0.0, 10 * SECOND)
+    def latest(self, _address: str) -> ChannelReading | None:
+        return ChannelReading(0.0, 10 * SECOND)
 
     def send(self, message: object) -> None:
         self.said.append(message)

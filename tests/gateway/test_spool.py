@@ -13,27 +13,27 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from talaia.gateway import persistence
-from talaia.gateway.driving.stop_latch import Latched
+from talaia.gateway.driving.stop_latch import LatchedStop
 from talaia.gateway.samples.batching import records_of
 from talaia.gateway.spool import journal
-from talaia.gateway.spool.gaps import Gone
-from talaia.gateway.spool.journal import Head, Place, Spool
+from talaia.gateway.spool.gaps import DroppedSamples
+from talaia.gateway.spool.journal import SegmentHead, Spool, SpoolPosition
 from talaia.gateway.spool.packing import FRAME_SAMPLES, packed, unpacked
-from talaia.gateway.spool.segment import Record, pack_record, records
+from talaia.gateway.spool.segment import SampleRecord, pack_record, records
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
-HEAD = Head("boot-a", "cat", ["base/v"])
+HEAD = SegmentHead("boot-a", "cat", ["base/v"])
 LARGE = 1 << 30
 
 
-def record(first: int, samples: int = 10, size: int = 100) -> Record:
-    return Record(first, samples, first, first + samples, bytes([first % 251]) * size)
+def record(first: int, samples: int = 10, size: int = 100) -> SampleRecord:
+    return SampleRecord(first, samples, first, first + samples, bytes([first % 251]) * size)
 
 
 def kept(spool: Spool) -> list[tuple[str, int]]:
-    found, place = [], Place()
+    found, place = [], SpoolPosition()
     while True:
         more, place = spool.read(place, 500)
         if not more:
@@ -102,11 +102,11 @@ def test_what_the_hub_has_lost_is_given_again_or_is_a_gap(steps: list[bool], bel
 
 
 def test_what_is_remembered_of_stored_samples_is_bounded_and_covers_them_all() -> None:
-    gone = Gone()
+    gone = DroppedSamples()
     for number in range(20_000):
         gone.add(number * 10, number * 10 + 10, number, number + 1)
     spans = gone.since(0)
-    assert len(spans) <= Gone.MOST
+    assert len(spans) <= DroppedSamples.MOST
     assert (spans[0][0], spans[-1][1]) == (0, 200_000)
     assert all(a[1] == b[0] for a, b in itertools.pairwise(spans))
     assert gone.since(199_995) == [(199_995, 200_000, *spans[-1][2:])]
@@ -118,7 +118,7 @@ def test_reader_survives_the_file_being_emptied_under_it(
     monkeypatch.setattr(journal, "TRIM_BYTES", 500)
     spool = Spool(tmp_path, HEAD, LARGE)
     fill(spool, 20)
-    _, place = spool.read(Place(), 1000)
+    _, place = spool.read(SpoolPosition(), 1000)
     spool.ack("boot-a", 200)
     fill(spool, 3, first=20)
     found, _ = spool.read(place, 10_000)
@@ -130,7 +130,7 @@ def test_later_run_gives_the_records_of_the_earlier_one_first(tmp_path: Path) ->
     spool = Spool(tmp_path, HEAD, LARGE)
     fill(spool, 3)
     spool.close()
-    later = Spool(tmp_path, Head("boot-b", "cat2", []), LARGE)
+    later = Spool(tmp_path, SegmentHead("boot-b", "cat2", []), LARGE)
     fill(later, 2)
     assert kept(later) == [("boot-a", 0), ("boot-a", 10), ("boot-a", 20), ("boot-b", 0),
                            ("boot-b", 10)]  # fmt: skip
@@ -152,7 +152,7 @@ def test_full_spool_lets_the_oldest_go_and_says_which(
     assert gap.first == 0
     assert there == [("boot-a", first) for first in range(gap.last + 1, 2000, 10)]
     spool.close()
-    later = Spool(tmp_path, Head("boot-b", "cat", []), 10_000)
+    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), 10_000)
     assert later.gaps() == [gap]
     later.ack("boot-a", gap.last + 1)
     later.sync()
@@ -173,7 +173,7 @@ def test_cut_at_any_byte_keeps_all_whole_records_before_it(cut: int, data: st.Da
         spool.close()
         os.truncate(file, min(cut, file.stat().st_size))
         whole = [r.first for _, r in records(file.read_bytes()) if r.kind == 1]
-        later = Spool(path, Head("boot-b", "cat", []), LARGE)
+        later = Spool(path, SegmentHead("boot-b", "cat", []), LARGE)
         later.append(record(0))
         assert kept(later) == [*(("boot-a", first) for first in whole), ("boot-b", 0)]
         assert whole == [number * 10 for number in range(len(whole))]
@@ -194,7 +194,7 @@ def test_damaged_byte_costs_only_what_it_touches_and_is_told(at: int, change: in
         at = head_end + at % (len(data) - head_end)
         data[at] ^= change
         file.write_bytes(data)
-        later = Spool(path, Head("boot-b", "cat", []), LARGE)
+        later = Spool(path, SegmentHead("boot-b", "cat", []), LARGE)
         there = [first for boot, first in kept(later) if boot == "boot-a"]
         missing = sorted(set(range(0, 100, 10)) - set(there))
         assert len(missing) == 1
@@ -265,7 +265,7 @@ def test_whatever_happens_each_sample_is_kept_acknowledged_or_in_a_gap(
 ) -> None:
     with TemporaryDirectory() as folder:
         boot, next_first = 0, 0
-        spool = Spool(Path(folder), Head("b0", "c", []), 6000)
+        spool = Spool(Path(folder), SegmentHead("b0", "c", []), 6000)
         written: set[tuple[str, int]] = set()
         acked: dict[str, int] = {}
         for what, number in history:
@@ -282,9 +282,9 @@ def test_whatever_happens_each_sample_is_kept_acknowledged_or_in_a_gap(
             else:
                 spool.close()
                 boot, next_first = boot + 1, 0
-                spool = Spool(Path(folder), Head(f"b{boot}", "c", []), 6000)
+                spool = Spool(Path(folder), SegmentHead(f"b{boot}", "c", []), 6000)
         there: list[tuple[str, int]] = []
-        place = Place()
+        place = SpoolPosition()
         while True:
             found, place = spool.read(place, 300)
             if not found:
@@ -304,11 +304,11 @@ def test_whatever_happens_each_sample_is_kept_acknowledged_or_in_a_gap(
 
 def test_body_that_holds_the_magic_is_read_whole() -> None:
     body = pack_record(record(5))
-    outer = pack_record(Record(0, 1, 0, 0, body))
+    outer = pack_record(SampleRecord(0, 1, 0, 0, body))
     assert [each.first for _, each in records(outer)] == [0]
 
 
-def batch(first: int, samples: int = 50, boot: str = "boot-a", text: str = "") -> Record:
+def batch(first: int, samples: int = 50, boot: str = "boot-a", text: str = "") -> SampleRecord:
     rng = np.random.default_rng(first)
     columns = Columns(
         rng.integers(0, 20, samples).astype(np.uint16),
@@ -320,7 +320,7 @@ def batch(first: int, samples: int = 50, boot: str = "boot-a", text: str = "") -
     return made
 
 
-def samples_of(found: list[Record]) -> list[tuple]:
+def samples_of(found: list[SampleRecord]) -> list[tuple]:
     rows = []
     for each in found:
         frame = LINK_FROM_GATEWAY.decode(each.body)
@@ -365,7 +365,7 @@ def test_closed_segment_is_packed_and_read_as_before(
     assert on_disk < 0.8 * sum(len(pack_record(each)) for each in kept)
     assert samples_of(all_of(spool)) == samples_of(kept)
     spool.close()
-    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
     assert samples_of(all_of(later)) == samples_of(kept)
     assert later.gaps() == []
     later.ack("boot-a", 5000)
@@ -373,8 +373,8 @@ def test_closed_segment_is_packed_and_read_as_before(
     later.close()
 
 
-def all_of(spool: Spool) -> list[Record]:
-    found, place = [], Place()
+def all_of(spool: Spool) -> list[SampleRecord]:
+    found, place = [], SpoolPosition()
     while True:
         more, place = spool.read(place, 2000)
         if not more:
@@ -394,7 +394,9 @@ def test_what_waits_too_long_gives_way_and_only_running_time_counts(
     spool.close()
     # Another run, on a machine whose monotonic clock began anew.
     time_s[0] = 5.0
-    later = Spool(tmp_path, Head("boot-b", "c", []), LARGE, age_s=3600, now=lambda: time_s[0])
+    later = Spool(
+        tmp_path, SegmentHead("boot-b", "c", []), LARGE, age_s=3600, now=lambda: time_s[0]
+    )
     later.sync()
     assert later.gaps() == []
     time_s[0] += 700
@@ -415,7 +417,7 @@ def test_segment_without_a_head_is_set_aside_and_what_it_held_is_a_gap(tmp_path:
     data = bytearray(file.read_bytes())
     data[10] ^= 1
     file.write_bytes(data)
-    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
     assert [(gap.boot, gap.first, gap.last) for gap in later.gaps()] == [("boot-a", 0, 199)]
     assert [each.read_bytes() for each in tmp_path.glob("*.bad")] == [bytes(data)]
     later.close()
@@ -476,7 +478,7 @@ def test_disk_is_left_some_room_for_what_matters_more(
     free[0] = 100_000
     fill(spool, 1, first=10)
     spool.close()
-    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
     assert kept(later)[-2:] == [("boot-a", 90), ("boot-a", 100)]
     later.close()
 
@@ -494,7 +496,7 @@ def test_spool_opens_on_a_full_disk_and_goes_on_in_memory(
         assert len(kept(spool)) == 3
     fill(spool, 1, first=3)
     spool.close()
-    later = Spool(tmp_path, Head("boot-b", "cat", []), LARGE)
+    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
     assert kept(later) == [("boot-a", 0), ("boot-a", 10), ("boot-a", 20), ("boot-a", 30)]
     later.close()
 
@@ -511,7 +513,7 @@ def test_stops_and_epochs_are_written_on_a_full_disk(
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(persistence, "write_whole", full)
-    latched = Latched("id", "somebody", 5)
+    latched = LatchedStop("id", "somebody", 5)
     stops.write("base", latched)
     given = [epochs.next() for _ in range(2500)]
     assert given == sorted(set(given))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.freeze_watchdog import StallCredit
+from talaia.gateway.freeze_watchdog import FreezeCredit
 
 TICK = SECOND // 10
 
 
-def look(credit: StallCredit, from_ns: int, to_ns: int) -> int:
+def look(credit: FreezeCredit, from_ns: int, to_ns: int) -> int:
     """Let it run, ten looks a second; give when."""
     for now in range(from_ns, to_ns + 1, TICK):
         credit.at(now)
@@ -18,7 +18,7 @@ def look(credit: StallCredit, from_ns: int, to_ns: int) -> int:
 
 
 def test_what_was_slept_through_is_no_age_until_it_has_settled() -> None:
-    credit = StallCredit(0)
+    credit = FreezeCredit(0)
     now = look(credit, 0, 10 * SECOND)
     # It stands still for a minute; what was heard at 9 s is one second old as it ran.
     now += 60 * SECOND
@@ -32,7 +32,7 @@ def test_what_was_slept_through_is_no_age_until_it_has_settled() -> None:
 
 
 def test_one_that_runs_well_credits_nothing() -> None:
-    credit = StallCredit(0)
+    credit = FreezeCredit(0)
     now = look(credit, 0, 30 * SECOND)
     assert credit.age_ns(SECOND, now) == 29 * SECOND
 
@@ -41,14 +41,14 @@ def test_one_that_runs_well_credits_nothing() -> None:
 def test_silence_counts_after_two_seconds_of_running_however_often_it_stands_still(
     runs: list[tuple[int, int]],
 ) -> None:
-    credit, now, ran, slept = StallCredit(0), 0, 0, 0
+    credit, now, ran, slept = FreezeCredit(0), 0, 0, 0
     for ticks, still in runs:
         for _ in range(ticks):
             now += TICK
             ran += TICK if slept else 0
             age = credit.age_ns(0, now)
             assert age in (now, now - slept)
-            if ran > StallCredit.SETTLE_NS:
+            if ran > FreezeCredit.SETTLE_NS:
                 assert age == now
         now += still * TICK
         slept += still * TICK

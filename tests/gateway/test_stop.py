@@ -5,11 +5,11 @@ import math
 import pytest
 
 from talaia.clock import SECOND
-from talaia.gateway.driving.stop_latch import Latched, Proof, StopLatch
+from talaia.gateway.driving.stop_latch import LatchedStop, StandstillProof, StopLatch
 
 pytestmark = pytest.mark.pure
 
-ASK = Latched("one", "Ada", 1)
+ASK = LatchedStop("one", "Ada", 1)
 FRESH = SECOND
 
 
@@ -19,13 +19,13 @@ def latched() -> StopLatch:
     return latch
 
 
-def proof(value: float, at: int = 6 * SECOND) -> Proof:
-    return Proof(value, at, FRESH)
+def proof(value: float, at: int = 6 * SECOND) -> StandstillProof:
+    return StandstillProof(value, at, FRESH)
 
 
 def test_asking_again_changes_nothing_and_the_first_stays_on_record() -> None:
     latch = latched()
-    assert not latch.ask(Latched("two", "Ben", 2), 6 * SECOND)
+    assert not latch.ask(LatchedStop("two", "Ben", 2), 6 * SECOND)
     assert latch.latched == ASK
 
 
@@ -70,5 +70,5 @@ def test_token_opens_once_for_its_session_within_ten_seconds() -> None:
 def test_new_stop_takes_back_a_token_that_was_given() -> None:
     latch = latched()
     latch.offer_token("tab", "T", 10 * SECOND)
-    latch.ask(Latched("two", "Ben", 2), 11 * SECOND)
+    latch.ask(LatchedStop("two", "Ben", 2), 11 * SECOND)
     assert latch.check_token("tab", "T", 12 * SECOND) != ""

@@ -10,7 +10,7 @@ from hypothesis import given, strategies as st
 from test_control import Bench
 
 from talaia.clock import MS, SECOND
-from talaia.gateway.driving.lease import ANSWER_NS, FORCE_NS, Lease
+from talaia.gateway.driving.lease import ANSWER_NS, FORCE_NS, DeviceLease
 from talaia.wire.frames import DriveState, LeaseForce, LeaseOp, LeaseState, StopAsk
 
 if TYPE_CHECKING:
@@ -212,7 +212,7 @@ def test_control_changes_hands_only_by_consent_by_force_after_an_ask_or_when_fre
     history: list[tuple[str, str, int]],
 ) -> None:
     numbers = count(1)
-    one, now, last_epoch = Lease(10 * SECOND, lambda: next(numbers)), 0, 0
+    one, now, last_epoch = DeviceLease(10 * SECOND, lambda: next(numbers)), 0, 0
     asked: dict[str, int] = {}  # who asked the present holder, and when
     vain: dict[str, int] = {}  # whose ask the present holder has denied, and when
     for what, session, wait in history:

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.ports import Reading
-from talaia.gateway.safety.debounced_condition import BadTime, Tripwire
-from talaia.gateway.safety.interlock_state import Latch, Verdict
+from talaia.gateway.ports import ChannelReading
+from talaia.gateway.safety.debounced_condition import BadTimeWindow, DebouncedCondition
+from talaia.gateway.safety.interlock_state import InterlockStateMachine, InterlockVerdict
 from talaia.gateway.safety.interlocks import judged
 from talaia.model.interlock import Condition, Interlock
 from talaia.model.site import Signal, Source
@@ -18,40 +18,44 @@ pytestmark = pytest.mark.pure
 WIND = Signal(name="Wind", max_age=5.0, source=Source(topic="/w"))
 
 
-def look(wire: Tripwire, value: float | None, second: float, age: float = 0.0) -> Verdict:
-    reading = None if value is None else Reading(value, 0)
+def look(
+    wire: DebouncedCondition, value: float | None, second: float, age: float = 0.0
+) -> InterlockVerdict:
+    reading = None if value is None else ChannelReading(value, 0)
     return wire.look(
         lambda each: judged(each, WIND, reading, round(age * SECOND)), round(second * SECOND)
     )
 
 
 def test_it_trips_at_one_limit_and_lets_go_at_the_other() -> None:
-    wire = Tripwire(Condition(signal="w/w", above=45, until_below=35))
+    wire = DebouncedCondition(Condition(signal="w/w", above=45, until_below=35))
     said = [bool(look(wire, value, at).why) for at, value in enumerate([40, 46, 40, 36, 34, 40])]
     assert said == [False, True, True, True, False, False]
 
 
 def test_below_works_the_same_the_other_way_round() -> None:
-    wire = Tripwire(Condition(signal="w/w", below=10, until_above=20))
+    wire = DebouncedCondition(Condition(signal="w/w", below=10, until_above=20))
     said = [bool(look(wire, value, at).why) for at, value in enumerate([15, 9, 15, 21, 15])]
     assert said == [False, True, True, False, False]
 
 
 def test_a_limit_passed_for_a_moment_is_no_matter_but_silence_is_at_once() -> None:
-    wire = Tripwire(Condition(signal="w/w", above=45, lasting=10))
+    wire = DebouncedCondition(Condition(signal="w/w", above=45, lasting=10))
     assert not look(wire, 50, 0).why
     assert not look(wire, 50, 9.9).why
     assert not look(wire, 40, 9.95).why
     assert not look(wire, 50, 10).why
     assert look(wire, 50, 20).why
-    silent = look(Tripwire(Condition(signal="w/w", above=45, lasting=10, dwell=9)), 1, 0, age=6)
+    silent = look(
+        DebouncedCondition(Condition(signal="w/w", above=45, lasting=10, dwell=9)), 1, 0, age=6
+    )
     assert silent.unknown
     assert silent.dwell is None
 
 
 @pytest.mark.parametrize(("bad_s", "good_s"), [(1, 1), (5, 1), (2, 2), (9, 9)])
 def test_weather_that_comes_and_goes_locks(bad_s: int, good_s: int) -> None:
-    wire = Tripwire(Condition(signal="w/w", above=45, lasting=10))
+    wire = DebouncedCondition(Condition(signal="w/w", above=45, lasting=10))
     tenths = [(at / 10, 50 if at / 10 % (bad_s + good_s) < bad_s else 40) for at in range(400)]
     tripped = [at for at, value in tenths if look(wire, value, at).why]
     assert tripped
@@ -59,7 +63,7 @@ def test_weather_that_comes_and_goes_locks(bad_s: int, good_s: int) -> None:
 
 
 def test_what_is_mostly_good_does_not_lock() -> None:
-    wire = Tripwire(Condition(signal="w/w", above=45, lasting=10))
+    wire = DebouncedCondition(Condition(signal="w/w", above=45, lasting=10))
     tenths = [(at / 10, 50 if at / 10 % 3 < 1 else 40) for at in range(2000)]
     assert not any(look(wire, value, at).why for at, value in tenths)
 
@@ -71,7 +75,7 @@ def test_what_is_mostly_good_does_not_lock() -> None:
 def test_the_time_that_was_bad_is_counted_to_a_hundredth_of_the_window(
     looks: list[tuple[int, bool]], window: int
 ) -> None:
-    counted, now, history = BadTime(window), 0, list[tuple[int, int]]()
+    counted, now, history = BadTimeWindow(window), 0, list[tuple[int, int]]()
     was = False
     for passed, bad in looks:
         if was:
@@ -79,13 +83,13 @@ def test_the_time_that_was_bad_is_counted_to_a_hundredth_of_the_window(
         now += passed
         found = counted.add(now, bad=bad)
         exactly = sum(max(0, to - max(since, now - window)) for since, to in history)
-        assert exactly <= found <= exactly + window // BadTime.PARTS
+        assert exactly <= found <= exactly + window // BadTimeWindow.PARTS
         was = bad
 
 
 @given(st.lists(st.tuples(st.floats(0, 100), st.floats(0.1, 5)), max_size=60))
 def test_between_the_limits_it_stays_as_it_was(values: list[tuple[float, float]]) -> None:
-    wire = Tripwire(Condition(signal="w/w", above=45, until_below=35))
+    wire = DebouncedCondition(Condition(signal="w/w", above=45, until_below=35))
     now, before = 0.0, False
     for value, seconds in values:
         now += seconds
@@ -100,29 +104,29 @@ def test_between_the_limits_it_stays_as_it_was(values: list[tuple[float, float]]
 
 
 def test_the_longest_dwell_time_of_all_that_was_unsafe_counts() -> None:
-    latch = Latch("w", Interlock(name="W", when=(), dwell=1), 0)
-    latch.look(Verdict("humid", dwell=30), 0)
-    latch.look(Verdict("very humid", dwell=90), 1 * SECOND)
-    latch.look(Verdict("humid", dwell=30), 2 * SECOND)
-    latch.look(Verdict(), 3 * SECOND)
+    latch = InterlockStateMachine("w", Interlock(name="W", when=(), dwell=1), 0)
+    latch.look(InterlockVerdict("humid", dwell=30), 0)
+    latch.look(InterlockVerdict("very humid", dwell=90), 1 * SECOND)
+    latch.look(InterlockVerdict("humid", dwell=30), 2 * SECOND)
+    latch.look(InterlockVerdict(), 3 * SECOND)
     assert latch.locked
-    latch.look(Verdict(), 92 * SECOND)
+    latch.look(InterlockVerdict(), 92 * SECOND)
     assert latch.locked
-    latch.look(Verdict(), 94 * SECOND)
+    latch.look(InterlockVerdict(), 94 * SECOND)
     assert not latch.locked
-    latch.look(Verdict("windy", dwell=10), 100 * SECOND)
-    latch.look(Verdict(), 101 * SECOND)
-    latch.look(Verdict(), 112 * SECOND)
+    latch.look(InterlockVerdict("windy", dwell=10), 100 * SECOND)
+    latch.look(InterlockVerdict(), 101 * SECOND)
+    latch.look(InterlockVerdict(), 112 * SECOND)
     assert not latch.locked
 
 
 def test_it_wants_the_roof_closed_from_the_first_certain_word_until_it_lets_go() -> None:
-    latch = Latch("w", Interlock(name="W", when=(), dwell=10), 0)
-    latch.look(Verdict("no value yet", certain=False), 0)
+    latch = InterlockStateMachine("w", Interlock(name="W", when=(), dwell=10), 0)
+    latch.look(InterlockVerdict("no value yet", certain=False), 0)
     assert not latch.demands
-    latch.look(Verdict("rain"), 1 * SECOND)
+    latch.look(InterlockVerdict("rain"), 1 * SECOND)
     assert latch.demands
-    latch.look(Verdict(), 2 * SECOND)
+    latch.look(InterlockVerdict(), 2 * SECOND)
     assert latch.demands
-    latch.look(Verdict(), 13 * SECOND)
+    latch.look(InterlockVerdict(), 13 * SECOND)
     assert not latch.demands

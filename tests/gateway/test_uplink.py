@@ -21,14 +21,14 @@ from hypothesis import given, strategies as st
 from talaia.clock import SECOND
 from talaia.gateway.errors import LinkLost, SettingsError
 from talaia.gateway.settings import HubAddress
-from talaia.gateway.spool.journal import Head, Stored
-from talaia.gateway.spool.segment import Record
+from talaia.gateway.spool.journal import SegmentHead, StoredRecord
+from talaia.gateway.spool.segment import SampleRecord
 from talaia.gateway.uplink import dialling
 from talaia.gateway.uplink.backoff import Backoff
 from talaia.gateway.uplink.catchup import as_old
-from talaia.gateway.uplink.dialling import Outage
-from talaia.gateway.uplink.heartbeat import Beats, reply_to
-from talaia.gateway.uplink.lanes import Lanes
+from talaia.gateway.uplink.dialling import OutageLog
+from talaia.gateway.uplink.heartbeat import HeartbeatMonitor, reply_to
+from talaia.gateway.uplink.lanes import SendLanes
 from talaia.wire.frames import LINK_FROM_GATEWAY, Event, Samples, StopState, Tick
 
 if TYPE_CHECKING:
@@ -43,13 +43,13 @@ devices:
 """
 
 
-def lanes() -> Lanes:
-    one = Lanes(lambda: None)
+def lanes() -> SendLanes:
+    one = SendLanes(lambda: None)
     one.link_up()
     return one
 
 
-def drained(one: Lanes) -> list[object]:
+def drained(one: SendLanes) -> list[object]:
     found = []
     while (data := one.next()) is not None:
         found.append(data if data.startswith(b"!") else LINK_FROM_GATEWAY.decode(data))
@@ -154,7 +154,7 @@ def test_refused_key_waits_long() -> None:
 
 
 def test_loss_is_said_once_until_it_is_back() -> None:
-    outage = Outage()
+    outage = OutageLog()
     assert not outage.back()
     assert outage.lost(refused=False)
     assert not outage.lost(refused=False)
@@ -164,7 +164,7 @@ def test_loss_is_said_once_until_it_is_back() -> None:
 
 
 def test_key_that_is_turned_down_in_an_outage_is_said_besides() -> None:
-    outage = Outage()
+    outage = OutageLog()
     assert outage.lost(refused=False)
     assert outage.lost(refused=True)
     assert not outage.lost(refused=False)
@@ -192,7 +192,7 @@ async def test_what_falls_with_the_link_has_no_loss_of_its_own(
 
 
 def test_three_beats_without_answer_and_the_peer_is_gone() -> None:
-    beats = Beats(0)
+    beats = HeartbeatMonitor(0)
     answer = reply_to(beats.next(0), 0)
     beats.answered(answer, 5_000_000)
     assert beats.round_trip_ms == 5
@@ -203,7 +203,7 @@ def test_three_beats_without_answer_and_the_peer_is_gone() -> None:
 
 
 def test_answer_to_a_beat_never_sent_changes_nothing() -> None:
-    beats = Beats(0)
+    beats = HeartbeatMonitor(0)
     for number in range(3):
         beats.next(number)
     beats.answered(reply_to(beats.next(0), 0).__class__(n=99, mono_us=0, peer_us=0), 0)
@@ -211,7 +211,7 @@ def test_answer_to_a_beat_never_sent_changes_nothing() -> None:
 
 
 def test_process_that_stood_still_knows_it() -> None:
-    beats = Beats(0)
+    beats = HeartbeatMonitor(0)
     beats.next(10 * SECOND)
     assert beats.stood_still_s(11 * SECOND) == 0
     assert beats.stood_still_s(17 * SECOND) == 5
@@ -223,7 +223,9 @@ def test_old_batch_stands_alone_when_the_channel_list_changed() -> None:
     frame = Samples(
         boot="b", first=0, catalogue="old", base_us=0, channel=b"", offset=b"", value=b""
     )
-    stored = Stored(Head("b", "old", ["a/x"]), Record(0, 1, 0, 0, LINK_FROM_GATEWAY.encode(frame)))
+    stored = StoredRecord(
+        SegmentHead("b", "old", ["a/x"]), SampleRecord(0, 1, 0, 0, LINK_FROM_GATEWAY.encode(frame))
+    )
     assert LINK_FROM_GATEWAY.decode(as_old(stored, "new")).addresses == ["a/x"]
     same = LINK_FROM_GATEWAY.decode(as_old(stored, "old"))
     assert (same.addresses, same.live) == ([], False)

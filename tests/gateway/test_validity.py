@@ -11,9 +11,9 @@ from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
 from talaia.gateway.adapters.connection_scope import shares_of
-from talaia.gateway.adapters.topic_readers import Gathered, TopicPlan, plans_of
+from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, plans_of
 from talaia.gateway.errors import FieldError
-from talaia.gateway.ports import Reading
+from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.safety.value_validity import range_problem
 from talaia.gateway.samples.source_stamps import StampAge, iso_stamp_ns, stamp_ns_of
@@ -78,7 +78,7 @@ class Station:
         assert check(self.site) == []
         self.now = 0
         self.skew = 0
-        self.latest_of: dict[str, Reading] = {}
+        self.latest_of: dict[str, ChannelReading] = {}
         self.ran: list[str] = []
         self.interlocks = Interlocks(
             self.site, self, self, self.run, 0, lambda: WALL + self.now + self.skew
@@ -90,7 +90,7 @@ class Station:
         self.moves = True
         self.stamp: int | None = WALL
 
-    def latest(self, address: str) -> Reading | None:
+    def latest(self, address: str) -> ChannelReading | None:
         return self.latest_of.get(address)
 
     def send(self, message: object) -> None: ...
@@ -112,7 +112,7 @@ class Station:
                 stamp=SimpleNamespace(sec=stamp // SECOND, nanosec=stamp % SECOND)
             )
             message = SimpleNamespace(data=self.wind, temperature=self.wind, header=header)
-            self.plan.take(message, self.now // 1000, self.now, Gathered())
+            self.plan.take(message, self.now // 1000, self.now, SampleBuffer())
             self.interlocks.step(self.now)
         return self.interlocks.refusal("dome", "open", self.now)
 
@@ -205,9 +205,9 @@ def test_where_the_clocks_agree_a_stamp_far_from_the_gateways_clock_is_unknown()
 
 def test_a_sighting_out_of_its_range_says_nothing() -> None:
     station = Station()
-    station.latest_of["dome/position"] = Reading(-999.0, 0)
+    station.latest_of["dome/position"] = ChannelReading(-999.0, 0)
     assert station.interlocks._fresh("dome/position", 0) is None
-    station.latest_of["dome/position"] = Reading(50.0, 0)
+    station.latest_of["dome/position"] = ChannelReading(50.0, 0)
     assert station.interlocks._fresh("dome/position", 0) == 50.0
 
 

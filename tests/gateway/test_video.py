@@ -17,9 +17,9 @@ pytest.importorskip("av")
 
 from talaia.clock import SystemClock
 from talaia.gateway.adapters.connection_scope import shares_of
-from talaia.gateway.adapters.video.adapter import Video, address_of
+from talaia.gateway.adapters.video.adapter import VideoAdapter, address_of
 from talaia.gateway.legacy.self_signed import self_signed
-from talaia.gateway.ports import Outlets
+from talaia.gateway.ports import AdapterContext
 from talaia.model.check import raise_first
 from talaia.model.connection import VideoConnection
 from talaia.model.errors import DescriptionError
@@ -45,7 +45,7 @@ devices:
 
 
 class Told:
-    """An `EventSink` and a `Status`."""
+    """An `EventSink` and a `AdapterStatus`."""
 
     def __init__(self) -> None:
         """Have heard nothing."""
@@ -71,11 +71,11 @@ async def until(condition: Callable[[], object], within: float = PATIENCE_S) -> 
 @asynccontextmanager
 async def watched(
     source: str, folder: Path, more: str = ", here: true"
-) -> AsyncIterator[tuple[Hall, Told, Video]]:
+) -> AsyncIterator[tuple[Hall, Told, VideoAdapter]]:
     site = raise_first(load_site(SITE % (more, source)))
     hall, told = Hall(Form.H264), Told()
-    outlets = Outlets(SystemClock(), None, hall, told, folder)  # type: ignore[arg-type]
-    video = Video(shares_of(site)[0], outlets, told)  # type: ignore[arg-type]
+    outlets = AdapterContext(SystemClock(), None, hall, told, folder)  # type: ignore[arg-type]
+    video = VideoAdapter(shares_of(site)[0], outlets, told)  # type: ignore[arg-type]
     running = asyncio.create_task(video.run())
     try:
         yield hall, told, video

@@ -13,7 +13,12 @@ from pathlib import Path
 import pytest
 from patience import Stopwatch
 
-from talaia.gateway.adapters.video.relay import Answers, CameraRefused, Relay, addresses_of
+from talaia.gateway.adapters.video.relay import (
+    CameraRefused,
+    CameraRelay,
+    CameraResponseFilter,
+    addresses_of,
+)
 from talaia.gateway.legacy.self_signed import self_signed
 
 
@@ -65,7 +70,7 @@ def test_a_name_is_looked_up_once_and_what_was_checked_is_opened(
     with socket.create_server(("127.0.0.1", 0)) as server:
         monkeypatch.setattr(socket, "getaddrinfo", rebinding)
         port = server.getsockname()[1]
-        with Relay(f"rtsp://camera.test:{port}/x?y=1", here=True, timeout=5) as relay:
+        with CameraRelay(f"rtsp://camera.test:{port}/x?y=1", here=True, timeout=5) as relay:
             server.accept()[0].close()
             assert relay.url.startswith("rtsp://127.0.0.1:")
             assert relay.url.endswith("/x?y=1")
@@ -90,7 +95,7 @@ def test_a_name_is_looked_up_once_and_what_was_checked_is_opened(
 )
 @pytest.mark.parametrize("piece", [1, 100_000])
 def test_an_answer_that_leads_elsewhere_is_not_passed_on(answer: bytes, piece: int) -> None:
-    answers = Answers("192.168.1.20")
+    answers = CameraResponseFilter("192.168.1.20")
     passed: list[bytes] = []
     pieces = (answer[at : at + piece] for at in range(0, len(answer), piece))
     with pytest.raises(CameraRefused):
@@ -99,7 +104,7 @@ def test_an_answer_that_leads_elsewhere_is_not_passed_on(answer: bytes, piece: i
 
 
 def test_plain_answers_pass_whole_and_packets_go_only_to_the_camera() -> None:
-    answers = Answers("192.168.1.20")
+    answers = CameraResponseFilter("192.168.1.20")
     assert answers.take(b"RTSP/1.0 200 OK\r\nContent-Length: 3\r\n\r\nab") == b""
     assert answers.take(b"c") == b"RTSP/1.0 200 OK\r\nContent-Length: 3\r\n\r\nabc"
     setup = b"RTSP/1.0 200 OK\nTransport: RTP/AVP;unicast;Source=10.0.0.1;server_port=1-2\n\n"
@@ -139,7 +144,7 @@ def test_the_codec_follows_no_redirect() -> None:
         other.settimeout(0)
         with (
             redirecting(other.getsockname()[1]) as port,
-            Relay(f"rtsp://127.0.0.1:{port}/x", here=True, timeout=5) as relay,
+            CameraRelay(f"rtsp://127.0.0.1:{port}/x", here=True, timeout=5) as relay,
             pytest.raises(av.FFmpegError),
         ):
             av.open(relay.url, format="rtsp", options={"rtsp_transport": "tcp"}, timeout=5)
@@ -151,7 +156,7 @@ def test_the_codec_follows_no_redirect() -> None:
 def test_a_relay_that_nobody_uses_ends_at_once() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"rtsp://127.0.0.1:{server.getsockname()[1]}/x"
-        with Stopwatch() as watch, Relay(address, here=True, timeout=60):
+        with Stopwatch() as watch, CameraRelay(address, here=True, timeout=60):
             pass
         assert watch.seconds < 10
 
@@ -192,7 +197,7 @@ def test_an_encrypted_camera_that_has_said_half_a_word_still_hears_the_client(
         serving = threading.Thread(target=serve, daemon=True)
         serving.start()
         port = server.getsockname()[1]
-        with Relay(f"rtsps://127.0.0.1:{port}/x", here=True, timeout=5) as relay:
+        with CameraRelay(f"rtsps://127.0.0.1:{port}/x", here=True, timeout=5) as relay:
             door = int(relay.url.split(":")[2].split("/")[0])
             with socket.create_connection(("127.0.0.1", door), 20) as near:
                 near.sendall(b"OPTIONS x RTSP/1.0\r\n\r\n")

@@ -15,7 +15,7 @@ from astropy.io import fits
 from talaia.clock import SystemClock
 from talaia.gateway.adapters.topic_readers import file_in
 from talaia.gateway.errors import FieldError
-from talaia.gateway.fits.outbox import Outbox
+from talaia.gateway.fits.outbox import ArchiveOutbox
 from talaia.gateway.fits.whole_files import MOST_WAITING, WholeFiles
 from talaia.model.enclosure import Place
 
@@ -46,7 +46,7 @@ def picture(number: int = 0, **cards: object) -> bytes:
 def taken(folder: Path, *files: bytes) -> Told:
     """Let a gateway that has just begun take these files, and wait until it has."""
     told, disk = Told(), ThreadPoolExecutor(1)
-    outbox = Outbox(folder / "outbox", 10**9, lambda: None)
+    outbox = ArchiveOutbox(folder / "outbox", 10**9, lambda: None)
     sink = WholeFiles(folder / "taking", outbox, told, SystemClock(), disk, "Izaña", PLACE)
     for data in files:
         sink.take("camera", lambda data=data: data)
@@ -109,7 +109,7 @@ def test_what_is_no_fits_is_told_once_until_a_picture_comes(tmp_path: Path) -> N
 
 def test_no_more_files_wait_in_memory_than_a_few(tmp_path: Path) -> None:
     told, disk = Told(), ThreadPoolExecutor(1)
-    outbox = Outbox(tmp_path / "outbox", 10**9, lambda: None)
+    outbox = ArchiveOutbox(tmp_path / "outbox", 10**9, lambda: None)
     sink = WholeFiles(tmp_path / "taking", outbox, told, SystemClock(), disk, "Izaña", None)
     with outbox._turn:
         for number in range(MOST_WAITING + 1):

@@ -22,7 +22,7 @@ from indi_server import server_of
 
 from talaia.clock import SystemClock
 from talaia.gateway.run import serve
-from talaia.gateway.settings import HubAddress, Settings as GatewaySettings
+from talaia.gateway.settings import GatewaySettings as GatewaySettings, HubAddress
 from talaia.hub import accounts
 from talaia.hub.app import build
 from talaia.hub.run import server_of as hub_server_of

@@ -128,11 +128,11 @@ def _answering_master() -> str | None:
     named = os.environ.get("ROS_MASTER_URI", "")
     if not named:
         return None
-    from talaia.gateway.adapters.ros1.master import Master
+    from talaia.gateway.adapters.ros1.master import RosMaster
     from talaia.gateway.errors import AdapterLost
 
     try:
-        Master(named).check()
+        RosMaster(named).check()
     except AdapterLost:
         return None
     print(f"looking at ROS 1, master {named}; --ros2 looks at ROS 2", file=sys.stderr)

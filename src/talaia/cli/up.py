@@ -13,7 +13,7 @@ from talaia.cli.errors import CliError
 from talaia.cli.keys import is_good, make_key
 from talaia.cli.parts import Part, run_together, start
 from talaia.cli.places import DEFAULT_PORT, data_folder, free_port, has_screen, open_page
-from talaia.gateway.change_policy import Accepts
+from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.key_file import KeyFile
 from talaia.hub.settings import Settings, is_loopback
@@ -76,7 +76,8 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--data", type=Path, help="folder of accounts and history")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
     parser.add_argument(
-        "--accept-changes", type=Accepts, choices=list(Accepts), default=Accepts.READINGS,
+        "--accept-changes", type=AcceptedChanges, choices=list(AcceptedChanges),
+        default=AcceptedChanges.READINGS,
         metavar="{no,readings,all}",
         help="what admins may change of the description in the dashboard: nothing, what is read "
         "and shown, or also commands, driving and interlocks (default: readings)",

@@ -9,12 +9,12 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from talaia.gateway.commands.command_sequences import Sequences
-from talaia.gateway.commands.command_service import Commanding, Journal
+from talaia.gateway.commands.command_sequences import SequenceRunner
+from talaia.gateway.commands.command_service import CommandJournal, CommandService
 from talaia.gateway.disk_trouble import DiskTrouble
-from talaia.gateway.driving.control_timer import Pacer
-from talaia.gateway.driving.drive_service import Control
-from talaia.gateway.driving.persistent_state import Epochs, KeptStops
+from talaia.gateway.driving.control_timer import ControlTimer
+from talaia.gateway.driving.drive_service import DriveService
+from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
 from talaia.gateway.safety.interlocks import Interlocks
 
 if TYPE_CHECKING:
@@ -22,15 +22,15 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.clock import Clock
-    from talaia.gateway.ports import CommandTarget, Mouth, Readings
+    from talaia.gateway.ports import CommandTarget, ControlOutput, ReadingSource
     from talaia.model.site import Site
 
-__all__ = ["Acting"]
+__all__ = ["Actuation"]
 
 WRITE_AGAIN_S = 1.0
 
 
-class Acting:
+class Actuation:
     """Who decides what is done, and sees to it. Event loop only.
 
     Attributes:
@@ -47,9 +47,9 @@ class Acting:
         site: Site,
         boot: str,
         clock: Clock,
-        mouth: Mouth,
+        mouth: ControlOutput,
         target: CommandTarget,
-        readings: Readings,
+        readings: ReadingSource,
         data: Path,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
     ) -> None:
@@ -77,22 +77,22 @@ class Acting:
             clock.monotonic_ns(),
             clock.wall_ns,
         )
-        self.control = Control(
+        self.control = DriveService(
             site,
             clock,
             mouth,
             readings,
-            Epochs(data / "epochs.json").next,
-            KeptStops(data / "stops.json"),
+            LeaseEpochs(data / "epochs.json").next,
+            PersistentStops(data / "stops.json"),
             on_disk,
             interlocks,
         )
-        self.pacer = Pacer(asyncio.get_running_loop(), clock, self.control)
-        self.commanding = Commanding(
+        self.pacer = ControlTimer(asyncio.get_running_loop(), clock, self.control)
+        self.commanding = CommandService(
             site,
             clock,
             target,
-            Journal(data / "commands.jsonl"),
+            CommandJournal(data / "commands.jsonl"),
             on_disk,
             mouth.send,
             lambda device, command, args: interlocks.refusal(
@@ -106,7 +106,7 @@ class Acting:
                 device, command, clock.monotonic_ns(), args
             ),
         )
-        self.sequences: Sequences = Sequences(
+        self.sequences: SequenceRunner = SequenceRunner(
             self.commanding,
             mouth,
             boot,

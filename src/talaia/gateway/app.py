@@ -17,40 +17,44 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
-from talaia.gateway.actuation import Acting
+from talaia.gateway.actuation import Actuation
 from talaia.gateway.adapters.catalog import adapter_of
 from talaia.gateway.adapters.connection_scope import shares_of
-from talaia.gateway.adapters.connectivity import Reach
-from talaia.gateway.adapters.multi_adapter import Many, Post
-from talaia.gateway.assembly.recorder_setup import Ear, taping_of
-from talaia.gateway.detection.camera_detection import Outlet, Seeing, WithSeen
-from talaia.gateway.detection.sighting_reports import Telling
+from talaia.gateway.adapters.connectivity import DeviceReachability
+from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
+from talaia.gateway.assembly.recorder_setup import RecorderCallbacks, taping_of
+from talaia.gateway.detection.camera_detection import (
+    DetectionOutputs,
+    ObjectDetection,
+    ReadingsWithDetections,
+)
+from talaia.gateway.detection.sighting_reports import DetectionReporter
 from talaia.gateway.fits.frame_taker import FrameTaker
-from talaia.gateway.fits.outbox import Outbox
+from talaia.gateway.fits.outbox import ArchiveOutbox
 from talaia.gateway.fits.whole_files import WholeFiles
 from talaia.gateway.freeze_watchdog import watch_stalls
-from talaia.gateway.legacy.messages import Newest
-from talaia.gateway.legacy.server import Door, keys_of
+from talaia.gateway.legacy.messages import NewestValues
+from talaia.gateway.legacy.server import LegacyServer, keys_of
 from talaia.gateway.notices.own_notices import OwnNotices
 from talaia.gateway.persistence import locked
-from talaia.gateway.ports import Outlets
-from talaia.gateway.reload.apply import Exchange, Parts, prepared
-from talaia.gateway.reload.requests import Changing
-from talaia.gateway.reload.restart import Renewal
+from talaia.gateway.ports import AdapterContext
+from talaia.gateway.reload.apply import DescriptionReload, ReloadTargets, prepared
+from talaia.gateway.reload.requests import ChangeRequests
+from talaia.gateway.reload.restart import GatewayRestart
 from talaia.gateway.safety.supervision import Heartbeats, Supervision
 from talaia.gateway.samples.absence_gaps import NOT_HEARD, NOT_RUNNING, absence, watch_first_heard
 from talaia.gateway.samples.batching import Batcher
-from talaia.gateway.samples.channel_numbering import Roster
-from talaia.gateway.spool.journal import Head, Spool
+from talaia.gateway.samples.channel_numbering import ChannelNumbering
+from talaia.gateway.spool.journal import SegmentHead, Spool
 from talaia.gateway.spool.progress_mark import machine_run
-from talaia.gateway.spool.spool_thread import Keeper
-from talaia.gateway.uplink.files import Lane
-from talaia.gateway.uplink.lanes import Lanes
-from talaia.gateway.uplink.links import Way, keep_files, keep_link, keep_media
-from talaia.gateway.uplink.message_dispatcher import FrontDesk, Voice
-from talaia.gateway.uplink.pictures import Pictures
-from talaia.gateway.uplink.tls import Trust
-from talaia.gateway.video.frame_source import Looks
+from talaia.gateway.spool.spool_thread import SpoolThread
+from talaia.gateway.uplink.files import FileLane
+from talaia.gateway.uplink.lanes import SendLanes
+from talaia.gateway.uplink.links import HubConnection, keep_files, keep_link, keep_media
+from talaia.gateway.uplink.message_dispatcher import MessageDispatcher, OutputRouter
+from talaia.gateway.uplink.pictures import PictureUplink
+from talaia.gateway.uplink.tls import HubTrust
+from talaia.gateway.video.frame_source import FrameSource
 from talaia.gateway.watchdog.feeding import Watchdog
 from talaia.model.load import dump_site
 from talaia.model.seen import with_counts
@@ -63,12 +67,12 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from talaia.clock import Clock
-    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.ports import Adapter
-    from talaia.gateway.reload.apply import Prepared
-    from talaia.gateway.reload.description_file import OwnCopy
-    from talaia.gateway.settings import Settings
-    from talaia.gateway.spool.segment import Record as SpoolRecord
+    from talaia.gateway.reload.apply import PreparedDescription
+    from talaia.gateway.reload.description_file import DescriptionFile
+    from talaia.gateway.settings import GatewaySettings
+    from talaia.gateway.spool.segment import SampleRecord as SpoolRecord
     from talaia.gateway.watchdog.closing import Record
     from talaia.model.site import Site
     from talaia.wire.frames import RecordState
@@ -91,16 +95,16 @@ class Gateway:
     def __init__(
         self,
         site: Site,
-        settings: Settings,
+        settings: GatewaySettings,
         clock: Clock,
-        copy: OwnCopy | None = None,
+        copy: DescriptionFile | None = None,
         manager: ServiceManager | None = None,
     ) -> None:
         """Build every part and take up what an earlier run left in the data folder.
 
         Args:
             site: the description, with the devices that were found.
-            settings: see `Settings`.
+            settings: see `GatewaySettings`.
             clock: every part's.
             copy: the description's file; none leaves it as it is until the end.
             manager: told that the gateway runs and supervises; none where there is none.
@@ -114,8 +118,8 @@ class Gateway:
         site = with_counts(site)
         begun = prepared(site, copy.text if copy is not None and copy.editable else "")
         self._boot = _new_boot()
-        self._renewal = Renewal(settings.data, lambda: self._exchange.now.site)
-        self._roster = roster = Roster(site)
+        self._renewal = GatewayRestart(settings.data, lambda: self._exchange.now.site)
+        self._roster = roster = ChannelNumbering(site)
         self._loop = loop = asyncio.get_running_loop()
         self._lock = locked(settings.data)
         # One thread for the small files: their writes keep their order.
@@ -123,9 +127,9 @@ class Gateway:
         # Pictures and recordings are large: their disk work has a thread of its own.
         self._files = ThreadPoolExecutor(1, "talaia-files")
         self._wake, self._to_send = asyncio.Event(), asyncio.Event()
-        self._lanes = Lanes(self._wake.set)
-        self._voice = Voice(loop, clock, self._lanes)
-        self.looks = Looks()
+        self._lanes = SendLanes(self._wake.set)
+        self._voice = OutputRouter(loop, clock, self._lanes)
+        self.looks = FrameSource()
         self._keeper = self._make_keeper(begun)
         self._batcher = Batcher(
             loop, self._boot, begun.catalogue, settings.flush, self._on_batch, self._keeper.lose
@@ -135,18 +139,18 @@ class Gateway:
             log.warning("%s", notice)
             self._voice.tell("nothing_closes", notice)
         of = {device: site.connection_of(device) for device in site.devices}
-        self._reach = Reach(of, clock, self._lanes.send)
-        self._outbox = Outbox(settings.data / "outbox", settings.outbox_bytes, self._on_file)
-        ear = Ear(self._voice, self._on_recording, self._on_file, self._on_watched)
+        self._reach = DeviceReachability(of, clock, self._lanes.send)
+        self._outbox = ArchiveOutbox(settings.data / "outbox", settings.outbox_bytes, self._on_file)
+        ear = RecorderCallbacks(self._voice, self._on_recording, self._on_file, self._on_watched)
         self.taping = taping_of(site, settings, clock, ear)
-        self._pictures = Pictures(loop, clock, self.looks, self.taping.films)
+        self._pictures = PictureUplink(loop, clock, self.looks, self.taping.films)
         self._answers: dict[str, str] = {}
-        self._newest: Newest | None = None
+        self._newest: NewestValues | None = None
         if settings.door is not None:
-            self._newest = Newest(roster.numbers(site), self._batcher, clock.monotonic_ns)
+            self._newest = NewestValues(roster.numbers(site), self._batcher, clock.monotonic_ns)
         make = partial(self._make_adapter, self._make_outlets(site))
         adapters = {each.name: make(each) for each in shares_of(site, roster)}
-        self._adapter = Many(
+        self._adapter = MultiAdapter(
             of,
             dict(adapters),
             self._reach,
@@ -156,11 +160,11 @@ class Gateway:
         )
         self._voice.adapter = self._adapter
         self._voice.tapes = self.taping.tapes
-        self._telling = Telling(settings.data / "sightings", self._lanes, self._files)
+        self._telling = DetectionReporter(settings.data / "sightings", self._lanes, self._files)
         self._seeing = self._make_seeing(site)
-        self._acting = Acting(
+        self._acting = Actuation(
             site, self._boot, clock, self._voice, self._adapter,
-            WithSeen(self._adapter, self._seeing), settings.data, self._on_disk,
+            ReadingsWithDetections(self._adapter, self._seeing), settings.data, self._on_disk,
         )  # fmt: skip
         self.door = self._make_door(site)
         self._manager = manager or ServiceManager()
@@ -176,23 +180,23 @@ class Gateway:
             (self._manager.feed_watchdog, self._watchdog.beat), self._heartbeats,
         )  # fmt: skip
         self._exchange = self._make_exchange(begun, adapters, make)
-        self._changing = Changing(
+        self._changing = ChangeRequests(
             copy, settings.accepts, hashlib.sha256(settings.key.encode()).hexdigest(),
             settings.data, self._exchange, self._lanes.send, self._voice, self._on_disk,
         )  # fmt: skip
-        self._desk = FrontDesk(
+        self._desk = MessageDispatcher(
             self._boot, self._acting, self._keeper, self._adapter, self._voice, self._lanes,
             self._reach, self.taping.tapes, self._changing, self._pictures, self._telling,
         )  # fmt: skip
         self.looks.on_held = self._on_watched
-        self._way = Way(settings, Trust(settings.hub), clock, self._desk)
+        self._way = HubConnection(settings, HubTrust(settings.hub), clock, self._desk)
 
     @property
     def redescribed(self) -> Site | None:
         """The description to begin again with, after `run`; none at the end."""
         return self._renewal.site
 
-    def _make_keeper(self, begun: Prepared) -> Keeper:
+    def _make_keeper(self, begun: PreparedDescription) -> SpoolThread:
         """Make the spool ready, with what an earlier run left in it.
 
         Raises:
@@ -202,7 +206,7 @@ class Gateway:
         settings, clock = self._settings, self._clock
         spool = Spool(
             settings.data / "spool",
-            Head(self._boot, begun.catalogue, begun.addresses),
+            SegmentHead(self._boot, begun.catalogue, begun.addresses),
             settings.spool_bytes,
             age_s=settings.spool_age_s,
             spare=settings.spare_bytes,
@@ -210,7 +214,7 @@ class Gateway:
             wall_us=self._wall_us,
             machine=machine_run(),
         )
-        return Keeper(spool)
+        return SpoolThread(spool)
 
     def _wall_us(self) -> int:
         return self._clock.wall_ns() // 1000
@@ -226,10 +230,10 @@ class Gateway:
                 # It ended before it could tell since when it heard all.
                 self._batcher.missed(former.deaf_us, former.heard_us, NOT_HEARD)
 
-    def _make_outlets(self, site: Site) -> Outlets:
+    def _make_outlets(self, site: Site) -> AdapterContext:
         settings, clock = self._settings, self._clock
         taken = settings.data / "taking", self._outbox, self._voice, clock, self._files
-        return Outlets(
+        return AdapterContext(
             clock,
             self._newest or self._batcher,
             self._pictures,
@@ -243,22 +247,24 @@ class Gateway:
             site=site.name,
         )
 
-    def _make_adapter(self, outlets: Outlets, share: Share) -> tuple[Adapter, Post]:
-        post = Post(share.name, self._loop, self._reach)
+    def _make_adapter(
+        self, outlets: AdapterContext, share: ConnectionScope
+    ) -> tuple[Adapter, ConnectionStatus]:
+        post = ConnectionStatus(share.name, self._loop, self._reach)
         post.on_found = partial(self._renewal.found, share.name)
         return adapter_of(share, outlets, post), post
 
-    def _make_seeing(self, site: Site) -> Seeing:
-        outlet = Outlet(
+    def _make_seeing(self, site: Site) -> ObjectDetection:
+        outlet = DetectionOutputs(
             self._newest or self._batcher, self._pictures.boxes, self._telling.take, self._voice
         )
-        return Seeing(
+        return ObjectDetection(
             site, self._roster.numbers(site), self.looks,
             lambda told: Worker(site.object_models, self._settings.folder, told),
             outlet, self._clock,
         )  # fmt: skip
 
-    def _make_door(self, site: Site) -> Door | None:
+    def _make_door(self, site: Site) -> LegacyServer | None:
         """Make the door for founding clients, where it is asked for.
 
         Raises:
@@ -269,17 +275,17 @@ class Gateway:
         if settings.door is None or self._newest is None:
             return None
         keys = keys_of(settings.door, settings.data)
-        return Door(
+        return LegacyServer(
             settings.door, keys, site, self._clock, self._acting.commanding, self._newest,
             self._answers, self._voice,
         )  # fmt: skip
 
     def _make_exchange(
         self,
-        begun: Prepared,
-        adapters: dict[str, tuple[Adapter, Post]],
-        make: Callable[[Share], tuple[Adapter, Post]],
-    ) -> Exchange:
+        begun: PreparedDescription,
+        adapters: dict[str, tuple[Adapter, ConnectionStatus]],
+        make: Callable[[ConnectionScope], tuple[Adapter, ConnectionStatus]],
+    ) -> DescriptionReload:
         followers: list[Callable[[Site], None]] = [
             lambda after: self._seeing.redescribe(after, self._roster.numbers(after)),
             self._heartbeats.redescribe,
@@ -287,12 +293,12 @@ class Gateway:
         ]
         if self.door is not None:
             followers.append(self.door.redescribe)
-        parts = Parts(
+        parts = ReloadTargets(
             self._boot, self._clock, self._roster, self._batcher, self._keeper, self._reach,
             self._adapter, adapters, make, self._acting, self._newest, self.taping.tapes,
             tuple(followers),
         )  # fmt: skip
-        return Exchange(begun, parts, self._lanes.send, self._renewal.begin)
+        return DescriptionReload(begun, parts, self._lanes.send, self._renewal.begin)
 
     # ── what parts tell one another ──
 
@@ -327,7 +333,7 @@ class Gateway:
             self.taping.tapes.start()
             # Cameras of which the last seconds are held.
             self._desk.look()
-        pictures = Lane("pictures", self._outbox, self._settings.upload_bytes)
+        pictures = FileLane("pictures", self._outbox, self._settings.upload_bytes)
         files = [pictures, *self.taping.lanes]
         parts: list[Callable[[], Awaitable[None]]] = [
             self._adapter.run,

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Device, Site
 
-__all__ = ["Accepts", "forbidden"]
+__all__ = ["AcceptedChanges", "forbidden"]
 
 _FILE = "change it in the gateway's own file"
 _ALL = "start the gateway with --accept-changes all, or " + _FILE
 
 
-class Accepts(StrEnum):
+class AcceptedChanges(StrEnum):
     """How far the hub may change the description."""
 
     # Not at all.
@@ -38,13 +38,13 @@ class Accepts(StrEnum):
     ALL = "all"
 
 
-def forbidden(before: Site, after: Site, accepts: Accepts) -> list[Finding]:
+def forbidden(before: Site, after: Site, accepts: AcceptedChanges) -> list[Finding]:
     """List what of a change may not come from the hub; an empty list means it may."""
-    if accepts is Accepts.NO:
+    if accepts is AcceptedChanges.NO:
         remedy = "start the gateway with --accept-changes readings, or " + _FILE
         return [Finding("$", "this gateway takes no changes from the hub", remedy)]
     findings = [*_always(before, after)]
-    if accepts is Accepts.READINGS:
+    if accepts is AcceptedChanges.READINGS:
         findings += _beyond_readings(before, after)
     return findings
 

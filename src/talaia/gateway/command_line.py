@@ -7,11 +7,11 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from talaia.gateway.change_policy import Accepts
+from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.key_file import read_key_file
 from talaia.gateway.notices.settings import read_notice_settings
-from talaia.gateway.settings import DoorSettings, HubAddress, Settings
+from talaia.gateway.settings import GatewaySettings, HubAddress, LegacySettings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,7 +52,8 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
     )  # fmt: skip
     parser.add_argument("--ros-domain", type=int, metavar="N", help="overrides the description's")
     parser.add_argument(
-        "--accept-changes", type=Accepts, choices=list(Accepts), default=Accepts.NO,
+        "--accept-changes", type=AcceptedChanges, choices=list(AcceptedChanges),
+        default=AcceptedChanges.NO,
         metavar="{no,readings,all}",
         help="which changes of the description people with the right may send through the hub: "
         "none, of what is read and shown, or also of commands, driving and interlocks "
@@ -93,7 +94,7 @@ def _positive(text: str) -> float:
     return number
 
 
-def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
+def settings_of(arguments: argparse.Namespace, site: Site) -> GatewaySettings:
     """Make settings of the words.
 
     Raises:
@@ -111,7 +112,7 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
             f"--key-file {arguments.key_file} does not say where the hub is; give --hub"
         )
     state = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
-    return Settings(
+    return GatewaySettings(
         hub=_hub(arguments, kept),
         key=kept.key,
         data=arguments.data or Path(state) / "talaia" / "gateway" / site.site,
@@ -125,12 +126,12 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> Settings:
     )
 
 
-def _door(arguments: argparse.Namespace) -> DoorSettings | None:
+def _door(arguments: argparse.Namespace) -> LegacySettings | None:
     if arguments.classic_port is None:
         return None
     if (arguments.classic_cert is None) != (arguments.classic_key is None):
         raise SettingsError("--classic-cert and --classic-key belong together; give both or none")
-    return DoorSettings(
+    return LegacySettings(
         arguments.classic_port,
         arguments.classic_host,
         arguments.classic_cert,

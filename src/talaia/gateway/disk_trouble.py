@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from talaia.gateway.ports import Mouth
+    from talaia.gateway.ports import ControlOutput
 
 __all__ = ["DiskTrouble"]
 
@@ -16,7 +16,7 @@ log = logging.getLogger(__name__)
 class DiskTrouble:
     """What the gateway's disk does not take now, by what is written. Event loop only."""
 
-    def __init__(self, mouth: Mouth | None = None) -> None:
+    def __init__(self, mouth: ControlOutput | None = None) -> None:
         """Start with a disk that works; without a ``mouth`` only the log hears of trouble."""
         self._mouth = mouth
         self._failing: set[str] = set()

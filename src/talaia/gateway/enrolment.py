@@ -23,7 +23,7 @@ from talaia.gateway.errors import EnrolRefused, HubUnreachable
 from talaia.gateway.key_file import KeyFile, KeyPlace
 from talaia.gateway.settings import HubAddress
 from talaia.gateway.uplink.certificate_der import public_key_of
-from talaia.gateway.uplink.tls import Trust
+from talaia.gateway.uplink.tls import HubTrust
 from talaia.wire.enrolment import read_code
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ _WAIT_S = 20.0
 _LONGEST = 64 * 1024
 
 
-class Answer(NamedTuple):
+class EnrolmentAnswer(NamedTuple):
     """What the hub said."""
 
     status: int
@@ -114,7 +114,7 @@ def enrol(
     )
     if code.pin and not hub.plain:
         hub = HubAddress(hub.url, _key_hash(hub, code))
-    context = asyncio.run(Trust(hub).context())
+    context = asyncio.run(HubTrust(hub).context())
     answer = _ask(hub, context, {"code": str(code), "name": name})
     if answer.status != http.HTTPStatus.OK:
         raise EnrolRefused(answer.body.get("code", ""), _words(hub, answer))
@@ -135,7 +135,7 @@ def enrol(
 
 def _key_hash(hub: HubAddress, code: EnrolmentCode) -> str:
     """Give the hash of the key the hub shows, if it is the one that the code names."""
-    shown = asyncio.run(Trust(hub).shown())
+    shown = asyncio.run(HubTrust(hub).shown())
     try:
         found = hashlib.sha256(public_key_of(shown)).hexdigest()
     except ValueError as error:
@@ -164,7 +164,7 @@ def _vouched_for(hub: HubAddress) -> bool:
     return True
 
 
-def _ask(hub: HubAddress, context: ssl.SSLContext | None, said: dict[str, str]) -> Answer:
+def _ask(hub: HubAddress, context: ssl.SSLContext | None, said: dict[str, str]) -> EnrolmentAnswer:
     parts = urlsplit(hub.url)
     host = parts.hostname or ""
     connection = (
@@ -190,7 +190,7 @@ def _ask(hub: HubAddress, context: ssl.SSLContext | None, said: dict[str, str]) 
         ) from error
     finally:
         connection.close()
-    return Answer(response.status, _body(text), response.headers.get("Retry-After", ""))
+    return EnrolmentAnswer(response.status, _body(text), response.headers.get("Retry-After", ""))
 
 
 def _body(text: bytes) -> dict[str, str]:
@@ -203,7 +203,7 @@ def _body(text: bytes) -> dict[str, str]:
     return {key: value for key, value in found.items() if isinstance(value, str)}
 
 
-def _words(hub: HubAddress, answer: Answer) -> str:
+def _words(hub: HubAddress, answer: EnrolmentAnswer) -> str:
     said = answer.body.get("message", "")
     if not said:
         return f"{hub.url} answers HTTP {answer.status}; is it a Talaia hub?"

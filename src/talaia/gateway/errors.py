@@ -20,14 +20,14 @@ from talaia.errors import TalaiaError
 
 __all__ = [
     "AdapterLost",
+    "ChannelNumbersFull",
     "EnrolRefused",
     "FieldError",
     "GatewayError",
     "HubUnreachable",
     "KeyRefused",
     "LinkLost",
-    "RosterFull",
-    "SentAway",
+    "RetryLater",
     "SettingsError",
     "SpoolError",
     "TypeMissing",
@@ -72,7 +72,7 @@ class AdapterLost(GatewayError):
     """The robot's side cannot be reached."""
 
 
-class RosterFull(GatewayError):
+class ChannelNumbersFull(GatewayError):
     """Too many channels have been described since the start."""
 
 
@@ -105,7 +105,7 @@ class HubUnreachable(LinkLost):
     """The hub could not be asked: it is not there, or is not the one that was meant."""
 
 
-class SentAway(LinkLost):
+class RetryLater(LinkLost):
     """The hub is there, and has no place for us now; ``after_s`` is when to come back, if said."""
 
     def __init__(self, problem: str, after_s: float = 0.0) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
 
-__all__ = ["STOOD", "StallCredit", "Stalls", "watch_stalls"]
+__all__ = ["STOOD", "FreezeCredit", "FreezeDetector", "watch_stalls"]
 
 log = logging.getLogger(__name__)
 STOOD = "the gateway stood still"
@@ -27,7 +27,7 @@ _LEAST_NS = 3 * SECOND
 _EVERY_S = 0.5
 
 
-class Stalls:
+class FreezeDetector:
     """Pure: told the time again and again, it says which time it was not told."""
 
     def __init__(self, monotonic_ns: int) -> None:
@@ -42,7 +42,7 @@ class Stalls:
         return (began_ns // 1000, wall_ns // 1000) if stood_ns >= _LEAST_NS else None
 
 
-class StallCredit:
+class FreezeCredit:
     """How old something is, for one who may have stood still himself. Pure.
 
     While this process stood still it heard nothing, which says nothing about who is heard. What
@@ -88,7 +88,7 @@ class StallCredit:
 
 async def watch_stalls(clock: Clock, missed: Callable[[int, int, str], None]) -> None:
     """Look twice a second until cancelled; ``missed`` takes each stall and its reason."""
-    stalls = Stalls(clock.monotonic_ns())
+    stalls = FreezeDetector(clock.monotonic_ns())
     while True:
         await asyncio.sleep(_EVERY_S)
         span = stalls.at(clock.wall_ns(), clock.monotonic_ns())

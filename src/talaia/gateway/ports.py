@@ -22,28 +22,28 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Adapter",
+    "AdapterContext",
+    "AdapterStatus",
+    "CameraFrame",
+    "CameraFrames",
+    "ChannelReading",
+    "CommandOutcome",
     "CommandTarget",
+    "ControlOutput",
     "EventSink",
     "FileSink",
     "Filming",
     "FrameSink",
-    "Look",
-    "Mouth",
-    "Outcome",
-    "Outlets",
     "PictureSink",
-    "Pictures",
     "RawSink",
-    "Reading",
-    "Readings",
+    "ReadingSource",
     "SampleSink",
-    "Status",
 ]
 
 Field = float | int | bool | str
 
 
-class Reading(NamedTuple):
+class ChannelReading(NamedTuple):
     """The newest value of a channel and when it was true, by the gateway's monotonic clock.
 
     Attributes:
@@ -59,7 +59,7 @@ class Reading(NamedTuple):
     arrived_ns: int = 0
 
 
-class Outcome(NamedTuple):
+class CommandOutcome(NamedTuple):
     """How an act ended, or stands, in the robot's own words where it gave any.
 
     Attributes:
@@ -139,7 +139,7 @@ class PictureSink(Protocol):
         ...
 
 
-class Look(NamedTuple):
+class CameraFrame(NamedTuple):
     """One picture of a camera for a program that looks at it.
 
     Attributes:
@@ -158,7 +158,7 @@ class Look(NamedTuple):
     rgb: NDArray[np.uint8]
 
 
-class Pictures(Protocol):
+class CameraFrames(Protocol):
     """Gives the newest picture of any camera as pixels. Any thread.
 
     A camera that is held is read whether or not a person looks at it, and costs no encoding.
@@ -189,7 +189,7 @@ class Pictures(Protocol):
         """
         ...
 
-    def newest(self, stream: str, after: int = 0, wait_s: float = 0.0) -> Look | None:
+    def newest(self, stream: str, after: int = 0, wait_s: float = 0.0) -> CameraFrame | None:
         """Give the newest picture of a stream that is held, made RGB on the caller's thread.
 
         Args:
@@ -235,19 +235,19 @@ class EventSink(Protocol):
         ...
 
 
-class Readings(Protocol):
+class ReadingSource(Protocol):
     """Gives the newest reading of the channels that safety depends on.
 
     Readings are taken before rate limit and deadband, and no later than the adapter's pacing
     (about 10 ms) after the robot's message came.
     """
 
-    def latest(self, address: str) -> Reading | None:
+    def latest(self, address: str) -> ChannelReading | None:
         """Give the newest reading of a channel, or none if there never was one."""
         ...
 
 
-class Status(Protocol):
+class AdapterStatus(Protocol):
     """Where an adapter says how its side stands. Any thread; never blocks."""
 
     def up(self) -> None:
@@ -275,7 +275,7 @@ class Status(Protocol):
         ...
 
 
-class Outlets(NamedTuple):
+class AdapterContext(NamedTuple):
     """Where an adapter gives what it hears, and what it may use.
 
     Attributes:
@@ -368,7 +368,11 @@ class CommandTarget(Protocol):
         ...
 
     def act(
-        self, device: str, command: str, fields: dict[str, Field], done: Callable[[Outcome], None]
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Field],
+        done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """Begin a one-shot command with its request fields by path.
 
@@ -383,7 +387,7 @@ class CommandTarget(Protocol):
         ...
 
 
-class Adapter(CommandTarget, Readings, Protocol):
+class Adapter(CommandTarget, ReadingSource, Protocol):
     """Speaks one robot protocol for as long as it runs.
 
     ``run`` returns only when cancelled, and has released everything then. It raises
@@ -399,7 +403,7 @@ class Adapter(CommandTarget, Readings, Protocol):
         """Take pictures of these streams (``device/stream``) and of no others."""
         ...
 
-    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Connect anew to all that belongs to a device, but for driving and STOP.
 
         ``done`` is called once, from any thread, within some seconds: *succeeded* when all of it
@@ -408,7 +412,7 @@ class Adapter(CommandTarget, Readings, Protocol):
         ...
 
 
-class Mouth(Protocol):
+class ControlOutput(Protocol):
     """What those who decide say: to the robot, to the hub, and to the record."""
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:

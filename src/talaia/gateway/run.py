@@ -17,7 +17,7 @@ from talaia.gateway import enrolment
 from talaia.gateway.app import Gateway
 from talaia.gateway.command_line import parsed, settings_of
 from talaia.gateway.notices import own_notices
-from talaia.gateway.reload.description_file import OwnCopy
+from talaia.gateway.reload.description_file import DescriptionFile
 from talaia.gateway.reload.discovered_devices import with_kept
 from talaia.model.check import raise_first
 from talaia.model.load import site_in
@@ -27,7 +27,7 @@ from talaia.service_manager import own_service_manager
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.gateway.settings import Settings
+    from talaia.gateway.settings import GatewaySettings
     from talaia.model.site import Site
 
 __all__ = ["main", "serve"]
@@ -53,7 +53,7 @@ def main(argv: Sequence[str]) -> int:
         # A thread that decodes may hold the interpreter this long before a driving frame gets it;
         # Python's own 5 ms would be the largest part of the frame's way to the robot.
         sys.setswitchinterval(0.0005)
-        copy = OwnCopy(arguments.site)
+        copy = DescriptionFile(arguments.site)
         site = raise_first(site_in(copy.text, arguments.site))
         settings = settings_of(arguments, site)
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
@@ -64,7 +64,7 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-async def _serve(site: Site, settings: Settings, copy: OwnCopy) -> None:
+async def _serve(site: Site, settings: GatewaySettings, copy: DescriptionFile) -> None:
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -74,11 +74,11 @@ async def _serve(site: Site, settings: Settings, copy: OwnCopy) -> None:
 
 
 async def serve(
-    site: Site, settings: Settings, ended: asyncio.Event, copy: OwnCopy | None = None
+    site: Site, settings: GatewaySettings, ended: asyncio.Event, copy: DescriptionFile | None = None
 ) -> None:
     """Run gateways until ``ended``: one after the other as devices are found.
 
-    With a ``copy`` the description follows its file; see `OwnCopy`.
+    With a ``copy`` the description follows its file; see `DescriptionFile`.
     """
     if copy is not None:
         copy.counts(site, copy.text)

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from talaia.gateway.change_policy import Accepts
+from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.errors import SettingsError
 
 if TYPE_CHECKING:
     from talaia.gateway.notices.settings import NoticeSettings
 
-__all__ = ["DoorSettings", "HubAddress", "Settings"]
+__all__ = ["GatewaySettings", "HubAddress", "LegacySettings"]
 
 _LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
@@ -69,7 +69,7 @@ class HubAddress:
 
 
 @dataclass(frozen=True, slots=True)
-class DoorSettings:
+class LegacySettings:
     """The door for clients of the founding observatory.
 
     Attributes:
@@ -89,7 +89,7 @@ class DoorSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class GatewaySettings:
     """How one gateway runs.
 
     Attributes:
@@ -127,6 +127,6 @@ class Settings:
     outbox_bytes: int = 4 * 1024 * 1024 * 1024
     upload_bytes: int = 1024 * 1024
     backfill_bytes: int = 512 * 1024
-    door: DoorSettings | None = None
-    accepts: Accepts = Accepts.NO
+    door: LegacySettings | None = None
+    accepts: AcceptedChanges = AcceptedChanges.NO
     notices: NoticeSettings | None = None

@@ -5,9 +5,16 @@ from __future__ import annotations
 import pytest
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.indi.driver_connections import DriverConnections, Notice
-from talaia.gateway.adapters.indi.protocol import Element, Kind, Perm, Rule, State, Vector
-from talaia.gateway.adapters.indi.state import Book
+from talaia.gateway.adapters.indi.driver_connections import DriverConnections, DriverProblem
+from talaia.gateway.adapters.indi.protocol import (
+    Element,
+    PropertyPermission,
+    PropertyState,
+    SwitchRule,
+    Vector,
+    VectorKind,
+)
+from talaia.gateway.adapters.indi.state import IndiDeviceTree
 
 NAME = "Weather Simulator"
 SETUP = {NAME: {"WEATHER_UPDATE": {"PERIOD": 5.0}}}
@@ -17,41 +24,54 @@ class Driver:
     """A driver as its server tells of it, and the moments at which it is looked at."""
 
     def __init__(self, setup: dict = SETUP, *, connect: bool = True) -> None:  # noqa: D107
-        self.book = Book()
+        self.book = IndiDeviceTree()
         self.connections = DriverConnections(setup, connect=connect)
         self.now_ns = 1000 * SECOND
         self.start()
 
     def start(self) -> None:
         self.book.clear()
-        self.says("CONNECTION", Kind.SWITCH, new=True, CONNECT=False, DISCONNECT=True)
+        self.says("CONNECTION", VectorKind.SWITCH, new=True, CONNECT=False, DISCONNECT=True)
         self.connections.redefine(NAME)
 
     def says(
         self,
         name: str,
-        kind: Kind,
-        state: State = State.IDLE,
+        kind: VectorKind,
+        state: PropertyState = PropertyState.IDLE,
         *,
         new: bool = False,
         **values: object,
     ) -> None:
         elements = tuple(Element(key, value, "", "", 0, 0, 0) for key, value in values.items())
-        vector = Vector(new, kind, NAME, name, elements, state, "", "", Perm.BOTH, Rule.ANY, 0, "")
+        vector = Vector(
+            new,
+            kind,
+            NAME,
+            name,
+            elements,
+            state,
+            "",
+            "",
+            PropertyPermission.BOTH,
+            SwitchRule.ANY,
+            0,
+            "",
+        )
         self.book.apply(vector, self.now_ns)
 
-    def connected(self, state: State = State.OK) -> None:
-        self.says("CONNECTION", Kind.SWITCH, state, CONNECT=True, DISCONNECT=False)
+    def connected(self, state: PropertyState = PropertyState.OK) -> None:
+        self.says("CONNECTION", VectorKind.SWITCH, state, CONNECT=True, DISCONNECT=False)
 
-    def disconnected(self, state: State = State.IDLE) -> None:
-        self.says("CONNECTION", Kind.SWITCH, state, CONNECT=False, DISCONNECT=True)
+    def disconnected(self, state: PropertyState = PropertyState.IDLE) -> None:
+        self.says("CONNECTION", VectorKind.SWITCH, state, CONNECT=False, DISCONNECT=True)
 
     def look(self, after: float = 0.0) -> list[str]:
         """Name what is asked and said now."""
         self.now_ns += round(after * SECOND)
         found = []
         for each in self.connections.step(self.book.devices[NAME], self.now_ns):
-            words = each.kind if isinstance(each, Notice) else each.decode()
+            words = each.kind if isinstance(each, DriverProblem) else each.decode()
             found.append("connect" if "CONNECTION" in words else words.strip())
         return found
 
@@ -82,13 +102,13 @@ def test_setup_is_written_after_each_connect_as_soon_as_its_property_is_there() 
         driver.look(after=100)
         driver.connected()
         assert driver.look(after=0.25) == []
-        driver.says("WEATHER_UPDATE", Kind.NUMBER, new=True, PERIOD=60.0)
+        driver.says("WEATHER_UPDATE", VectorKind.NUMBER, new=True, PERIOD=60.0)
         (asked,) = driver.look(after=0.25)
         assert 'name="PERIOD">5.0</oneNumber>' in asked
-        driver.says("WEATHER_UPDATE", Kind.NUMBER, State.OK, PERIOD=5.0)
+        driver.says("WEATHER_UPDATE", VectorKind.NUMBER, PropertyState.OK, PERIOD=5.0)
         assert driver.look(after=60) == []
         # Another client's wish is its own until the next connect.
-        driver.says("WEATHER_UPDATE", Kind.NUMBER, State.OK, PERIOD=30.0)
+        driver.says("WEATHER_UPDATE", VectorKind.NUMBER, PropertyState.OK, PERIOD=30.0)
         assert driver.look(after=60) == []
         driver.start()
 
@@ -97,11 +117,11 @@ def test_setup_that_the_driver_does_not_answer_or_refuses_is_written_again_and_t
     driver = Driver()
     driver.look()
     driver.connected()
-    driver.says("WEATHER_UPDATE", Kind.NUMBER, new=True, PERIOD=60.0)
+    driver.says("WEATHER_UPDATE", VectorKind.NUMBER, new=True, PERIOD=60.0)
     assert len(driver.look()) == 1
     assert driver.look(after=4) == []
     assert len(driver.look(after=2)) == 1
-    driver.says("WEATHER_UPDATE", Kind.NUMBER, State.ALERT, PERIOD=60.0)
+    driver.says("WEATHER_UPDATE", VectorKind.NUMBER, PropertyState.ALERT, PERIOD=60.0)
     assert [each.split()[0] for each in driver.look(after=11)] == [
         "driver_not_set_up",
         "<newNumberVector",
@@ -123,13 +143,17 @@ def test_setup_that_does_not_fit_the_driver_is_told_with_what_it_has(
     driver = Driver({NAME: setup})
     driver.look()
     driver.connected()
-    driver.says("WEATHER_UPDATE", Kind.NUMBER, new=True, PERIOD=60.0)
+    driver.says("WEATHER_UPDATE", VectorKind.NUMBER, new=True, PERIOD=60.0)
     driver.look()
     device, told = driver.book.devices[NAME], []
     driver.connections.restart()
     for seconds in (0, 1, 20, 60):
         driver.now_ns += seconds * SECOND
-        told += [e for e in driver.connections.step(device, driver.now_ns) if isinstance(e, Notice)]
+        told += [
+            e
+            for e in driver.connections.step(device, driver.now_ns)
+            if isinstance(e, DriverProblem)
+        ]
     assert [each.kind for each in told] == ["driver_not_set_up"]
     assert says in told[0].message
 
@@ -158,11 +182,11 @@ def test_driver_that_gave_up_with_alert_or_was_defined_anew_is_connected_again()
     driver.look()
     driver.connected()
     driver.look(after=1)
-    driver.disconnected(State.ALERT)
+    driver.disconnected(PropertyState.ALERT)
     assert driver.look(after=60) == ["connect"]
     driver.connected()
     driver.look(after=1)
-    driver.says("CONNECTION", Kind.SWITCH, new=True, CONNECT=False, DISCONNECT=True)
+    driver.says("CONNECTION", VectorKind.SWITCH, new=True, CONNECT=False, DISCONNECT=True)
     assert driver.look(after=60) == ["driver_restarted", "connect"]
 
 

@@ -7,11 +7,11 @@ import pytest
 
 from talaia.clock import SECOND
 from talaia.gateway.adapters.indi.discovery import devices_of, word_of
-from talaia.gateway.adapters.indi.goals import Goal, begin
-from talaia.gateway.adapters.indi.protocol import BlobEnd, BlobHead, BlobPart, Reader
+from talaia.gateway.adapters.indi.goals import IndiGoal, begin
+from talaia.gateway.adapters.indi.protocol import BlobEnd, BlobHead, BlobPart, IndiParser
 from talaia.gateway.adapters.indi.standard_properties import read_number, read_state, read_text
-from talaia.gateway.adapters.indi.state import Book
-from talaia.gateway.ports import Outcome
+from talaia.gateway.adapters.indi.state import IndiDeviceTree
+from talaia.gateway.ports import CommandOutcome
 from talaia.model.check import check
 from talaia.model.load import dump_site, load_site
 from talaia.model.site import Site
@@ -25,7 +25,7 @@ class Server:
     """A book that a test fills, and its clock."""
 
     def __init__(self) -> None:  # noqa: D107
-        self.book, self.reader, self.now_ns = Book(), Reader(), 0
+        self.book, self.reader, self.now_ns = IndiDeviceTree(), IndiParser(), 0
         self.says((RECORDED / "simulators.xml").read_bytes())
         self.passes(1)
 
@@ -46,12 +46,12 @@ class Server:
         for device in self.book:
             device.heard_ns = self.now_ns
 
-    def begin(self, device: str, target: str, **fields: object) -> Goal:
+    def begin(self, device: str, target: str, **fields: object) -> IndiGoal:
         goal = begin(self.book, device, target, fields, self.now_ns)
-        assert isinstance(goal, Goal), goal
+        assert isinstance(goal, IndiGoal), goal
         return goal
 
-    def looks(self, goal: Goal) -> Outcome | None:
+    def looks(self, goal: IndiGoal) -> CommandOutcome | None:
         return goal.look(self.book, self.now_ns)
 
 
@@ -69,7 +69,7 @@ def test_repeated_word_of_an_old_state_is_no_answer(server: Server) -> None:
     assert outcome is not None
     assert (outcome.phase, outcome.message) == (CommandPhase.RUNNING, "Shutter is opening...")
     server.says(rest)
-    assert server.looks(goal) == Outcome(CommandPhase.SUCCEEDED, "Shutter is open.")
+    assert server.looks(goal) == CommandOutcome(CommandPhase.SUCCEEDED, "Shutter is open.")
 
 
 def test_parked_dome_is_not_done_while_its_shutter_moves(server: Server) -> None:
@@ -100,7 +100,7 @@ def test_idle_with_a_warning_is_a_refusal_in_the_drivers_words(server: Server) -
     server.says(f'<message device="{MOUNT}" message="[WARNING] Please unpark the mount."/>')
     server.sets(MOUNT, "EQUATORIAL_EOD_COORD", "Idle", "Number", RA="9", DEC="90")
     outcome = server.looks(goal)
-    assert outcome == Outcome(CommandPhase.REFUSED, "Please unpark the mount.")
+    assert outcome == CommandOutcome(CommandPhase.REFUSED, "Please unpark the mount.")
 
 
 def test_ok_elsewhere_is_no_success_but_a_failure_once_it_stays(server: Server) -> None:

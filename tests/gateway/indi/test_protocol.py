@@ -17,13 +17,13 @@ from talaia.gateway.adapters.indi.protocol import (
     BlobHead,
     BlobPart,
     Deleted,
+    DriverMessage,
     Event,
-    Kind,
-    Reader,
-    Rule,
-    State,
-    Told,
+    IndiParser,
+    PropertyState,
+    SwitchRule,
     Vector,
+    VectorKind,
     ask_blobs,
     ask_properties,
     new_vector,
@@ -38,7 +38,7 @@ NAMES = st.text(
 
 
 def read(data: bytes) -> list[Event]:
-    return Reader().feed(data)
+    return IndiParser().feed(data)
 
 
 def blob_of(events: list[Event]) -> bytes:
@@ -54,15 +54,17 @@ def test_all_that_eleven_real_drivers_say_is_read() -> None:
     assert [each.name for each in pointing.elements] == ["RA", "DEC"]
     assert (pointing.elements[0].minimum, pointing.elements[0].maximum) == (0, 24)
     shutter = next(each for each in vectors if each.new and each.name == "DOME_SHUTTER")
-    assert shutter.rule is Rule.AT_MOST_ONE
+    assert shutter.rule is SwitchRule.AT_MOST_ONE
     assert [each.value for each in shutter.elements] == [False, True]
-    assert any(isinstance(each, Told) and "Dome is unparked" in each.message for each in events)
+    assert any(
+        isinstance(each, DriverMessage) and "Dome is unparked" in each.message for each in events
+    )
 
 
 @given(st.lists(st.integers(1, 400), min_size=1, max_size=60))
 def test_where_the_bytes_are_cut_changes_nothing(cuts: list[int]) -> None:
     data = (RECORDED / "dome-park.xml").read_bytes()
-    reader, parts, at = Reader(), [], 0
+    reader, parts, at = IndiParser(), [], 0
     for cut in [*cuts, len(data)]:
         parts += reader.feed(data[at : at + cut])
         at += cut
@@ -70,7 +72,7 @@ def test_where_the_bytes_are_cut_changes_nothing(cuts: list[int]) -> None:
 
 
 def test_message_ends_where_the_element_does_and_waits_for_nothing_more() -> None:
-    reader = Reader()
+    reader = IndiParser()
     assert reader.feed(b'<delProperty device="Dome"') == []
     assert reader.feed(b"/>") == [Deleted("Dome")]
 
@@ -114,7 +116,7 @@ def test_what_indi_does_not_allow_is_refused_before_it_costs_anything(data: byte
 
 def test_bytes_that_are_no_text_do_not_end_the_connection() -> None:
     events = read(b'<message device="Caf\xe9" message="bell \x07 rings"/>')
-    assert events == [Told("Caf\ufffd", "bell \ufffd rings")]
+    assert events == [DriverMessage("Caf\ufffd", "bell \ufffd rings")]
 
 
 def blob(data: bytes, size: str = "") -> bytes:
@@ -130,7 +132,7 @@ def blob(data: bytes, size: str = "") -> bytes:
 
 @given(st.binary(max_size=2000), st.integers(1, 200))
 def test_picture_comes_whole_however_it_is_cut(data: bytes, step: int) -> None:
-    raw, reader, events = blob(data), Reader(), []
+    raw, reader, events = blob(data), IndiParser(), []
     for at in range(0, len(raw), step):
         events += reader.feed(raw[at : at + step])
     assert events[0] == BlobHead("CCD", "CCD1", "CCD1", ".fits", len(data))
@@ -139,7 +141,7 @@ def test_picture_comes_whole_however_it_is_cut(data: bytes, step: int) -> None:
 
 
 def test_picture_passes_in_pieces_and_is_not_kept() -> None:
-    reader = Reader()
+    reader = IndiParser()
     raw = blob(bytes(3_000_000))
     largest = 0
     for at in range(0, len(raw), 65_536):
@@ -150,7 +152,7 @@ def test_picture_passes_in_pieces_and_is_not_kept() -> None:
 
 
 def test_picture_over_the_bound_is_passed_over_and_says_so() -> None:
-    reader = Reader(max_blob=1000)
+    reader = IndiParser(max_blob=1000)
     events = reader.feed(blob(bytes(5000)) + b'<delProperty device="X"/>')
     assert len(blob_of(events)) <= 1000
     assert any(isinstance(each, BlobEnd) and "larger" in each.problem for each in events)
@@ -166,7 +168,7 @@ def test_picture_cut_short_says_so() -> None:
 def test_hostile_names_and_texts_stay_what_they_are(
     device: str, name: str, element: str, text: str
 ) -> None:
-    document = ElementTree.fromstring(new_vector(Kind.TEXT, device, name, {element: text}))
+    document = ElementTree.fromstring(new_vector(VectorKind.TEXT, device, name, {element: text}))
     assert document.tag == "newTextVector"
     assert [each.tag for each in document] == ["oneText"]
     assert document.get("device") == device
@@ -179,7 +181,7 @@ def test_hostile_names_and_texts_stay_what_they_are(
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_what_is_no_number_is_never_sent(value: float) -> None:
     with pytest.raises(ValueError, match="not a number"):
-        new_vector(Kind.NUMBER, "D", "P", {"E": value})
+        new_vector(VectorKind.NUMBER, "D", "P", {"E": value})
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
@@ -226,4 +228,4 @@ def test_sexagesimal_is_the_value_to_its_last_digit(value: float, fraction: int)
 
 
 def test_state_words_are_the_protocols() -> None:
-    assert [str(each) for each in State] == ["Idle", "Ok", "Busy", "Alert"]
+    assert [str(each) for each in PropertyState] == ["Idle", "Ok", "Busy", "Alert"]

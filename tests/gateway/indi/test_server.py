@@ -17,7 +17,7 @@ from gateway_bench import addresses_of
 from patience import PATIENCE_S
 
 from talaia.gateway.run import serve
-from talaia.gateway.settings import HubAddress, Settings
+from talaia.gateway.settings import GatewaySettings, HubAddress
 from talaia.model.check import raise_first
 from talaia.model.load import load_site
 from talaia.sim.observatory.night import at_night
@@ -93,7 +93,7 @@ async def bench(port: int, data: Path, text: str = BARE) -> AsyncIterator[Bench]
     ended = asyncio.Event()
     async with fake_hub(addresses_of) as hub:
         address = HubAddress.checked(hub.url, allow_plain=True)
-        settings = Settings(hub=address, key="test-key", data=data)
+        settings = GatewaySettings(hub=address, key="test-key", data=data)
         task = asyncio.ensure_future(serve(site, settings, ended))
         try:
             yield Bench(hub)
@@ -270,7 +270,7 @@ async def test_unsafe_weather_parks_and_closes_without_a_hub_within_the_bound(
         text = text.replace("dwell: 60", "dwell: 1").replace("dwell: 15", "dwell: 1")
         # Nobody is there: the example's own rules are all that acts.
         nowhere = HubAddress.checked("ws://127.0.0.1:9", allow_plain=True)
-        settings = Settings(hub=nowhere, key="test-key", data=tmp_path / "data")
+        settings = GatewaySettings(hub=nowhere, key="test-key", data=tmp_path / "data")
         ended = asyncio.Event()
         # It may be open by night only; tests run by day, too.
         site = raise_first(at_night(load_site(text), time.time()))

@@ -7,7 +7,7 @@ import threading
 import numpy as np
 import pytest
 
-from talaia.gateway.video.frame_source import Looks
+from talaia.gateway.video.frame_source import FrameSource
 
 pytestmark = pytest.mark.pure
 
@@ -15,14 +15,14 @@ RGB = np.zeros((2, 3, 3), np.uint8)
 
 
 def test_nothing_is_kept_of_a_stream_that_nobody_holds() -> None:
-    looks = Looks()
+    looks = FrameSource()
     looks.put("cam/front", (1, 2, 3), lambda: RGB)
     assert looks.newest("cam/front") is None
     assert looks.held() == frozenset()
 
 
 def test_the_newest_is_decoded_once_and_only_when_asked_for() -> None:
-    looks, decoded = Looks(), []
+    looks, decoded = FrameSource(), []
     looks.hold("cam/front")
 
     def decode() -> np.ndarray:
@@ -41,7 +41,7 @@ def test_the_newest_is_decoded_once_and_only_when_asked_for() -> None:
 
 
 def test_who_waits_gets_the_next_one() -> None:
-    looks = Looks()
+    looks = FrameSource()
     looks.hold("cam/front")
     got: list[object] = []
     asking = threading.Thread(
@@ -57,7 +57,7 @@ def test_who_waits_gets_the_next_one() -> None:
 
 
 def test_camera_that_is_connected_anew_and_numbers_anew_is_seen_at_once() -> None:
-    looks = Looks()
+    looks = FrameSource()
     looks.hold("cam/front")
     assert looks.arrived("cam/front") == 0
     looks.put("cam/front", (7, 10, 20), lambda: RGB)
@@ -73,7 +73,7 @@ def test_camera_that_is_connected_anew_and_numbers_anew_is_seen_at_once() -> Non
 
 
 def test_a_stream_rests_once_all_have_let_go_of_it() -> None:
-    looks = Looks()
+    looks = FrameSource()
     told: list[frozenset[str]] = []
     looks.on_held = lambda: told.append(looks.held())
     first, second = looks.hold("cam/front"), looks.hold("cam/front")
@@ -85,7 +85,7 @@ def test_a_stream_rests_once_all_have_let_go_of_it() -> None:
 
 
 def test_a_picture_that_cannot_be_read_is_none() -> None:
-    looks = Looks()
+    looks = FrameSource()
     looks.hold("cam/front")
     looks.put("cam/front", (1, 0, 0), lambda: None)
     assert looks.newest("cam/front") is None

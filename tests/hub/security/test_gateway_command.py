@@ -16,7 +16,7 @@ from talaia.gateway.command_line import parsed, settings_of
 from talaia.gateway.enrolment import enrol
 from talaia.gateway.errors import EnrolRefused, HubUnreachable, LinkLost, SettingsError
 from talaia.gateway.key_file import KeyFile, KeyPlace, read_key_file
-from talaia.gateway.uplink.tls import Trust
+from talaia.gateway.uplink.tls import HubTrust
 from talaia.model.load import load_site
 from talaia.wire.enrolment import EnrolmentCode, pin_of, secret_of
 
@@ -232,7 +232,7 @@ async def test_gateway_refuses_a_hub_whose_key_has_changed(hub_that_stores, sett
     async with secure(hub_that_stores, settings, again=True) as running:
         hub = settings_of_hub(kept, running.port)
         with pytest.raises(LinkLost, match=r"not the one that this gateway knows.*enrol"):
-            await Trust(hub).context()
+            await HubTrust(hub).context()
 
 
 def settings_of_hub(kept: KeyFile, port: int):

@@ -21,8 +21,8 @@ import numpy as np
 from websockets.asyncio.client import connect
 
 from talaia.gateway.reload.apply import catalogue_of
-from talaia.gateway.spool.journal import Head, Spool
-from talaia.gateway.spool.segment import Record
+from talaia.gateway.spool.journal import SegmentHead, Spool
+from talaia.gateway.spool.segment import SampleRecord
 from talaia.hub import accounts
 from talaia.model.load import load_site
 from talaia.wire import browser, frames
@@ -146,7 +146,7 @@ def fill_spool(world: World, seconds: int, rate: int) -> tuple[int, int]:
     described = load_site(world.description)
     channels = [each.address for each in described.channels()]
     boot = f"{time.time_ns() // 1_000_000 - seconds * 1000:012x}-{secrets.token_hex(4)}"
-    head = Head(boot, catalogue_of(described), channels)
+    head = SegmentHead(boot, catalogue_of(described), channels)
     spool = Spool(world.gateway_data / "spool", head, 1 << 30)
     count, at_once = seconds * rate, 500
     from_us = time.time_ns() // 1000 - (seconds + 60) * 1_000_000
@@ -162,7 +162,7 @@ def fill_spool(world: World, seconds: int, rate: int) -> tuple[int, int]:
             boot=boot, first=first, catalogue=head.catalogue, base_us=base, channel=channel,
             offset=offset, value=value,
         ))  # fmt: skip
-        spool.append(Record(first, int(index.size), int(times[0]), int(times[-1]), body))
+        spool.append(SampleRecord(first, int(index.size), int(times[0]), int(times[-1]), body))
     spool.close()
     return from_us, from_us + seconds * 1_000_000
 

@@ -11,7 +11,7 @@ from talaia.cli.importing.decoding import Undecodable, decoder_of, ros_type
 from talaia.cli.importing.mcap_file import McapFile
 from talaia.cli.importing.source import Findings, Piece
 from talaia.gateway.adapters.connection_scope import shares_of
-from talaia.gateway.adapters.topic_readers import Gathered, plans_of
+from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
 from talaia.model.connection import Ros1Connection, Ros2Connection, RosbridgeConnection
 from talaia.model.site import parts_of
 
@@ -86,7 +86,7 @@ class Messages:
 
     def pieces(self) -> Iterator[Piece]:
         """See `Source.pieces`."""
-        gathered = Gathered()
+        gathered = SampleBuffer()
         read, waiting, past_us = 0, 0, -(2**63)
         total = self._file.count or math.inf
         messages = self._file.messages(list(self._read)) if self._read else iter(())

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.cli.errors import BadFile
 from talaia.cli.importing.source import Findings, Piece
 from talaia.cli.importing.times import CellError, TimeReader
-from talaia.gateway.adapters.topic_readers import Gathered
+from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.samples.field_paths import text_of
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class Table:
 
     def pieces(self) -> Iterator[Piece]:
         """See `Source.pieces`."""
-        gathered = Gathered()
+        gathered = SampleBuffer()
         waiting = 0
         while True:
             # The heading was read before this reader began to count.
@@ -127,7 +127,7 @@ class Table:
         """See `Source.close`."""
         self._raw.close()
 
-    def _take(self, row: list[str], line: int, gathered: Gathered) -> None:
+    def _take(self, row: list[str], line: int, gathered: SampleBuffer) -> None:
         if len(row) != len(self._headings):
             raise self._bad(
                 line, f"expected {len(self._headings)} cells as in the heading, found {len(row)}"

@@ -20,20 +20,20 @@ from talaia.model.connection import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.ports import Adapter, Outlets, Status
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.ports import Adapter, AdapterContext, AdapterStatus
 
 __all__ = ["adapter_of"]
 
 
-def adapter_of(share: Share, outlets: Outlets, status: Status) -> Adapter:
+def adapter_of(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
     """Make the adapter of one connection.
 
     Raises:
         SettingsError: what its protocol needs is not installed here.
 
     """
-    make: Callable[[Share, Outlets, Status], Adapter]
+    make: Callable[[ConnectionScope, AdapterContext, AdapterStatus], Adapter]
     remedy = "install talaia[gateway]"
     match share.connection:
         case Ros2Connection():
@@ -57,37 +57,37 @@ def adapter_of(share: Share, outlets: Outlets, status: Status) -> Adapter:
         ) from error
 
 
-def _ros2(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.ros2.adapter import Ros2
+def _ros2(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.ros2.adapter import Ros2Adapter
 
-    return Ros2(share, outlets, status)
-
-
-def _ros1(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.ros1.adapter import Ros1
-
-    return Ros1(share, outlets, status)
+    return Ros2Adapter(share, outlets, status)
 
 
-def _rosbridge(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.rosbridge.adapter import Rosbridge
+def _ros1(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.ros1.adapter import Ros1Adapter
 
-    return Rosbridge(share, outlets, status)
-
-
-def _indi(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.indi.adapter import Indi
-
-    return Indi(share, outlets, status)
+    return Ros1Adapter(share, outlets, status)
 
 
-def _process(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.process import Processes
+def _rosbridge(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.rosbridge.adapter import RosbridgeAdapter
 
-    return Processes(share, outlets, status)
+    return RosbridgeAdapter(share, outlets, status)
 
 
-def _video(share: Share, outlets: Outlets, status: Status) -> Adapter:
-    from talaia.gateway.adapters.video.adapter import Video
+def _indi(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.indi.adapter import IndiAdapter
 
-    return Video(share, outlets, status)
+    return IndiAdapter(share, outlets, status)
+
+
+def _process(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.process import ProcessAdapter
+
+    return ProcessAdapter(share, outlets, status)
+
+
+def _video(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.video.adapter import VideoAdapter
+
+    return VideoAdapter(share, outlets, status)

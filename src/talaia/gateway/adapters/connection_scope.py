@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 import msgspec
 
-from talaia.gateway.samples.channel_numbering import Roster
+from talaia.gateway.samples.channel_numbering import ChannelNumbering
 from talaia.model.seen import is_seen
 
 if TYPE_CHECKING:
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from talaia.model.connection import Connection
     from talaia.model.site import Device, Site
 
-__all__ = ["Flexible", "Share", "shares_of"]
+__all__ = ["ConnectionScope", "ReconfigurableAdapter", "shares_of"]
 
 
-class Share(NamedTuple):
+class ConnectionScope(NamedTuple):
     """The part of a site that one adapter speaks for, and of which it may say anything.
 
     Attributes:
@@ -26,7 +26,7 @@ class Share(NamedTuple):
         devices: those reached by it, by name; without what is seen on their cameras, which no
             robot says.
         channel: by the address of a signal of theirs: the number of its first channel, which is
-            what samples carry; see `Roster`.
+            what samples carry; see `ChannelNumbering`.
         guarded: signals of theirs whose newest readings must be at hand; see `Site.guarded`.
 
     """
@@ -39,23 +39,23 @@ class Share(NamedTuple):
 
 
 @runtime_checkable
-class Flexible(Protocol):
+class ReconfigurableAdapter(Protocol):
     """An `Adapter` that takes another share of the site while it runs.
 
     What is the same in both goes on without a break: none of its samples is lost or comes twice.
     """
 
-    def redescribe(self, share: Share) -> None:
+    def redescribe(self, share: ConnectionScope) -> None:
         """Serve this from here on. Its connection is the one it has. Returns at once."""
         ...
 
 
-def shares_of(site: Site, roster: Roster | None = None) -> list[Share]:
+def shares_of(site: Site, roster: ChannelNumbering | None = None) -> list[ConnectionScope]:
     """Cut a site into what each of its connections serves, in the order of the description.
 
     Without a ``roster`` channels are numbered by their place in `Site.channels`.
     """
-    first = (roster or Roster(site)).numbers(site)
+    first = (roster or ChannelNumbering(site)).numbers(site)
     guarded = site.guarded()
     of = {device: site.connection_of(device) for device in site.devices}
     shares = []
@@ -66,7 +66,7 @@ def shares_of(site: Site, roster: Roster | None = None) -> list[Share]:
             for device_id, device in devices.items()
             for signal_id in device.signals
         }
-        shares.append(Share(name, connection, devices, channel, guarded & channel.keys()))
+        shares.append(ConnectionScope(name, connection, devices, channel, guarded & channel.keys()))
     return shares
 
 

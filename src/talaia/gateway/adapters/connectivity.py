@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
 
-__all__ = ["Reach"]
+__all__ = ["DeviceReachability"]
 
 
-class Reach:
+class DeviceReachability:
     """Says each change once; what a device shows counts for nothing while it is not reached.
 
     A device is reached when its connection is there and nothing speaks against itself. One

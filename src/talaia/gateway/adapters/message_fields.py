@@ -17,7 +17,7 @@ from talaia.model.meaning import Meaning, human, meaning_of, unit_in_comment, un
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-__all__ = ["Kind", "Shape", "shape_of"]
+__all__ = ["ReadableFields", "RosMessageType", "shape_of"]
 
 # A list longer than this is a scan, a picture or a map, and its elements are no signals.
 MAX_ELEMENTS = 16
@@ -39,14 +39,14 @@ _ABOUT = {
 }
 
 
-class Shape(NamedTuple):
+class ReadableFields(NamedTuple):
     """What can be read of a message, and in words what cannot."""
 
     fields: tuple[FieldFound, ...]
     left_out: tuple[str, ...]
 
 
-class Kind(NamedTuple):
+class RosMessageType(NamedTuple):
     """A message type as its robot knows it.
 
     Attributes:
@@ -61,12 +61,12 @@ class Kind(NamedTuple):
 
 
 def shape_of(
-    kind: Kind,
+    kind: RosMessageType,
     type_name: str,
-    find: Callable[[str], Kind | None],
+    find: Callable[[str], RosMessageType | None],
     message: object = None,
     comment_of: Callable[[str, str], str] = lambda _type, _field: "",
-) -> Shape:
+) -> ReadableFields:
     """List the fields of a type.
 
     Args:
@@ -79,14 +79,14 @@ def shape_of(
     """
     walk = _Walk(find, comment_of)
     fields = tuple(walk.of(kind, type_name, message, "", None, 0))
-    return Shape(fields[:MAX_FIELDS], tuple(walk.left_out))
+    return ReadableFields(fields[:MAX_FIELDS], tuple(walk.left_out))
 
 
 class _Walk:
     """One descent through a message."""
 
     def __init__(
-        self, find: Callable[[str], Kind | None], comment_of: Callable[[str, str], str]
+        self, find: Callable[[str], RosMessageType | None], comment_of: Callable[[str, str], str]
     ) -> None:
         self.left_out: list[str] = []
         self._find = find
@@ -94,7 +94,7 @@ class _Walk:
 
     def of(
         self,
-        kind: Kind,
+        kind: RosMessageType,
         type_name: str,
         message: object,
         prefix: str,
@@ -126,7 +126,7 @@ class _Walk:
 
     def _one(
         self,
-        kind: Kind,
+        kind: RosMessageType,
         field: str,
         declared: str,
         path: str,
@@ -205,7 +205,7 @@ def _simple(declared: str) -> str | None:
     return "text" if _TEXT.match(declared) else None
 
 
-def _words(kind: Kind, field: str) -> tuple[str, ...]:
+def _words(kind: RosMessageType, field: str) -> tuple[str, ...]:
     """Name the states of a whole number by the type's constants that begin with its name.
 
     Only a list that counts from 0 without a gap is one; flags and commands with holes are not.

@@ -6,30 +6,32 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.null_adapter import Nobody
+from talaia.gateway.adapters.null_adapter import NullAdapter
 from talaia.gateway.errors import AdapterLost
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
 
-    from talaia.gateway.adapters.connectivity import Reach
-    from talaia.gateway.ports import Adapter, EventSink, Reading
+    from talaia.gateway.adapters.connectivity import DeviceReachability
+    from talaia.gateway.ports import Adapter, ChannelReading, EventSink
     from talaia.model.site import Device
     from talaia.wire.frames import Scalar
 
-__all__ = ["AGAIN_S", "Many", "Post"]
+__all__ = ["AGAIN_S", "ConnectionStatus", "MultiAdapter"]
 
 log = logging.getLogger(__name__)
 # After a loss a connection is tried again so often.
 AGAIN_S = 1.0
 
 
-class Post:
-    """A `Status`: where one adapter says how its side stands. Any thread."""
+class ConnectionStatus:
+    """A `AdapterStatus`: where one adapter says how its side stands. Any thread."""
 
-    def __init__(self, name: str, loop: asyncio.AbstractEventLoop, reach: Reach) -> None:
+    def __init__(
+        self, name: str, loop: asyncio.AbstractEventLoop, reach: DeviceReachability
+    ) -> None:
         """Speak for the connection of this name; `heard` is set by who listens."""
         self.name = name
         self._loop = loop
@@ -38,28 +40,28 @@ class Post:
         self.on_found: Callable[[Mapping[str, Device]], None] = lambda _devices: None
 
     def up(self) -> None:
-        """See `Status.up`."""
+        """See `AdapterStatus.up`."""
         self._loop.call_soon_threadsafe(lambda: self.on_up())
 
     def device(self, device: str, *, there: bool, why: str = "", sure: bool = True) -> None:
-        """See `Status.device`."""
+        """See `AdapterStatus.device`."""
         self._loop.call_soon_threadsafe(
             lambda: self._reach.device(device, there=there, why=why, sure=sure)
         )
 
     def found(self, devices: Mapping[str, Device]) -> None:
-        """See `Status.found`."""
+        """See `AdapterStatus.found`."""
         self._loop.call_soon_threadsafe(lambda: self.on_found(devices))
 
 
-class Many:
+class MultiAdapter:
     """An `Adapter`. Used on the event loop only, but for `latest`."""
 
     def __init__(
         self,
         of: Mapping[str, str],
-        adapters: Mapping[str, tuple[Adapter, Post]],
-        reach: Reach,
+        adapters: Mapping[str, tuple[Adapter, ConnectionStatus]],
+        reach: DeviceReachability,
         events: EventSink,
         lost: Callable[[Collection[str]], None],
         back: Callable[[Collection[str]], None],
@@ -80,7 +82,7 @@ class Many:
         self._reach = reach
         self._events = events
         self._on_lost, self._on_back = lost, back
-        self._nobody = Nobody()
+        self._nobody = NullAdapter()
         self._lost: set[str] = set()
         self._running: set[str] = set()
         self._streams: tuple[str, ...] = ()
@@ -106,7 +108,7 @@ class Many:
             self._group = None
 
     def redescribe(
-        self, of: Mapping[str, str], adapters: Mapping[str, tuple[Adapter, Post]]
+        self, of: Mapping[str, str], adapters: Mapping[str, tuple[Adapter, ConnectionStatus]]
     ) -> None:
         """Serve other devices, by adapters of which those that were here already go on.
 
@@ -139,7 +141,11 @@ class Many:
         self._tasks[name] = self._group.create_task(self._keep(name, *self._adapters[name], before))
 
     async def _keep(
-        self, name: str, adapter: Adapter, post: Post, before: Collection[asyncio.Task[None]]
+        self,
+        name: str,
+        adapter: Adapter,
+        post: ConnectionStatus,
+        before: Collection[asyncio.Task[None]],
     ) -> None:
         if before:
             await asyncio.wait(before)
@@ -182,8 +188,8 @@ class Many:
         for name, (adapter, _) in self._adapters.items():
             adapter.watch([each for each in streams if self._of.get(each.split("/", 1)[0]) == name])
 
-    def latest(self, address: str) -> Reading | None:
-        """See `Readings.latest`; what is not reached has none."""
+    def latest(self, address: str) -> ChannelReading | None:
+        """See `ReadingSource.latest`; what is not reached has none."""
         device = address.split("/", 1)[0]
         return self._for(device).latest(address) if self._reach.counts(device) else None
 
@@ -196,14 +202,18 @@ class Many:
         self._for(device).stop(device, stopped=stopped)
 
     def act(
-        self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Scalar],
+        done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
         return self._for(device).act(device, command, fields, done)
 
-    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`."""
         if device not in self._of:
-            done(Outcome(CommandPhase.FAILED, "there is no such device at the robot now"))
+            done(CommandOutcome(CommandPhase.FAILED, "there is no such device at the robot now"))
             return
         self._for(device).reconnect(device, done)

@@ -5,19 +5,19 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from talaia.gateway.ports import Reading
+    from talaia.gateway.ports import ChannelReading
     from talaia.wire.frames import Scalar
 
-__all__ = ["Nobody"]
+__all__ = ["NullAdapter"]
 
 
-class Nobody:
+class NullAdapter:
     """An `Adapter`."""
 
     async def run(self) -> None:
@@ -27,7 +27,7 @@ class Nobody:
     def watch(self, streams: Collection[str]) -> None:
         """Take no pictures."""
 
-    def latest(self, address: str) -> Reading | None:
+    def latest(self, address: str) -> ChannelReading | None:
         """Give nothing."""
         return None
 
@@ -42,12 +42,12 @@ class Nobody:
         device: str,
         command: str,
         fields: dict[str, Scalar],
-        done: Callable[[Outcome], None],
+        done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """Refuse."""
-        done(Outcome(CommandPhase.REFUSED, "this site has no robot connection"))
+        done(CommandOutcome(CommandPhase.REFUSED, "this site has no robot connection"))
         return None
 
-    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Say that there is nothing to connect to."""
-        done(Outcome(CommandPhase.FAILED, "this site has no robot connection"))
+        done(CommandOutcome(CommandPhase.FAILED, "this site has no robot connection"))

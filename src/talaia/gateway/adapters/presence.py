@@ -15,7 +15,7 @@ from talaia.clock import MS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-__all__ = ["LOOK_S", "Offer", "Presence"]
+__all__ = ["LOOK_S", "DeviceEndpoints", "DevicePresence"]
 
 # A look every quarter of a second, silence of at most 0.7 s until a node is asked, and four looks
 # for its answer: less than the two seconds after which nothing old may look live.
@@ -25,7 +25,7 @@ ASK_NS = 450 * MS
 PATIENCE = 4
 
 
-class Offer(NamedTuple):
+class DeviceEndpoints(NamedTuple):
     """What the graph shows of a device.
 
     Attributes:
@@ -40,7 +40,7 @@ class Offer(NamedTuple):
     askable: frozenset[str] = frozenset()
 
 
-class Presence:
+class DevicePresence:
     """Tells of each device that goes and that comes back. One thread."""
 
     def __init__(self, devices: Iterable[str], tell: Callable[[str, str, bool], None]) -> None:
@@ -73,7 +73,7 @@ class Presence:
         self._gone.add(node)
 
     def look(
-        self, now_ns: int, offers: Mapping[str, Offer], heard_ns: Mapping[str, int]
+        self, now_ns: int, offers: Mapping[str, DeviceEndpoints], heard_ns: Mapping[str, int]
     ) -> frozenset[str]:
         """Judge every device.
 
@@ -89,7 +89,7 @@ class Presence:
         self._look += 1
         ask: set[str] = set()
         for device in self._devices:
-            offer = offers.get(device, Offer(there=False))
+            offer = offers.get(device, DeviceEndpoints(there=False))
             if offer.there:
                 self._seen.add(device)
             if device not in self._seen:
@@ -107,7 +107,7 @@ class Presence:
             self._open.setdefault(node, self._look)
         return frozenset(ask)
 
-    def _silent(self, offer: Offer, now_ns: int, ask: set[str]) -> str:
+    def _silent(self, offer: DeviceEndpoints, now_ns: int, ask: set[str]) -> str:
         ask |= {node for node in offer.askable if now_ns - self._answered_ns.get(node, 0) >= ASK_NS}
         if not offer.nodes or not all(self._dead(node) for node in offer.nodes):
             return ""

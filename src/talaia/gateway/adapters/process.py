@@ -19,9 +19,9 @@ import shlex
 import signal as signals
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from talaia.gateway.adapters.topic_readers import Gathered
+from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.errors import AdapterLost
-from talaia.gateway.ports import Outcome, Reading
+from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
 from talaia.model.check_connections import PLACEHOLDER
 from talaia.model.connection import ProcessConnection
@@ -31,12 +31,12 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
 
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.ports import Outlets, Status
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.ports import AdapterContext, AdapterStatus
     from talaia.model.site import Command, Signal
     from talaia.wire.frames import Scalar
 
-__all__ = ["Answer", "Processes", "filled", "number_in", "run_words"]
+__all__ = ["ProcessAdapter", "ProcessResult", "filled", "number_in", "run_words"]
 
 log = logging.getLogger(__name__)
 MAX_ANSWER = 64 * 1024
@@ -46,7 +46,7 @@ AT_ONCE = 2
 _NEGATIVE = re.compile(r"-\.?\d[\d.:eE+-]*\Z")
 
 
-class Answer(NamedTuple):
+class ProcessResult(NamedTuple):
     """What a command printed and how it ended.
 
     Attributes:
@@ -111,7 +111,7 @@ def number_in(signal: Signal, text: str) -> float | str | None:
     return value if math.isfinite(value) else None
 
 
-async def run_words(words: Sequence[str], within: float) -> Answer:
+async def run_words(words: Sequence[str], within: float) -> ProcessResult:
     """Run a command and wait for its end, ``within`` seconds at the most.
 
     Raises:
@@ -138,7 +138,7 @@ async def run_words(words: Sequence[str], within: float) -> Answer:
             text, problem = await asyncio.gather(_all_of(process.stdout), _all_of(process.stderr))
             code = await process.wait()
     except TimeoutError:
-        return Answer(-1, "", f"did not end within {within:g} s and was ended")
+        return ProcessResult(-1, "", f"did not end within {within:g} s and was ended")
     finally:
         # Also on cancellation, and when it left children behind that hold its output.
         with contextlib.suppress(ProcessLookupError, PermissionError):
@@ -146,7 +146,7 @@ async def run_words(words: Sequence[str], within: float) -> Answer:
         cancelled = await _done(asyncio.ensure_future(process.wait()))
         if cancelled is not None:
             raise cancelled
-    return Answer(code, text, problem.strip()[-MAX_SAID:])
+    return ProcessResult(code, text, problem.strip()[-MAX_SAID:])
 
 
 async def _done(task: asyncio.Future[Any]) -> asyncio.CancelledError | None:
@@ -179,7 +179,7 @@ class _Line:
         self.why = ""
 
 
-class Processes:
+class ProcessAdapter:
     """An `Adapter` for plain commands. See `talaia.gateway.ports` for its promises.
 
     Attributes:
@@ -187,15 +187,17 @@ class Processes:
 
     """
 
-    def __init__(self, share: Share, outlets: Outlets, status: Status) -> None:
+    def __init__(
+        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+    ) -> None:
         """Cut every line; `run` begins to ask."""
         connection = share.connection
         assert isinstance(connection, ProcessConnection)  # noqa: S101 - the catalogue's promise
         self._share, self._outlets, self._status = share, outlets, status
         self._connection = connection
         self._prefix = shlex.split(connection.prefix)
-        self._gathered = Gathered()
-        self._latest: dict[str, Reading] = {}
+        self._gathered = SampleBuffer()
+        self._latest: dict[str, ChannelReading] = {}
         self._lines: dict[tuple[str, str], _Line] = {}
         self._samplers: dict[str, Sampler] = {}
         self._unreadable: set[str] = set()
@@ -252,8 +254,8 @@ class Processes:
     def watch(self, streams: Collection[str]) -> None:
         """Take no pictures: commands give none."""
 
-    def latest(self, address: str) -> Reading | None:
-        """See `Readings.latest`."""
+    def latest(self, address: str) -> ChannelReading | None:
+        """See `ReadingSource.latest`."""
         return self._latest.get(address)
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
@@ -262,7 +264,7 @@ class Processes:
     def stop(self, device: str, *, stopped: bool) -> None:
         """Tell nobody."""
 
-    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Say how the newest answers were: there is no connection to be made anew."""
         silent = [
             f"{shlex.join(line.words)} ({line.why})"
@@ -270,22 +272,28 @@ class Processes:
             if line.device == device and not line.good
         ]
         phase = CommandPhase.FAILED if silent else CommandPhase.SUCCEEDED
-        done(Outcome(phase, "; ".join(silent)[:MAX_SAID]))
+        done(CommandOutcome(phase, "; ".join(silent)[:MAX_SAID]))
 
     def act(
-        self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Scalar],
+        done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
         described = self._share.devices[device].commands.get(command)
         if described is None or described.kind is not CommandKind.PROCESS:
-            done(Outcome(CommandPhase.REFUSED, f"{device}/{command} is not a command line"))
+            done(CommandOutcome(CommandPhase.REFUSED, f"{device}/{command} is not a command line"))
             return None
         if not self._running:
-            done(Outcome(CommandPhase.REFUSED, "the commands of this robot cannot be run now"))
+            done(
+                CommandOutcome(CommandPhase.REFUSED, "the commands of this robot cannot be run now")
+            )
             return None
         words = filled(described.target, described, fields)
         if isinstance(words, str):
-            done(Outcome(CommandPhase.REFUSED, words))
+            done(CommandOutcome(CommandPhase.REFUSED, words))
             return None
         task = asyncio.ensure_future(self._do([*self._prefix, *words], described.timeout, done))
         self._acts.add(task)
@@ -296,27 +304,29 @@ class Processes:
 
         return cancel
 
-    async def _do(self, words: list[str], within: float, done: Callable[[Outcome], None]) -> None:
+    async def _do(
+        self, words: list[str], within: float, done: Callable[[CommandOutcome], None]
+    ) -> None:
         try:
             # Ended a little before the caller gives up, so that its words are still heard.
             answer = await run_words(words, max(0.1, within * 0.95))
         except OSError as error:
             said = f"{words[0]} cannot be started: {error.strerror or error}"
-            done(Outcome(CommandPhase.REFUSED, said))
+            done(CommandOutcome(CommandPhase.REFUSED, said))
             return
         except asyncio.CancelledError:
             # Ended, but nobody knows what it had already set in motion.
             said = "the command was ended; look at the device to see what it did"
-            done(Outcome(CommandPhase.UNKNOWN, said))
+            done(CommandOutcome(CommandPhase.UNKNOWN, said))
             raise
         said = (answer.text.strip() or answer.problem)[:MAX_SAID]
         if answer.code == 0:
-            done(Outcome(CommandPhase.SUCCEEDED, said))
+            done(CommandOutcome(CommandPhase.SUCCEEDED, said))
         elif answer.code == -1 and not answer.text:
-            done(Outcome(CommandPhase.UNKNOWN, f"the command {said}; look at the device"))
+            done(CommandOutcome(CommandPhase.UNKNOWN, f"the command {said}; look at the device"))
         else:
             failed = said or f"the command ended with exit code {answer.code}"
-            done(Outcome(CommandPhase.FAILED, failed))
+            done(CommandOutcome(CommandPhase.FAILED, failed))
 
     # ── asking ──
 
@@ -332,7 +342,7 @@ class Processes:
             # A machine on which clients start slowly has other things to do as well.
             await asyncio.sleep(max(took / 2, self._connection.poll - took))
 
-    def _take(self, line: _Line, answer: Answer) -> None:
+    def _take(self, line: _Line, answer: ProcessResult) -> None:
         clock = self._outlets.clock
         time_us, mono_ns = clock.wall_ns() // 1000, clock.monotonic_ns()
         known = False
@@ -361,7 +371,7 @@ class Processes:
 
     def _number(self, address: str, value: float, time_us: int, mono_ns: int) -> None:
         if address in self._share.guarded:
-            self._latest[address] = Reading(value, mono_ns)
+            self._latest[address] = ChannelReading(value, mono_ns)
         sampler = self._samplers.get(address)
         if sampler is None or sampler.accepts(time_us, (value,)):
             self._gathered.add(self._share.channel[address], time_us, value)

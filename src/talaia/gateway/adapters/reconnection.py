@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
 
-__all__ = ["WAIT_S", "Rejoining", "rejoined"]
+__all__ = ["WAIT_S", "ReconnectionAttempts", "rejoined"]
 
 # A robot's parts are found within a second or two; who is not there by then is named.
 WAIT_S = 5.0
@@ -24,10 +24,10 @@ class _Begun(NamedTuple):
     due_ns: int
     parts: int
     absent: Callable[[], list[str]]
-    done: Callable[[Outcome], None]
+    done: Callable[[CommandOutcome], None]
 
 
-class Rejoining:
+class ReconnectionAttempts:
     """Asks at each look what is still absent, and tells the outcome once. One thread."""
 
     def __init__(self, clock: Clock) -> None:
@@ -36,7 +36,7 @@ class Rejoining:
         self._begun: list[_Begun] = []
 
     def begin(
-        self, parts: int, absent: Callable[[], list[str]], done: Callable[[Outcome], None]
+        self, parts: int, absent: Callable[[], list[str]], done: Callable[[CommandOutcome], None]
     ) -> None:
         """Watch over ``parts`` topics and services until none is ``absent`` or time is up."""
         due = self._clock.monotonic_ns() + _WAIT_NS
@@ -55,15 +55,15 @@ class Rejoining:
     def end(self) -> None:
         """Tell all that wait that the robot went away meanwhile."""
         for begun in self._begun:
-            begun.done(Outcome(CommandPhase.FAILED, "the robot's side was lost meanwhile"))
+            begun.done(CommandOutcome(CommandPhase.FAILED, "the robot's side was lost meanwhile"))
         self._begun.clear()
 
 
-def rejoined(parts: int, absent: list[str]) -> Outcome:
+def rejoined(parts: int, absent: list[str]) -> CommandOutcome:
     """Say how connecting anew to ``parts`` topics and services went."""
     if not parts:
-        return Outcome(CommandPhase.SUCCEEDED, "it has nothing on the robot to connect to")
+        return CommandOutcome(CommandPhase.SUCCEEDED, "it has nothing on the robot to connect to")
     there = f"{parts - len(absent)} of {parts} topics and services are there"
     if absent:
-        return Outcome(CommandPhase.FAILED, f"{there}; not {', '.join(absent)}"[:2000])
-    return Outcome(CommandPhase.SUCCEEDED, there)
+        return CommandOutcome(CommandPhase.FAILED, f"{there}; not {', '.join(absent)}"[:2000])
+    return CommandOutcome(CommandPhase.SUCCEEDED, there)

@@ -14,7 +14,7 @@ import numpy as np
 
 from talaia.gateway.adapters.cloudconnect import parse_metric
 from talaia.gateway.errors import FieldError
-from talaia.gateway.ports import Reading
+from talaia.gateway.ports import ChannelReading
 from talaia.gateway.samples.field_paths import getter, reader_of, text_of
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
 from talaia.gateway.samples.source_stamps import StampReader
@@ -24,16 +24,16 @@ from talaia.wire.columns import Columns
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.model.site import Signal
 
-__all__ = ["Gathered", "TopicPlan", "file_in", "parameter_plans_of", "plans_of"]
+__all__ = ["SampleBuffer", "TopicPlan", "file_in", "parameter_plans_of", "plans_of"]
 
 
 _DATA, _OFFSET = getter("data"), getter("layout.data_offset")
 
 
-class Gathered:
+class SampleBuffer:
     """Columns that grow. Used by one thread."""
 
     def __init__(self) -> None:
@@ -96,7 +96,7 @@ class TopicPlan:
         type_name: str,
         rows: list[_Row],
         by_name: Mapping[str, _Row],
-        latest: dict[str, Reading],
+        latest: dict[str, ChannelReading],
         complain: Callable[[str, str], None],
     ) -> None:
         """Take the rows by field and those by CloudConnect name.
@@ -149,7 +149,7 @@ class TopicPlan:
         self._bad = {row.address for row in rows if same.get(row.address) == row.signal}
         self._bad = (self._bad | {self.topic}) & before._bad
 
-    def take(self, message: object, time_us: int, mono_ns: int, into: Gathered) -> None:
+    def take(self, message: object, time_us: int, mono_ns: int, into: SampleBuffer) -> None:
         """Read one message into ``into``. What cannot be read is told once."""
         for row in self._rows:
             try:
@@ -167,7 +167,7 @@ class TopicPlan:
         if self._by_name:
             self._take_metric(message, time_us, mono_ns, into)
 
-    def _take_metric(self, message: object, time_us: int, mono_ns: int, into: Gathered) -> None:
+    def _take_metric(self, message: object, time_us: int, mono_ns: int, into: SampleBuffer) -> None:
         try:
             metric = parse_metric(str(self._data(message)))
         except FieldError as error:
@@ -187,18 +187,18 @@ class TopicPlan:
 
     def _tap(self, row: _Row, message: object, value: float, mono_ns: int) -> None:
         if row.stamp is None:
-            self._latest[row.address] = Reading(value, mono_ns)
+            self._latest[row.address] = ChannelReading(value, mono_ns)
             return
         stamp_ns, advanced_ns = row.stamp.arrived(message, mono_ns)
         if advanced_ns is not None:
-            self._latest[row.address] = Reading(value, advanced_ns, stamp_ns, mono_ns)
+            self._latest[row.address] = ChannelReading(value, advanced_ns, stamp_ns, mono_ns)
 
-    def _add(self, row: _Row, values: tuple[float, ...], time_us: int, into: Gathered) -> None:
+    def _add(self, row: _Row, values: tuple[float, ...], time_us: int, into: SampleBuffer) -> None:
         if row.sampler is None or row.sampler.accepts(time_us, values):
             for part, value in enumerate(values):
                 into.add(row.channel + part, time_us, value)
 
-    def take_due(self, time_us: int, into: Gathered) -> bool:
+    def take_due(self, time_us: int, into: SampleBuffer) -> bool:
         """Let held-back values out whose turn has come; tell whether any still waits."""
         waiting = False
         for row in self._thinned:
@@ -213,7 +213,7 @@ class TopicPlan:
                 into.add(row.channel + part, time_us, value)
         return waiting
 
-    def take_past(self, time_us: int, into: Gathered) -> None:
+    def take_past(self, time_us: int, into: SampleBuffer) -> None:
         """Let out what was held back and whose turn came before ``time_us``, each at its turn.
 
         For messages that are read from a file, where time is what they say it is.
@@ -242,7 +242,7 @@ def file_in(message: object) -> bytes:
 
 
 def plans_of(
-    share: Share, latest: dict[str, Reading], complain: Callable[[str, str], None]
+    share: ConnectionScope, latest: dict[str, ChannelReading], complain: Callable[[str, str], None]
 ) -> list[TopicPlan]:
     """Make the plans of a share; signals of one topic and type share one."""
     rows: dict[tuple[str, str], list[_Row]] = {}
@@ -264,7 +264,7 @@ def plans_of(
 
 
 def parameter_plans_of(
-    share: Share, latest: dict[str, Reading], complain: Callable[[str, str], None]
+    share: ConnectionScope, latest: dict[str, ChannelReading], complain: Callable[[str, str], None]
 ) -> list[TopicPlan]:
     """Make a plan for each signal that is a parameter; its message has the value as ``data``."""
     plans = []

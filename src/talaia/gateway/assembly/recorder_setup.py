@@ -6,9 +6,9 @@ import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.errors import SettingsError
-from talaia.gateway.recording.recorders import Tapes
-from talaia.gateway.recording.recording_store import FILM, Shelf
-from talaia.gateway.uplink.files import Lane
+from talaia.gateway.recording.recorders import TriggeredRecorder
+from talaia.gateway.recording.recording_store import FILM, RecordingStore
+from talaia.gateway.uplink.files import FileLane
 from talaia.gateway.video.camera import ABLE
 
 if TYPE_CHECKING:
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
-    from talaia.gateway.recording.film_recorder import Films
+    from talaia.gateway.recording.film_recorder import FilmRecorder
     from talaia.gateway.recording.recorder import Recorder
-    from talaia.gateway.recording.recording_store import Saved
-    from talaia.gateway.settings import Settings
+    from talaia.gateway.recording.recording_store import RecoveredFile
+    from talaia.gateway.settings import GatewaySettings
     from talaia.model.recording import Recording
     from talaia.model.site import Site
     from talaia.wire.frames import RecordState
 
-__all__ = ["Ear", "Taping", "taping_of"]
+__all__ = ["RecorderCallbacks", "RecorderParts", "taping_of"]
 
 log = logging.getLogger(__name__)
 
 
-class Ear(NamedTuple):
+class RecorderCallbacks(NamedTuple):
     """Who is told of recordings; from any thread.
 
     Attributes:
@@ -47,7 +47,7 @@ class Ear(NamedTuple):
     filmed: Callable[[], None]
 
 
-class Taping(NamedTuple):
+class RecorderParts(NamedTuple):
     """What records here, and what of it waits for the hub.
 
     Attributes:
@@ -56,8 +56,8 @@ class Taping(NamedTuple):
 
     """
 
-    tapes: Tapes | None = None
-    lanes: tuple[Lane, ...] = ()
+    tapes: TriggeredRecorder | None = None
+    lanes: tuple[FileLane, ...] = ()
 
     @property
     def recorder(self) -> Recorder | None:
@@ -65,12 +65,14 @@ class Taping(NamedTuple):
         return None if self.tapes is None else self.tapes.recorder
 
     @property
-    def films(self) -> Films | None:
+    def films(self) -> FilmRecorder | None:
         """Who takes encoded pictures."""
         return None if self.tapes is None else self.tapes.films
 
 
-def taping_of(site: Site, settings: Settings, clock: Clock, ear: Ear) -> Taping:
+def taping_of(
+    site: Site, settings: GatewaySettings, clock: Clock, ear: RecorderCallbacks
+) -> RecorderParts:
     """Make what records, where the description asks for it.
 
     Raises:
@@ -79,8 +81,8 @@ def taping_of(site: Site, settings: Settings, clock: Clock, ear: Ear) -> Taping:
     """
     plan = site.recording
     if plan is None:
-        return Taping()
-    tapes: Tapes | None = None
+        return RecorderParts()
+    tapes: TriggeredRecorder | None = None
 
     def say() -> None:
         if tapes is not None:
@@ -91,21 +93,26 @@ def taping_of(site: Site, settings: Settings, clock: Clock, ear: Ear) -> Taping:
         ear.filmed()
 
     most, rate = round(plan.disk_mb * 1e6), plan.upload * 1000
-    recordings = Shelf(settings.data / "recordings", most, settings.spare_bytes)
-    films = Shelf(settings.data / "films", most, settings.spare_bytes, FILM)
+    recordings = RecordingStore(settings.data / "recordings", most, settings.spare_bytes)
+    films = RecordingStore(settings.data / "films", most, settings.spare_bytes, FILM)
     recorder = _recorder(plan, site, recordings, clock, ear, say)
     filming = _films(plan, site, films, clock, ear, filmed)
-    tapes = Tapes(plan, recorder, filming, ear.state)
+    tapes = TriggeredRecorder(plan, recorder, filming, ear.state)
     lanes = []
     if filming is not None:
-        lanes.append(Lane("films", films, rate))
+        lanes.append(FileLane("films", films, rate))
     if recorder is not None:
-        lanes.append(Lane("recordings", recordings, rate))
-    return Taping(tapes, tuple(lanes))
+        lanes.append(FileLane("recordings", recordings, rate))
+    return RecorderParts(tapes, tuple(lanes))
 
 
 def _recorder(
-    plan: Recording, site: Site, shelf: Shelf, clock: Clock, ear: Ear, say: Callable[[], None]
+    plan: Recording,
+    site: Site,
+    shelf: RecordingStore,
+    clock: Clock,
+    ear: RecorderCallbacks,
+    say: Callable[[], None],
 ) -> Recorder | None:
     try:
         from talaia.gateway.adapters.ros2.requests import class_of
@@ -138,20 +145,25 @@ def _recorder(
 
 
 def _films(
-    plan: Recording, site: Site, shelf: Shelf, clock: Clock, ear: Ear, changed: Callable[[], None]
-) -> Films | None:
+    plan: Recording,
+    site: Site,
+    shelf: RecordingStore,
+    clock: Clock,
+    ear: RecorderCallbacks,
+    changed: Callable[[], None],
+) -> FilmRecorder | None:
     if not ABLE:
         if site.filmed():
             log.warning("cameras cannot be filmed here: install talaia[camera]")
         return None
     from talaia.gateway.recording.film_file import recover_film
-    from talaia.gateway.recording.film_recorder import Films
+    from talaia.gateway.recording.film_recorder import FilmRecorder
 
     _open(shelf, recover_film)
-    return Films(plan, site.filmed(), shelf, clock, ear.events, ear.finished, changed)
+    return FilmRecorder(plan, site.filmed(), shelf, clock, ear.events, ear.finished, changed)
 
 
-def _open(shelf: Shelf, recover: Callable[[Path, Path], Saved]) -> None:
+def _open(shelf: RecordingStore, recover: Callable[[Path, Path], RecoveredFile]) -> None:
     """Open a shelf; a disk that takes nothing keeps nobody from guarding the robot."""
     try:
         shelf.open(recover)

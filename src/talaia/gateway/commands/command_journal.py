@@ -15,7 +15,7 @@ from talaia.wire.frames import CommandState
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Journal"]
+__all__ = ["CommandJournal"]
 
 log = logging.getLogger(__name__)
 _line = msgspec.json.Decoder(CommandState)
@@ -24,7 +24,7 @@ _encode = msgspec.json.Encoder().encode
 MOST_WAITING = 10_000
 
 
-class Journal:
+class CommandJournal:
     """Command states on disk, one JSON line each; a line cut short by a crash is ignored.
 
     All but `behind` block on the disk and come from one thread.

@@ -10,11 +10,11 @@ from talaia.wire.frames import CommandAsk, CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.gateway.commands.command_service import Commanding
-    from talaia.gateway.ports import Mouth
+    from talaia.gateway.commands.command_service import CommandService
+    from talaia.gateway.ports import ControlOutput
     from talaia.model.interlock import Step
 
-__all__ = ["Sequences"]
+__all__ = ["SequenceRunner"]
 
 LOOK_S = 0.1
 # A sensor may say so a moment later than the answer to the command.
@@ -22,13 +22,13 @@ SETTLE_S = 1.0
 LONGEST_S = 120.0
 
 
-class Sequences:
+class SequenceRunner:
     """Runs sequences; each step once, and never again by itself."""
 
     def __init__(
         self,
-        commanding: Commanding,
-        mouth: Mouth,
+        commanding: CommandService,
+        mouth: ControlOutput,
         boot: str,
         reached: Callable[[str], bool | None] = lambda _command: None,
     ) -> None:

@@ -17,8 +17,8 @@ from msgspec.structs import replace
 
 from talaia.clock import SECOND
 from talaia.gateway.commands.command_book import FINAL, CommandBook
-from talaia.gateway.commands.command_journal import Journal
-from talaia.gateway.commands.device_holders import DeviceHolders, Holder
+from talaia.gateway.commands.command_journal import CommandJournal
+from talaia.gateway.commands.device_holders import DeviceHolder, DeviceHolders
 from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.model.arguments import args_of, fields_of, unit_problem
 from talaia.model.safe_commands import never_asks, safe_commands
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection
 
     from talaia.clock import Clock
-    from talaia.gateway.ports import CommandTarget, Outcome
+    from talaia.gateway.ports import CommandOutcome, CommandTarget
     from talaia.gateway.safety.enclosure_guard import Hold
     from talaia.model.site import Command, Site
     from talaia.wire.frames import CommandAsk, CommandCancel, Scalar
 
-__all__ = ["Commanding", "Journal"]
+__all__ = ["CommandJournal", "CommandService"]
 
 log = logging.getLogger(__name__)
 PROGRESS_NS = SECOND // 5
@@ -46,7 +46,7 @@ _JOURNAL = "journal"
 HELD_KINDS = frozenset({DeviceKind.DOME, DeviceKind.TELESCOPE, DeviceKind.CAMERA, DeviceKind.OTHER})
 
 
-class Commanding:
+class CommandService:
     """Takes asks from the hub and sees each to its end."""
 
     def __init__(
@@ -54,7 +54,7 @@ class Commanding:
         site: Site,
         clock: Clock,
         target: CommandTarget,
-        journal: Journal,
+        journal: CommandJournal,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
         send: Callable[[CommandState], None],
         refusal: Callable[[str, str, dict[str, Scalar]], str] = lambda _device, _command, _args: "",
@@ -70,7 +70,7 @@ class Commanding:
             site: the description.
             clock: monotonic.
             target: who acts.
-            journal: see `Journal`.
+            journal: see `CommandJournal`.
             on_disk: runs a blocking write elsewhere, in order; raises what it raises.
             send: tells the hub.
             refusal: says why a command of a device with these arguments (by name) may not be
@@ -249,7 +249,9 @@ class Commanding:
         if device.kind not in HELD_KINDS or (not guarded and ask.who.startswith("follow ")):
             return over
         now_ns = self._clock.monotonic_ns()
-        self._holders.hold(Holder(ask.id, ask.device, doing, ask.who, now_ns, safety=not guarded))
+        self._holders.hold(
+            DeviceHolder(ask.id, ask.device, doing, ask.who, now_ns, safety=not guarded)
+        )
         return over
 
     def _interrupt(self, ask: CommandAsk, doing: str) -> str:
@@ -265,7 +267,7 @@ class Commanding:
         self._move(holder.id, CommandPhase.RUNNING, f"interrupted by {ask.who} ({doing})")
         return f"{holder.doing} of {holder.who} ({holder.id})"
 
-    def _acting_s(self, holder: Holder) -> float:
+    def _acting_s(self, holder: DeviceHolder) -> float:
         return (self._clock.monotonic_ns() - holder.since_ns) / SECOND
 
     def _tell(self, state: CommandState, over: str = "") -> None:
@@ -331,7 +333,7 @@ class Commanding:
         self._move(ask.id, CommandPhase.RUNNING)
         self._time_out(ask.id, command.timeout)
 
-        def done(outcome: Outcome) -> None:
+        def done(outcome: CommandOutcome) -> None:
             loop.call_soon_threadsafe(self._told, ask.id, command.timeout, outcome)
 
         cancel = self._target.act(ask.device, ask.command, fields, done)
@@ -347,7 +349,7 @@ class Commanding:
             seconds, self._move, command_id, CommandPhase.UNKNOWN, message
         )
 
-    def _told(self, command_id: str, timeout: float, outcome: Outcome) -> None:
+    def _told(self, command_id: str, timeout: float, outcome: CommandOutcome) -> None:
         if outcome.phase is not CommandPhase.RUNNING:
             self._move(command_id, outcome.phase, outcome.message)
             return

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["DeviceHolders", "Holder"]
+__all__ = ["DeviceHolder", "DeviceHolders"]
 
 
-class Holder(NamedTuple):
+class DeviceHolder(NamedTuple):
     """One who acts on a device.
 
     Attributes:
@@ -43,9 +43,9 @@ class DeviceHolders:
 
     def __init__(self) -> None:
         """Begin with nobody."""
-        self._holders: dict[str, Holder] = {}
+        self._holders: dict[str, DeviceHolder] = {}
 
-    def hold(self, holder: Holder) -> None:
+    def hold(self, holder: DeviceHolder) -> None:
         """Take in that somebody acts from now on."""
         self._holders[holder.id] = holder
 
@@ -53,15 +53,15 @@ class DeviceHolders:
         """Take in that it has ended."""
         self._holders.pop(holder_id, None)
 
-    def all(self) -> list[Holder]:
+    def all(self) -> list[DeviceHolder]:
         """Give all who act, in the order in which they began."""
         return list(self._holders.values())
 
-    def get(self, holder_id: str) -> Holder | None:
+    def get(self, holder_id: str) -> DeviceHolder | None:
         """Give one who acts, by the id."""
         return self._holders.get(holder_id)
 
-    def against(self, device: str, who: str) -> Holder | None:
+    def against(self, device: str, who: str) -> DeviceHolder | None:
         """Give the one whom a command of ``who`` would act against; the gateway itself first.
 
         What the same person asks for replaces what they asked for before.

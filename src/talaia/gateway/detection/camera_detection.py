@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
-from talaia.gateway.ports import Reading
+from talaia.gateway.ports import ChannelReading
 from talaia.gateway.samples.rate_limit import Sampler, SamplingRule
 from talaia.model.detection import DetectAt
 from talaia.model.seen import counts_of, detecting, eye_of, is_seen
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from talaia.clock import Clock
-    from talaia.gateway.ports import EventSink, Look, Pictures, Readings, SampleSink
+    from talaia.gateway.ports import CameraFrame, CameraFrames, EventSink, ReadingSource, SampleSink
     from talaia.model.detection import Detect
     from talaia.model.site import Signal, Site
     from talaia.objects.eyes import Told
     from talaia.objects.things import Thing as Found
     from talaia.objects.worker import Worker
 
-__all__ = ["Outlet", "Seeing", "WithSeen"]
+__all__ = ["DetectionOutputs", "ObjectDetection", "ReadingsWithDetections"]
 
 log = logging.getLogger(__name__)
 # For a picture is waited so long at a time; sightings end meanwhile.
@@ -53,7 +53,7 @@ THREADS = 8
 _T = TypeVar("_T")
 
 
-class Outlet(NamedTuple):
+class DetectionOutputs(NamedTuple):
     """Where goes what is seen.
 
     Attributes:
@@ -77,26 +77,26 @@ class _Counted(NamedTuple):
     channel: int
 
 
-class Seeing:
+class ObjectDetection:
     """All cameras that detect at this gateway. Event loop only, but for `latest`."""
 
     def __init__(
         self,
         site: Site,
         numbers: Mapping[str, int],
-        pictures: Pictures,
+        pictures: CameraFrames,
         worker: Callable[[Callable[[str, str], None]], Worker],
-        outlet: Outlet,
+        outlet: DetectionOutputs,
         clock: Clock,
     ) -> None:
         """Look at nothing yet.
 
         Args:
             site: the description, with the signals that its cameras imply.
-            numbers: of channels, by address; see `Roster.numbers`.
+            numbers: of channels, by address; see `ChannelNumbering.numbers`.
             pictures: of the cameras.
             worker: makes the detectors, which tell this how they fare.
-            outlet: see `Outlet`.
+            outlet: see `DetectionOutputs`.
             clock: for when nothing is seen.
 
         """
@@ -108,7 +108,7 @@ class Seeing:
         self._threads = ThreadPoolExecutor(THREADS, "talaia-eyes")
         self._turns: dict[str, asyncio.Lock] = {}
         self._cameras: dict[str, tuple[_Camera, asyncio.Task[None]]] = {}
-        self._latest: dict[str, Reading] = {}
+        self._latest: dict[str, ChannelReading] = {}
         self._running = False
 
     def counts(self, address: str) -> bool:
@@ -118,8 +118,8 @@ class Seeing:
         signal = None if described is None else described.signals.get(name)
         return signal is not None and is_seen(signal.source)
 
-    def latest(self, address: str) -> Reading | None:
-        """See `talaia.gateway.ports.Readings.latest`."""
+    def latest(self, address: str) -> ChannelReading | None:
+        """See `talaia.gateway.ports.ReadingSource.latest`."""
         return self._latest.get(address)
 
     async def run(self) -> None:
@@ -206,7 +206,7 @@ class Seeing:
         """Wait a while for a picture; see `Pictures.arrived`."""
         return await self.on_thread(partial(self._pictures.arrived, name, since_us, WAIT_S))
 
-    async def seen(self, name: str, detect: Detect) -> tuple[Look, list[Found]] | None:
+    async def seen(self, name: str, detect: Detect) -> tuple[CameraFrame, list[Found]] | None:
         """See the newest picture of a camera, when its turn has come.
 
         Raises:
@@ -227,14 +227,14 @@ class Seeing:
         """Give the wall time (µs)."""
         return self._clock.wall_ns() // 1000
 
-    def put(self, columns: Columns, readings: Mapping[str, Reading]) -> None:
+    def put(self, columns: Columns, readings: Mapping[str, ChannelReading]) -> None:
         """Take counts."""
         # One step: it is read by other threads.
         self._latest = {**self._latest, **readings}
         if len(columns):
             self._outlet.samples.put(columns)
 
-    def boxes(self, look: Look, things: Sequence[Found]) -> None:
+    def boxes(self, look: CameraFrame, things: Sequence[Found]) -> None:
         """Take what is on a picture."""
         told = [Thing(**each._asdict()) for each in things]
         self._outlet.boxes(
@@ -251,7 +251,7 @@ class _Camera:
     """One camera's task, and what it has seen."""
 
     def __init__(
-        self, name: str, detect: Detect, counted: Mapping[str, _Counted], seeing: Seeing
+        self, name: str, detect: Detect, counted: Mapping[str, _Counted], seeing: ObjectDetection
     ) -> None:
         self._name, self._detect = name, detect
         self._seeing = seeing
@@ -317,7 +317,7 @@ class _Camera:
                 since_us, self._wait_s = max(since_us, look.mono_us), FIRST_WAIT_S
                 self._take(look, things)
 
-    def _take(self, look: Look, things: Sequence[Found]) -> None:
+    def _take(self, look: CameraFrame, things: Sequence[Found]) -> None:
         gathered = []
         readings = {}
         sources = {address: each.signal.source for address, each in self._counted.items()}
@@ -326,7 +326,7 @@ class _Camera:
             counted = self._counted[address]
             value = count * counted.signal.scale
             held = steady[address] * counted.signal.scale
-            readings[address] = Reading(held, look.mono_us * 1000)
+            readings[address] = ChannelReading(held, look.mono_us * 1000)
             if self._samplers[address].accepts(look.time_us, (value,)):
                 gathered.append((counted.channel, value))
         columns = Columns(
@@ -343,15 +343,15 @@ class _Camera:
         self._seeing.tell(self._name, self._eyes.pass_time(self._seeing.now_us()))
 
 
-class WithSeen:
-    """A `Readings`: of the robot, and of what is seen on its cameras."""
+class ReadingsWithDetections:
+    """A `ReadingSource`: of the robot, and of what is seen on its cameras."""
 
-    def __init__(self, robot: Readings, seeing: Seeing) -> None:
+    def __init__(self, robot: ReadingSource, seeing: ObjectDetection) -> None:
         """Join the two."""
         self._robot, self._seeing = robot, seeing
 
-    def latest(self, address: str) -> Reading | None:
-        """See `Readings.latest`."""
+    def latest(self, address: str) -> ChannelReading | None:
+        """See `ReadingSource.latest`."""
         if self._seeing.counts(address):
             return self._seeing.latest(address)
         return self._robot.latest(address)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from talaia.objects.eyes import Told
     from talaia.wire.frames import FromGateway
 
-__all__ = ["MOST_KEPT", "Line", "Telling"]
+__all__ = ["MOST_KEPT", "DetectionReporter", "SightingUplink"]
 
 log = logging.getLogger(__name__)
 # With a thumbnail each they take a few megabytes; of more the oldest go.
@@ -42,8 +42,8 @@ LOOK_S = 0.05
 _ENDING = ".seen"
 
 
-class Line(Protocol):
-    """The way to the hub; see `talaia.gateway.uplink.lanes.Lanes`."""
+class SightingUplink(Protocol):
+    """The way to the hub; see `talaia.gateway.uplink.lanes.SendLanes`."""
 
     @property
     def seen_waiting(self) -> int:
@@ -73,10 +73,10 @@ class _Kept:
         self.thumbnail_sent = b""
 
 
-class Telling:
+class DetectionReporter:
     """Takes news of sightings, and sees that a hub hears of them."""
 
-    def __init__(self, folder: Path, lanes: Line, files: Executor) -> None:
+    def __init__(self, folder: Path, lanes: SightingUplink, files: Executor) -> None:
         """Take up what an earlier run left.
 
         Args:

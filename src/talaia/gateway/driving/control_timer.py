@@ -8,15 +8,17 @@ if TYPE_CHECKING:
     import asyncio
 
     from talaia.clock import Clock
-    from talaia.gateway.driving.drive_service import Control
+    from talaia.gateway.driving.drive_service import DriveService
 
-__all__ = ["Pacer"]
+__all__ = ["ControlTimer"]
 
 
-class Pacer:
-    """Calls `Control.step` when it is due. One timer; none while all rests."""
+class ControlTimer:
+    """Calls `DriveService.step` when it is due. One timer; none while all rests."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, clock: Clock, control: Control) -> None:
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, clock: Clock, control: DriveService
+    ) -> None:
         """Start at rest; `touch` after anything that may have changed what is due."""
         self._loop = loop
         self._clock = clock

@@ -11,22 +11,22 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import MS, SECOND
 from talaia.gateway.driving.drive_keys import KeyCounter
-from talaia.gateway.driving.lease_protocol import Tenancy
-from talaia.gateway.driving.stop_latch import Latched, StopLatch
-from talaia.gateway.driving.velocity_limits import STILL, Demand, Driving
+from talaia.gateway.driving.lease_protocol import LeaseProtocol
+from talaia.gateway.driving.stop_latch import LatchedStop, StopLatch
+from talaia.gateway.driving.velocity_limits import STILL, VelocityDemand, VelocityLimiter
 from talaia.model.site import DriveMessage
 from talaia.wire.frames import DriveState, StopState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.gateway.driving.lease import Lease
-    from talaia.gateway.driving.stop_latch import Proof
-    from talaia.gateway.ports import Mouth
+    from talaia.gateway.driving.lease import DeviceLease
+    from talaia.gateway.driving.stop_latch import StandstillProof
+    from talaia.gateway.ports import ControlOutput
     from talaia.model.site import Drive as DriveRule
     from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, LeaseState
 
-__all__ = ["Seat"]
+__all__ = ["DriveController"]
 
 REPORT_NS = 100 * MS
 STOP_OFTEN_NS = SECOND
@@ -37,24 +37,24 @@ STOP_SELDOM_NS = SECOND
 BETWEEN_DRIVERS_NS = SECOND // 2
 
 
-class Seat:
+class DriveController:
     """Who drives one device, and what it is told."""
 
     def __init__(
         self,
         device: str,
         rule: DriveRule,
-        mouth: Mouth,
+        mouth: ControlOutput,
         next_epoch: Callable[[], int],
-        stopped: Latched | None,
+        stopped: LatchedStop | None,
     ) -> None:
         """Start with no lease and nothing moving; STOP as it was kept on disk."""
         self.device = device
         self.rule = rule
         self._mouth = mouth
         lease_ns = round(rule.lease * SECOND)
-        self.tenancy = Tenancy(device, lease_ns, next_epoch, mouth, self._changed)
-        self.driving = Driving(rule)
+        self.tenancy = LeaseProtocol(device, lease_ns, next_epoch, mouth, self._changed)
+        self.driving = VelocityLimiter(rule)
         # Of a robot that is driven by characters: what was sent, and what comes next.
         self._keys = KeyCounter(rule) if rule.message is DriveMessage.KEYS else None
         # What such a robot says of its own motion, where the description names that.
@@ -65,14 +65,14 @@ class Seat:
         self._told_robot_ns = 0
         self._stopped_ns = 0
         self._driver = ""
-        self._told: tuple[Demand, float, str, str] | None = None
+        self._told: tuple[VelocityDemand, float, str, str] | None = None
         self._reported_ns = -REPORT_NS
         self._why = ""
         self._barred = ""
         self._noted_refusal = False
 
     @property
-    def lease(self) -> Lease:
+    def lease(self) -> DeviceLease:
         """Who may drive it."""
         return self.tenancy.lease
 
@@ -160,7 +160,7 @@ class Seat:
         if was_moving and not self.driving.moving:
             self._note_end("no fresh frame")
 
-    def _send_demand(self, demand: Demand) -> None:
+    def _send_demand(self, demand: VelocityDemand) -> None:
         """Tell the robot a velocity, or the next character towards it if there is one."""
         if self._keys is None:
             self._mouth.drive(self.device, *demand)
@@ -215,7 +215,7 @@ class Seat:
 
     # ── STOP ──
 
-    def on_stop(self, latched: Latched, now_ns: int) -> bool:
+    def on_stop(self, latched: LatchedStop, now_ns: int) -> bool:
         """Stop now and answer; tell whether it was open before, so that it is kept on disk."""
         fresh = self.latch.ask(latched, now_ns)
         self._end(now_ns, "STOP")
@@ -283,7 +283,7 @@ class Seat:
             times.append(until)
         return min(times, default=None)
 
-    def step(self, now_ns: int, proofs: Callable[[], list[Proof | None]]) -> None:
+    def step(self, now_ns: int, proofs: Callable[[], list[StandstillProof | None]]) -> None:
         """Do what is due: lease that ends, zeros, STOP repeated and judged, reports."""
         self.tenancy.settle(now_ns)
         if self.latch.latched is not None:
@@ -294,7 +294,9 @@ class Seat:
                 self._publish(now_ns)
         self._report(now_ns)
 
-    def _step_stopped(self, now_ns: int, proofs: Callable[[], list[Proof | None]]) -> None:
+    def _step_stopped(
+        self, now_ns: int, proofs: Callable[[], list[StandstillProof | None]]
+    ) -> None:
         if now_ns - self._zero_ns >= self._period_ns:
             self._say_zero(now_ns)
             self.driving.step(now_ns)

@@ -15,8 +15,8 @@ import secrets
 from typing import TYPE_CHECKING
 
 from talaia.clock import MS, SECOND
-from talaia.gateway.driving.drive_controller import Seat
-from talaia.gateway.driving.stop_latch import Latched, Proof
+from talaia.gateway.driving.drive_controller import DriveController
+from talaia.gateway.driving.stop_latch import LatchedStop, StandstillProof
 from talaia.model.site import LinkLoss
 from talaia.wire.frames import ResetToken, Tick
 
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection
 
     from talaia.clock import Clock
-    from talaia.gateway.driving.persistent_state import KeptStops
-    from talaia.gateway.ports import Mouth, Readings
+    from talaia.gateway.driving.persistent_state import PersistentStops
+    from talaia.gateway.ports import ControlOutput, ReadingSource
     from talaia.gateway.safety.interlocks import Interlocks
     from talaia.model.site import Site
     from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, OverrideAsk, ResetAsk, StopAsk
 
-__all__ = ["Control", "Ticks"]
+__all__ = ["DriveService", "TickClock"]
 
 TICK_NS = 50 * MS
 CHANGING = "its description is being changed"
@@ -39,7 +39,7 @@ CHANGING = "its description is being changed"
 log = logging.getLogger(__name__)
 
 
-class Ticks:
+class TickClock:
     """The gateway's own time marks, by which the age of a driver's frame is told. Pure."""
 
     KEPT = 64
@@ -67,17 +67,17 @@ class Ticks:
         return 3600 * SECOND if sent is None else now_ns - sent
 
 
-class Control:
+class DriveService:
     """Driving, leases and STOP of a site."""
 
     def __init__(
         self,
         site: Site,
         clock: Clock,
-        mouth: Mouth,
-        readings: Readings,
+        mouth: ControlOutput,
+        readings: ReadingSource,
         next_epoch: Callable[[], int],
-        stops: KeptStops,
+        stops: PersistentStops,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
         interlocks: Interlocks | None = None,
     ) -> None:
@@ -86,9 +86,9 @@ class Control:
         Args:
             site: the description.
             clock: monotonic for every decision, wall only for the record.
-            mouth: see `Mouth`.
+            mouth: see `ControlOutput`.
             readings: for the confirmation of STOP.
-            next_epoch: see `Lease`.
+            next_epoch: see `DeviceLease`.
             stops: latches kept on disk.
             on_disk: runs a blocking write elsewhere, in order; raises what it raises.
             interlocks: say when a device may not be driven; kept in time with the rest.
@@ -101,13 +101,13 @@ class Control:
         self._readings = readings
         self._stops = stops
         self._on_disk = on_disk
-        self.ticks = Ticks()
+        self.ticks = TickClock()
         self._linked = False
         self._away: set[str] = set()
         self._changing: frozenset[str] = frozenset()
         self._next_epoch = next_epoch
         self.seats = {
-            name: Seat(name, device.drive, mouth, next_epoch, stops.get(name))
+            name: DriveController(name, device.drive, mouth, next_epoch, stops.get(name))
             for name, device in site.devices.items()
             if device.drive is not None
         }
@@ -154,17 +154,17 @@ class Control:
             seat.measured = self._measured(seat, now)
             seat.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
-    def stop(self, ask: StopAsk) -> Latched | None:
+    def stop(self, ask: StopAsk) -> LatchedStop | None:
         """Stop at once; give what `keep_stop` is to write when it was not stopped before."""
         seat = self.seats.get(ask.device)
         if seat is None:
             problem = f"STOP for {ask.device}, which is not a driven device"
             self._mouth.note("stop_refused", "", problem, ask.who, good=False)
             return None
-        latched = Latched(ask.id, ask.who, self._clock.wall_ns() // 1000)
+        latched = LatchedStop(ask.id, ask.who, self._clock.wall_ns() // 1000)
         return latched if seat.on_stop(latched, self._clock.monotonic_ns()) else None
 
-    async def keep_stop(self, device: str, latched: Latched) -> None:
+    async def keep_stop(self, device: str, latched: LatchedStop) -> None:
         """Write a STOP to disk, so that it survives a restart."""
         try:
             await self._on_disk(lambda: self._stops.write(device, latched))
@@ -212,7 +212,7 @@ class Control:
             return
         await self._release(seat, ask)
 
-    async def _release(self, seat: Seat, ask: ResetAsk) -> None:
+    async def _release(self, seat: DriveController, ask: ResetAsk) -> None:
         was = seat.latch.latched
         try:
             await self._on_disk(lambda: self._stops.write(seat.device, None))
@@ -260,7 +260,7 @@ class Control:
             seat = before.get(name)
             if seat is None or seat.rule != device.drive:
                 stopped = self._stops.get(name) if seat is None else seat.latch.latched
-                seat = Seat(name, device.drive, self._mouth, self._next_epoch, stopped)
+                seat = DriveController(name, device.drive, self._mouth, self._next_epoch, stopped)
                 self._mouth.send(seat.stop_state())
                 self._mouth.send(seat.lease_state(now))
             self.seats[name] = seat
@@ -351,7 +351,7 @@ class Control:
     def _share(self, device: str, now_ns: int) -> float:
         return 1.0 if self._interlocks is None else self._interlocks.share(device, now_ns)
 
-    def _measured(self, seat: Seat, now_ns: int) -> tuple[float, float]:
+    def _measured(self, seat: DriveController, now_ns: int) -> tuple[float, float]:
         """Give what a robot that is driven by characters says of its motion; NaN for nothing."""
         keys = seat.rule.keys
         speed, turn = (self._fresh(address, now_ns) for address in (keys.speed, keys.turn))
@@ -372,8 +372,8 @@ class Control:
     def _tick(self, now_ns: int) -> None:
         self._mouth.send(Tick(tick=self.ticks.next(now_ns)))
 
-    def _proofs(self, seat: Seat) -> list[Proof | None]:
-        proofs: list[Proof | None] = []
+    def _proofs(self, seat: DriveController) -> list[StandstillProof | None]:
+        proofs: list[StandstillProof | None] = []
         for address in seat.rule.stop.confirmed_by:
             reading = self._readings.latest(address)
             device, _, signal = address.partition("/")
@@ -381,6 +381,6 @@ class Control:
             proofs.append(
                 None
                 if reading is None
-                else Proof(reading.value, reading.mono_ns, round(max_age * SECOND))
+                else StandstillProof(reading.value, reading.mono_ns, round(max_age * SECOND))
             )
         return proofs

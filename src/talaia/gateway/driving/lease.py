@@ -13,7 +13,7 @@ from talaia.clock import SECOND
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["ANSWER_NS", "FORCE_NS", "Holder", "Lease", "Rival"]
+__all__ = ["ANSWER_NS", "FORCE_NS", "DeviceLease", "LeaseHolder", "LeaseRival"]
 
 # The holder's time to answer an ask.
 ANSWER_NS = 5 * SECOND
@@ -21,7 +21,7 @@ ANSWER_NS = 5 * SECOND
 FORCE_NS = 30 * SECOND
 
 
-class Holder(NamedTuple):
+class LeaseHolder(NamedTuple):
     """Who has it, under which epoch, and until when (ns, monotonic)."""
 
     session: str
@@ -30,7 +30,7 @@ class Holder(NamedTuple):
     until_ns: int
 
 
-class Rival(NamedTuple):
+class LeaseRival(NamedTuple):
     """Who asks the holder for it, and until when the holder may answer (ns, monotonic)."""
 
     session: str
@@ -38,7 +38,7 @@ class Rival(NamedTuple):
     until_ns: int
 
 
-class Lease:
+class DeviceLease:
     """The lease of one device.
 
     Every question takes the time, and an overdue lease is gone by that alone: no timer has to
@@ -56,19 +56,19 @@ class Lease:
         """
         self._duration_ns = duration_ns
         self._next_epoch = next_epoch
-        self._holder: Holder | None = None
-        self._rival: Rival | None = None
+        self._holder: LeaseHolder | None = None
+        self._rival: LeaseRival | None = None
         # Sessions whose ask of the present holder was in vain, and until when they may force it.
         self._in_vain: dict[str, int] = {}
 
-    def holder(self, now_ns: int) -> Holder | None:
+    def holder(self, now_ns: int) -> LeaseHolder | None:
         """Give the holder, or none."""
         if self._holder is not None and now_ns >= self._holder.until_ns:
             self._holder = None
             self._in_vain.clear()
         return self._holder
 
-    def rival(self, now_ns: int) -> Rival | None:
+    def rival(self, now_ns: int) -> LeaseRival | None:
         """Give who asks the holder for it, or none."""
         rival = self._rival
         if rival is not None and now_ns >= rival.until_ns:
@@ -114,7 +114,7 @@ class Lease:
             return f"{rival.who} has asked for it already"
         if rival is None:
             self._in_vain.pop(session, None)
-            self._rival = Rival(session, who, now_ns + ANSWER_NS)
+            self._rival = LeaseRival(session, who, now_ns + ANSWER_NS)
         return ""
 
     def accept(self, session: str, now_ns: int) -> str:
@@ -132,7 +132,7 @@ class Lease:
         self._grant(rival.session, rival.who, now_ns)
         return ""
 
-    def deny(self, session: str, now_ns: int) -> Rival | None:
+    def deny(self, session: str, now_ns: int) -> LeaseRival | None:
         """Let the holder say no; give who was refused, or none when there was nobody to refuse."""
         held, rival = self.holder(now_ns), self.rival(now_ns)
         if held is None or held.session != session or rival is None:
@@ -196,7 +196,7 @@ class Lease:
         times = [each.until_ns for each in (self._holder, self._rival) if each is not None]
         return min(times, default=None)
 
-    def drop(self) -> Holder | None:
+    def drop(self) -> LeaseHolder | None:
         """End it whoever holds it or asks for it, and give who held it."""
         held, self._holder, self._rival = self._holder, None, None
         self._in_vain.clear()
@@ -208,7 +208,7 @@ class Lease:
 
     def _grant(self, session: str, who: str, now_ns: int) -> None:
         before, epoch = self._holder, self._next_epoch()
-        self._holder = Holder(session, who, epoch, now_ns + self._duration_ns)
+        self._holder = LeaseHolder(session, who, epoch, now_ns + self._duration_ns)
         if self._rival is not None and self._rival.session == session:
             self._rival = None
         if before is not None and before.session == session:

@@ -9,20 +9,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from talaia.clock import MS
-from talaia.gateway.driving.lease import Lease
+from talaia.gateway.driving.lease import DeviceLease
 from talaia.wire.frames import LeaseForce, LeaseOp, LeaseState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.gateway.driving.lease import Holder, Rival
-    from talaia.gateway.ports import Mouth
+    from talaia.gateway.driving.lease import LeaseHolder, LeaseRival
+    from talaia.gateway.ports import ControlOutput
     from talaia.wire.frames import LeaseAsk
 
-__all__ = ["Tenancy"]
+__all__ = ["LeaseProtocol"]
 
 
-class Changed(Protocol):
+class OnHolderChange(Protocol):
     """Called when the lease went from one holder to another or to nobody, before it is told."""
 
     def __call__(self, now_ns: int, why: str, *, over: bool) -> None:
@@ -30,7 +30,7 @@ class Changed(Protocol):
         ...
 
 
-class Tenancy:
+class LeaseProtocol:
     """Who has one device, who asks for it, and all that is said about it."""
 
     def __init__(
@@ -38,16 +38,16 @@ class Tenancy:
         device: str,
         duration_ns: int,
         next_epoch: Callable[[], int],
-        mouth: Mouth,
-        changed: Changed,
+        mouth: ControlOutput,
+        changed: OnHolderChange,
     ) -> None:
-        """Start with nobody. For ``duration_ns`` and ``next_epoch`` see `Lease`."""
-        self.lease = Lease(duration_ns, next_epoch)
+        """Start with nobody. For ``duration_ns`` and ``next_epoch`` see `DeviceLease`."""
+        self.lease = DeviceLease(duration_ns, next_epoch)
         self._device = device
         self._mouth = mouth
         self._changed = changed
-        self._had: Holder | None = None
-        self._asks: Rival | None = None
+        self._had: LeaseHolder | None = None
+        self._asks: LeaseRival | None = None
 
     def on_ask(self, ask: LeaseAsk | LeaseForce, now_ns: int) -> None:
         """Act on what a session wants, and answer it.
@@ -109,13 +109,13 @@ class Tenancy:
         self._asks = rival
         return ""
 
-    def _denied(self, now_ns: int, rival: Rival | None, who: str) -> None:
+    def _denied(self, now_ns: int, rival: LeaseRival | None, who: str) -> None:
         if rival is not None:
             self._asks = None
             self._note("lease_denied", f"to {rival.who}", who)
             self._in_vain(now_ns, rival, f"{who} keeps control")
 
-    def _in_vain(self, now_ns: int, rival: Rival, why: str) -> None:
+    def _in_vain(self, now_ns: int, rival: LeaseRival, why: str) -> None:
         self._mouth.send(self.state(now_ns))
         self._mouth.send(self.state(now_ns, rival.session, why, forceable=True))
 

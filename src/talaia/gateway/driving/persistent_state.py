@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.gateway.driving.stop_latch import Latched
+from talaia.gateway.driving.stop_latch import LatchedStop
 from talaia.gateway.persistence import read_whole, write_in_place
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Epochs", "KeptStops"]
+__all__ = ["LeaseEpochs", "PersistentStops"]
 
 log = logging.getLogger(__name__)
 # So many numbers are reserved at once.
 _BLOCK = 1000
 
 
-class Epochs:
+class LeaseEpochs:
     """Numbers for leases that rise for ever.
 
     They are reserved on disk in blocks, so that a grant does not wait for the disk: a restart
@@ -67,7 +67,7 @@ class Epochs:
         return self._last
 
 
-class KeptStops:
+class PersistentStops:
     """The devices that are stopped, by name."""
 
     def __init__(self, path: Path) -> None:
@@ -78,12 +78,12 @@ class KeptStops:
 
         """
         self._path = path
-        self._stops: dict[str, Latched] = {}
+        self._stops: dict[str, LatchedStop] = {}
         # What the disk did not take; it is tried again.
-        self._waiting: dict[str, Latched] = {}
+        self._waiting: dict[str, LatchedStop] = {}
         self._unread = ""
         try:
-            self._stops = read_whole(path, dict[str, Latched], dict)
+            self._stops = read_whole(path, dict[str, LatchedStop], dict)
         except OSError as error:
             log.warning("all that is driven begins with STOP: %s cannot be read: %s", path, error)
             self._unread = f"the gateway, which cannot read its disk ({error.strerror})"
@@ -92,10 +92,10 @@ class KeptStops:
                 # So that there is room for the first STOP even when the disk is full by then.
                 write_in_place(path, msgspec.json.encode(self._stops))
 
-    def get(self, device: str) -> Latched | None:
+    def get(self, device: str) -> LatchedStop | None:
         """Give who stopped a device, or none. Where that cannot be read, the gateway has."""
         kept = self._waiting.get(device) or self._stops.get(device)
-        return Latched("", self._unread, 0) if kept is None and self._unread else kept
+        return LatchedStop("", self._unread, 0) if kept is None and self._unread else kept
 
     @property
     def behind(self) -> bool:
@@ -112,7 +112,7 @@ class KeptStops:
         for device, latched in list(self._waiting.items()):
             self.write(device, latched)
 
-    def write(self, device: str, latched: Latched | None) -> None:
+    def write(self, device: str, latched: LatchedStop | None) -> None:
         """Remember or forget one; may block on the disk.
 
         Raises:

@@ -9,12 +9,12 @@ from talaia.clock import SECOND
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["Latched", "Proof", "StopLatch"]
+__all__ = ["LatchedStop", "StandstillProof", "StopLatch"]
 
 TOKEN_NS = 10 * SECOND
 
 
-class Latched(NamedTuple):
+class LatchedStop(NamedTuple):
     """Who stopped the device, by which ask, and when (wall time)."""
 
     id: str
@@ -22,7 +22,7 @@ class Latched(NamedTuple):
     time_us: int
 
 
-class Proof(NamedTuple):
+class StandstillProof(NamedTuple):
     """A reading that tells whether the robot stands still.
 
     Attributes:
@@ -44,7 +44,7 @@ class StopLatch:
     same session was given at most ten seconds before, once.
     """
 
-    def __init__(self, below: float, latched: Latched | None = None) -> None:
+    def __init__(self, below: float, latched: LatchedStop | None = None) -> None:
         """Take how near zero counts as standing still, and the state kept on disk."""
         self._below = below
         self._token: tuple[str, str, int] | None = None
@@ -52,7 +52,7 @@ class StopLatch:
         self.latched = latched
         self.confirmed = False
 
-    def ask(self, latched: Latched, now_ns: int) -> bool:
+    def ask(self, latched: LatchedStop, now_ns: int) -> bool:
         """Latch; tell whether it was open before. The first who asked stays on record."""
         self._token = None
         if self.latched is not None:
@@ -62,7 +62,7 @@ class StopLatch:
         self.confirmed = False
         return True
 
-    def judge(self, proofs: Iterable[Proof | None], now_ns: int) -> bool:
+    def judge(self, proofs: Iterable[StandstillProof | None], now_ns: int) -> bool:
         """Confirm or unconfirm by the newest readings; tell whether that changed.
 
         All must have come after STOP, be fresh, and be within ``below`` of zero. With no reading

@@ -16,7 +16,14 @@ if TYPE_CHECKING:
     from talaia.model.site import Drive as DriveRule
     from talaia.wire.frames import Drive as DriveFrame
 
-__all__ = ["STILL", "STOP_BY_NS", "Demand", "Driving", "cap_of_loop", "cap_of_picture"]
+__all__ = [
+    "STILL",
+    "STOP_BY_NS",
+    "VelocityDemand",
+    "VelocityLimiter",
+    "cap_of_loop",
+    "cap_of_picture",
+]
 
 FULL_LOOP_MS = 150.0
 HALF_LOOP_MS = 300.0
@@ -31,17 +38,17 @@ STOP_BY_NS = 450 * MS
 CREDIT = 3.0
 
 
-class Demand(NamedTuple):
+class VelocityDemand(NamedTuple):
     """A velocity for the robot: m/s forward, rad/s counter-clockwise."""
 
     linear: float
     angular: float
 
 
-STILL = Demand(0.0, 0.0)
+STILL = VelocityDemand(0.0, 0.0)
 
 
-class Phase(Enum):
+class OutputPhase(Enum):
     """What is published: nothing, the driver's wish, or explicit zeros until a time."""
 
     SILENT = "silent"
@@ -73,7 +80,7 @@ def cap_of_picture(picture_ms: float, *, has_picture: bool) -> float:
     return 0.5 if picture_ms <= DEAD_PICTURE_MS else 0.0
 
 
-class Driving:
+class VelocityLimiter:
     """One driven device. `offer` takes frames, `step` says what to publish and when next."""
 
     def __init__(self, rule: DriveRule) -> None:
@@ -82,7 +89,7 @@ class Driving:
         self._ttl_ns = round(rule.ttl * SECOND)
         self._period_ns = round(SECOND / rule.rate)
         self._reverse = rule.max_speed if rule.max_reverse is None else rule.max_reverse
-        self._phase = Phase.SILENT
+        self._phase = OutputPhase.SILENT
         self._wish = STILL
         self._output = STILL
         self._until_ns = 0
@@ -103,7 +110,7 @@ class Driving:
         self.refused = 0
 
     @property
-    def output(self) -> Demand:
+    def output(self) -> VelocityDemand:
         """The last demand given out."""
         return self._output
 
@@ -115,12 +122,12 @@ class Driving:
     @property
     def moving(self) -> bool:
         """Tell whether a hold is on: frames were accepted and have not ended."""
-        return self._phase is Phase.DRIVING
+        return self._phase is OutputPhase.DRIVING
 
     @property
     def silent(self) -> bool:
         """Tell whether there is nothing to publish, zeros included."""
-        return self._phase is Phase.SILENT
+        return self._phase is OutputPhase.SILENT
 
     def offer(self, frame: DriveFrame, epoch: int, age_ns: int, now_ns: int) -> str:
         """Take a frame whose session holds the lease, or give the reason for refusing it.
@@ -139,10 +146,10 @@ class Driving:
             self.refused += 1
             return why
         self._epoch, self._seq = epoch, frame.seq
-        if self._phase is not Phase.DRIVING:
+        if self._phase is not OutputPhase.DRIVING:
             self.accepted = 0
         self.accepted += 1
-        self._phase = Phase.DRIVING
+        self._phase = OutputPhase.DRIVING
         self._until_ns = now_ns + min(self._ttl_ns, STOP_BY_NS - age_ns)
         # It may have spent most of its life on the way: then it is not said again.
         self._fresh_until_ns = now_ns + self._ttl_ns - age_ns
@@ -152,7 +159,7 @@ class Driving:
             cap_of_loop(self.loop_ms),
             cap_of_picture(frame.picture_ms, has_picture=bool(self._rule.picture)),
         )
-        self._wish = Demand(
+        self._wish = VelocityDemand(
             min(max(frame.linear, -self._reverse), self._rule.max_speed),
             min(max(frame.angular, -self._rule.max_turn), self._rule.max_turn),
         )
@@ -197,7 +204,7 @@ class Driving:
     def halt(self, now_ns: int, seconds: float = 0.0) -> None:
         """End the hold now: zeros for the stated time, or longer, then silence. No ramp."""
         self._wish = STILL
-        self._phase = Phase.ZEROS
+        self._phase = OutputPhase.ZEROS
         self._until_ns = now_ns + round(max(seconds, self._rule.zeros_for) * SECOND)
         self._said_ns = None
 
@@ -226,36 +233,36 @@ class Driving:
         In a hold the frames themselves set the pace; the turn comes half a period later than
         theirs, so that it only fills in for a frame that is missing.
         """
-        if self._phase is Phase.SILENT:
+        if self._phase is OutputPhase.SILENT:
             return None
         if self._said_ns is None:
             return min(0, self._until_ns)
         wait = self._period_ns
-        if self._phase is Phase.DRIVING:
+        if self._phase is OutputPhase.DRIVING:
             wait = self._period_ns // 2 if self._unsaid else self._period_ns * 3 // 2
             if self._wish != STILL and self._said_ns + wait > self._fresh_until_ns:
                 return self._until_ns
         return min(self._said_ns + wait, self._until_ns)
 
-    def step(self, now_ns: int) -> Demand | None:
+    def step(self, now_ns: int) -> VelocityDemand | None:
         """Give what to publish now, or none for silence."""
-        if self._phase is Phase.DRIVING and now_ns >= self._until_ns:
+        if self._phase is OutputPhase.DRIVING and now_ns >= self._until_ns:
             self.halt(now_ns)
-        driven = self._phase is Phase.DRIVING and self._wish != STILL
+        driven = self._phase is OutputPhase.DRIVING and self._wish != STILL
         if driven and now_ns > self._fresh_until_ns:
             # Silence until the zeros, or until a fresh frame: an old wish moves nothing.
             self._fresh_until_ns = -1
             return None
-        if self._phase is Phase.ZEROS and now_ns >= self._until_ns:
-            self._phase = Phase.SILENT
-        if self._phase is Phase.SILENT:
+        if self._phase is OutputPhase.ZEROS and now_ns >= self._until_ns:
+            self._phase = OutputPhase.SILENT
+        if self._phase is OutputPhase.SILENT:
             self._output, self._said_ns = STILL, None
             return None
-        self._output = self._next(now_ns) if self._phase is Phase.DRIVING else STILL
+        self._output = self._next(now_ns) if self._phase is OutputPhase.DRIVING else STILL
         self._said_ns, self._unsaid = now_ns, False
         return self._output
 
-    def _next(self, now_ns: int) -> Demand:
+    def _next(self, now_ns: int) -> VelocityDemand:
         since = self._period_ns if self._said_ns is None else now_ns - self._said_ns
         # A late turn does not buy a larger jump than two turns' worth.
         seconds = min(max(since, 0), 2 * self._period_ns) / SECOND
@@ -264,7 +271,7 @@ class Driving:
         turn = rule.max_turn_acceleration * seconds
         angular = _ramp(self._output.angular, self._wish.angular, turn)
         limit = self.cap * (rule.max_speed if linear >= 0 else self._reverse)
-        return Demand(_within(linear, limit), _within(angular, self.cap * rule.max_turn))
+        return VelocityDemand(_within(linear, limit), _within(angular, self.cap * rule.max_turn))
 
 
 def _ramp(now: float, wish: float, step: float) -> float:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.clock import Clock
-    from talaia.gateway.fits.outbox import Outbox
+    from talaia.gateway.fits.outbox import ArchiveOutbox
     from talaia.gateway.ports import EventSink
 
 __all__ = ["FrameTaker"]
@@ -37,7 +37,7 @@ class FrameTaker:
     def __init__(
         self,
         folder: Path,
-        outbox: Outbox,
+        outbox: ArchiveOutbox,
         events: EventSink,
         clock: Clock,
         disk: Executor,

@@ -15,7 +15,16 @@ from talaia.gateway.errors import GatewayError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["BLOCK", "Card", "NotFits", "Value", "cards_of", "length_of", "rewritten", "values_of"]
+__all__ = [
+    "BLOCK",
+    "HeaderCard",
+    "NotFits",
+    "Value",
+    "cards_of",
+    "length_of",
+    "rewritten",
+    "values_of",
+]
 
 BLOCK = 2880
 _CARD = 80
@@ -32,7 +41,7 @@ class NotFits(GatewayError):
     """The bytes are not a FITS file."""
 
 
-class Card(NamedTuple):
+class HeaderCard(NamedTuple):
     """One keyword with its value and what it means; a value of none is written as undefined."""
 
     key: str
@@ -96,7 +105,7 @@ def _value(text: str) -> Value:
     return value if math.isfinite(value) else None
 
 
-def rewritten(header: bytes, cards: Iterable[Card]) -> bytes:
+def rewritten(header: bytes, cards: Iterable[HeaderCard]) -> bytes:
     """Give the header with these cards: in the place of their keyword, or at its end."""
     lines = cards_of(header)
     places = {line[:8].decode("ascii", "replace").strip(): at for at, line in enumerate(lines)}
@@ -112,7 +121,7 @@ def rewritten(header: bytes, cards: Iterable[Card]) -> bytes:
     return whole + b" " * (-len(whole) % BLOCK)
 
 
-def written(card: Card) -> bytes:
+def written(card: HeaderCard) -> bytes:
     """Write one card.
 
     Raises:

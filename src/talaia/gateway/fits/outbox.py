@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["Outbox"]
+__all__ = ["ArchiveOutbox"]
 
 log = logging.getLogger(__name__)
 
 
-class Outbox:
+class ArchiveOutbox:
     """The folder. Its methods block; each may be called from any thread."""
 
     def __init__(self, folder: Path, most_bytes: int, wake: Callable[[], None]) -> None:

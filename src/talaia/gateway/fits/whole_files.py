@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.gateway.errors import FieldError
-from talaia.gateway.fits.header import BLOCK, Card, NotFits, length_of, rewritten, values_of
+from talaia.gateway.fits.header import BLOCK, HeaderCard, NotFits, length_of, rewritten, values_of
 from talaia.gateway.persistence import write_whole
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.clock import Clock
-    from talaia.gateway.fits.outbox import Outbox
+    from talaia.gateway.fits.outbox import ArchiveOutbox
     from talaia.gateway.ports import EventSink
     from talaia.model.enclosure import Place
 
@@ -46,20 +46,20 @@ def completed(header: bytes, site: str, device: str, place: Place | None) -> byt
     The same header gives the same bytes, whenever it is asked for.
     """
     cards = [
-        Card("OBSERVAT", site, "observatory"),
-        Card("INSTRUME", device, "camera"),
+        HeaderCard("OBSERVAT", site, "observatory"),
+        HeaderCard("INSTRUME", device, "camera"),
     ]
     known = values_of(header)
     # All of the place or nothing: half of the camera's and half of ours would be nowhere.
     if place is not None and not known.keys() & {"SITELAT", "SITELONG"}:
         cards += [
-            Card("SITELAT", place.latitude, "[deg] latitude of the site"),
-            Card("SITELONG", place.longitude, "[deg] longitude of the site, east positive"),
-            Card("SITEELEV", place.elevation, "[m] height of the site"),
+            HeaderCard("SITELAT", place.latitude, "[deg] latitude of the site"),
+            HeaderCard("SITELONG", place.longitude, "[deg] longitude of the site, east positive"),
+            HeaderCard("SITEELEV", place.elevation, "[m] height of the site"),
         ]
     ours = [
-        Card("ORIGIN", "Talaia", "control room that kept this file"),
-        Card("TALAIADV", device, "site and device of the camera"),
+        HeaderCard("ORIGIN", "Talaia", "control room that kept this file"),
+        HeaderCard("TALAIADV", device, "site and device of the camera"),
     ]
     return rewritten(header, [*ours, *(each for each in cards if each.key not in known)])
 
@@ -78,7 +78,7 @@ class WholeFiles:
     def __init__(
         self,
         folder: Path,
-        outbox: Outbox,
+        outbox: ArchiveOutbox,
         events: EventSink,
         clock: Clock,
         disk: Executor,

@@ -22,18 +22,26 @@ if TYPE_CHECKING:
     from talaia.model.site import Command, Signal, Site
     from talaia.wire.columns import Columns
 
-__all__ = ["MAX_MESSAGE", "UNKNOWN", "Action", "AskWrong", "Newest", "read_message", "status_of"]
+__all__ = [
+    "MAX_MESSAGE",
+    "UNKNOWN",
+    "LegacyAction",
+    "LegacyRequestError",
+    "NewestValues",
+    "read_message",
+    "status_of",
+]
 
 MAX_MESSAGE = 16 * 1024
 MAX_ACTIONS = 8
 UNKNOWN = "unknown"
 
 
-class AskWrong(Exception):
+class LegacyRequestError(Exception):
     """A message that asks for nothing that there is; its text says why."""
 
 
-class Action(NamedTuple):
+class LegacyAction(NamedTuple):
     """One thing that was asked for, with its arguments by name."""
 
     device: str
@@ -47,7 +55,7 @@ class _Value(NamedTuple):
     mono_ns: int
 
 
-class Newest:
+class NewestValues:
     """A `SampleSink` that keeps the newest value of each channel, and passes all on. Any thread."""
 
     def __init__(
@@ -55,7 +63,8 @@ class Newest:
     ) -> None:
         """Stand before another sink; ``now_ns`` gives monotonic time.
 
-        ``first`` has the number of each signal's first channel by its address, see `Roster`.
+        ``first`` has the number of each signal's first channel by its address; see
+        `ChannelNumbering`.
         """
         self._onward = onward
         self._now_ns = now_ns
@@ -90,7 +99,7 @@ class Newest:
 
 
 def status_of(
-    site: Site, newest: Newest, answers: Mapping[str, str], now_ns: int
+    site: Site, newest: NewestValues, answers: Mapping[str, str], now_ns: int
 ) -> dict[str, dict[str, str]]:
     """Give what every device says now.
 
@@ -115,7 +124,7 @@ def status_of(
     return status
 
 
-def read_message(text: str | bytes, site: Site) -> list[Action]:
+def read_message(text: str | bytes, site: Site) -> list[LegacyAction]:
     """Read a message: none for the status, else the actions, all of which fit.
 
     Raises:
@@ -125,30 +134,32 @@ def read_message(text: str | bytes, site: Site) -> list[Action]:
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise AskWrong(f"the message is not JSON: {error}") from error
+        raise LegacyRequestError(f"the message is not JSON: {error}") from error
     asked = document.get("msg") if isinstance(document, dict) else None
     if asked == "status":
         return []
     devices = asked.get("action") if isinstance(asked, dict) else None
     if not isinstance(devices, dict) or not devices:
-        raise AskWrong('expected {"msg": "status"} or {"msg": {"action": {…}}}')
-    actions: list[Action] = []
+        raise LegacyRequestError('expected {"msg": "status"} or {"msg": {"action": {…}}}')
+    actions: list[LegacyAction] = []
     for device_id, found in devices.items():
         device = site.devices.get(device_id)
         if device is None:
-            raise AskWrong(f"there is no device {device_id[:60]!r}: {_list(site.devices)}")
+            raise LegacyRequestError(
+                f"there is no device {device_id[:60]!r}: {_list(site.devices)}"
+            )
         asks = found.get("action") if isinstance(found, dict) else None
         if not isinstance(asks, dict) or not asks:
-            raise AskWrong(f'{device_id}: expected {{"action": {{…}}}}')
+            raise LegacyRequestError(f'{device_id}: expected {{"action": {{…}}}}')
         for name, parameters in asks.items():
             command = device.commands.get(name)
             if command is None:
                 known = _list(device.commands)
-                raise AskWrong(f"{device_id} has no action {name[:60]!r}: {known}")
+                raise LegacyRequestError(f"{device_id} has no action {name[:60]!r}: {known}")
             said = f"{device_id}/{name}"
-            actions.append(Action(device_id, name, _args(said, command, parameters)))
+            actions.append(LegacyAction(device_id, name, _args(said, command, parameters)))
     if len(actions) > MAX_ACTIONS:
-        raise AskWrong(f"{len(actions)} actions in one message; at most {MAX_ACTIONS}")
+        raise LegacyRequestError(f"{len(actions)} actions in one message; at most {MAX_ACTIONS}")
     return actions
 
 
@@ -159,7 +170,7 @@ def _list(known: Mapping[str, object]) -> str:
 def _args(where: str, command: Command, parameters: object) -> dict[str, Field]:
     """Cut the one text into the command's arguments, in the order of the description."""
     if isinstance(parameters, bool) or not isinstance(parameters, str | int | float):
-        raise AskWrong(f"{where}: expected the parameters as one text")
+        raise LegacyRequestError(f"{where}: expected the parameters as one text")
     text = str(parameters).strip()
     arguments = command.arguments
     if len(arguments) == 1 and next(iter(arguments.values())).type is ArgumentType.TEXT:
@@ -167,10 +178,10 @@ def _args(where: str, command: Command, parameters: object) -> dict[str, Field]:
     try:
         words = shlex.split(text)
     except ValueError as error:
-        raise AskWrong(f"{where}: {error}") from error
+        raise LegacyRequestError(f"{where}: {error}") from error
     if len(words) > len(arguments):
         names = " ".join(each.upper() for each in arguments) or "nothing"
-        raise AskWrong(f"{where}: {len(words)} parameters; expected {names}")
+        raise LegacyRequestError(f"{where}: {len(words)} parameters; expected {names}")
     return {
         name: _typed(where, name, argument.type, word)
         for (name, argument), word in zip(arguments.items(), words, strict=False)
@@ -186,10 +197,10 @@ def _typed(where: str, name: str, kind: ArgumentType, word: str) -> Field:
                 return True
             if word.lower() in ("off", "false", "0"):
                 return False
-            raise AskWrong(f"{where}: {name}: expected on or off, found {word[:60]!r}")
+            raise LegacyRequestError(f"{where}: {name}: expected on or off, found {word[:60]!r}")
         case ArgumentType.INTEGER | ArgumentType.NUMBER:
             try:
                 return int(word) if kind is ArgumentType.INTEGER else float(word)
             except ValueError:
                 problem = f"{where}: {name}: expected a number, found {word[:60]!r}"
-                raise AskWrong(problem) from None
+                raise LegacyRequestError(problem) from None

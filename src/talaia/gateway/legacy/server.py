@@ -26,7 +26,13 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
 from talaia.gateway.errors import SettingsError
-from talaia.gateway.legacy.messages import MAX_MESSAGE, AskWrong, Newest, read_message, status_of
+from talaia.gateway.legacy.messages import (
+    MAX_MESSAGE,
+    LegacyRequestError,
+    NewestValues,
+    read_message,
+    status_of,
+)
 from talaia.wire.frames import CommandAsk, CommandPhase
 
 if TYPE_CHECKING:
@@ -36,13 +42,13 @@ if TYPE_CHECKING:
     from websockets.http11 import Request, Response
 
     from talaia.clock import Clock
-    from talaia.gateway.commands.command_service import Commanding
-    from talaia.gateway.legacy.messages import Action
+    from talaia.gateway.commands.command_service import CommandService
+    from talaia.gateway.legacy.messages import LegacyAction
     from talaia.gateway.ports import EventSink
-    from talaia.gateway.settings import DoorSettings
+    from talaia.gateway.settings import LegacySettings
     from talaia.model.site import Site
 
-__all__ = ["Door", "Keys", "keys_of"]
+__all__ = ["LegacyCredentials", "LegacyServer", "keys_of"]
 
 log = logging.getLogger(__name__)
 MAX_CLIENTS = 16
@@ -54,7 +60,7 @@ MAX_MISTAKES = 50
 
 
 @dataclass(frozen=True)
-class Keys:
+class LegacyCredentials:
     """What the door proves itself with, and what it wants to hear.
 
     Attributes:
@@ -67,7 +73,7 @@ class Keys:
     fingerprint: str
 
 
-def keys_of(settings: DoorSettings, data: Path) -> Keys:
+def keys_of(settings: LegacySettings, data: Path) -> LegacyCredentials:
     """Read certificate and token; make what is not given, in the data folder, at the first start.
 
     Raises:
@@ -92,7 +98,7 @@ def keys_of(settings: DoorSettings, data: Path) -> Keys:
         raise SettingsError(f"the door for founding clients cannot be opened: {error}") from error
     if len(token) < 16:
         raise SettingsError(f"{token_file}: expected a token of at least 16 characters")
-    return Keys(context, token, hashlib.sha256(der).hexdigest())
+    return LegacyCredentials(context, token, hashlib.sha256(der).hexdigest())
 
 
 def _write(path: Path, data: bytes) -> None:
@@ -115,17 +121,17 @@ def _make_certificate(certificate: Path, key: Path) -> None:
     _write(certificate, made)
 
 
-class Door:
+class LegacyServer:
     """Serves founding clients for as long as it runs."""
 
     def __init__(
         self,
-        settings: DoorSettings,
-        keys: Keys,
+        settings: LegacySettings,
+        keys: LegacyCredentials,
         site: Site,
         clock: Clock,
-        commanding: Commanding,
-        newest: Newest,
+        commanding: CommandService,
+        newest: NewestValues,
         answers: Mapping[str, str],
         events: EventSink,
     ) -> None:
@@ -229,7 +235,7 @@ class Door:
                     told = answer.setdefault("action", {})
                     if isinstance(told, dict):
                         told.setdefault(action.device, {})[action.command] = said
-            except AskWrong as error:
+            except LegacyRequestError as error:
                 mistakes += 1
                 answer["error"] = str(error)
             now = self._clock.monotonic_ns()
@@ -239,7 +245,7 @@ class Door:
                 await socket.close(1008, "too many messages that mean nothing")
                 return
 
-    async def _act(self, action: Action, socket: ServerConnection) -> str:
+    async def _act(self, action: LegacyAction, socket: ServerConnection) -> str:
         """Begin a command; tell whether it began, in the words for people."""
         ask = CommandAsk(
             id=f"classic-{secrets.token_hex(8)}",

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import av
 
 from talaia import __version__
-from talaia.gateway.recording.recording_store import Saved
+from talaia.gateway.recording.recording_store import RecoveredFile
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -111,7 +111,7 @@ class FilmFile:
             self._container.close()
 
 
-def recover_film(broken: Path, whole: Path) -> Saved:
+def recover_film(broken: Path, whole: Path) -> RecoveredFile:
     """Copy all pictures that can be read into a file that begins with where each of them is.
 
     Raises:
@@ -137,7 +137,7 @@ def recover_film(broken: Path, whole: Path) -> Saved:
     if not count:
         whole.unlink(missing_ok=True)
         raise ValueError("it holds no picture")
-    return Saved(count, begin_us + last)
+    return RecoveredFile(count, begin_us + last)
 
 
 def _packets(

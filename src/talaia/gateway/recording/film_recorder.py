@@ -19,18 +19,18 @@ from talaia.clock import SECOND
 from talaia.gateway.ports import Filming
 from talaia.gateway.recording.film_file import FilmFile
 from talaia.gateway.recording.film_ring import FilmRing
-from talaia.gateway.recording.recording_store import Kept, NoRoom, new_id
+from talaia.gateway.recording.recording_store import NoRoom, StoredRecording, new_id
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
-    from talaia.gateway.recording.recording_store import Shelf
+    from talaia.gateway.recording.recording_store import RecordingStore
     from talaia.model.recording import Recording
     from talaia.wire.frames import Picture
 
-__all__ = ["Films"]
+__all__ = ["FilmRecorder"]
 
 log = logging.getLogger(__name__)
 _MB = 1_000_000
@@ -55,21 +55,21 @@ class _Reel:
         self.lost = 0
         # Of the writing thread alone.
         self.file: FilmFile | None = None
-        self.kept: Kept | None = None
+        self.kept: StoredRecording | None = None
         self.wrote_ns = 0
         self.seen_us = 0
         self.silent_us = _SILENT_US
         self.failed = False
 
 
-class Films:
+class FilmRecorder:
     """Takes encoded pictures of cameras. Any thread may call it."""
 
     def __init__(
         self,
         plan: Recording,
         cameras: Collection[str],
-        shelf: Shelf,
+        shelf: RecordingStore,
         clock: Clock,
         events: EventSink,
         finished: Callable[[], None],
@@ -315,7 +315,7 @@ class Films:
     def _open(self, reel: _Reel, first: Picture) -> None:
         with self._wake:
             why, who = reel.why, reel.who
-        kept = Kept(
+        kept = StoredRecording(
             id=new_id(first.time_us * 1000), why=why, who=who, begin_us=first.time_us,
             stream=reel.stream,
         )  # fmt: skip

@@ -9,21 +9,21 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 
 from talaia import __version__
-from talaia.gateway.recording.recording_store import Saved
+from talaia.gateway.recording.recording_store import RecoveredFile
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from talaia.gateway.recording.message_ring import Raw
+    from talaia.gateway.recording.message_ring import RawMessage
 
-__all__ = ["McapFile", "recover"]
+__all__ = ["McapFileWriter", "recover"]
 
 # What a killed gateway loses of a recording is at most one chunk.
 _CHUNK = 128 * 1024
 
 
-class McapFile:
+class McapFileWriter:
     """One file that is being written. Used by one thread.
 
     Attributes:
@@ -57,7 +57,7 @@ class McapFile:
         """The topics that have messages in it."""
         return sorted({topic for topic, _ in self._channels})
 
-    def add(self, raw: Raw) -> None:
+    def add(self, raw: RawMessage) -> None:
         """Write a message.
 
         Raises:
@@ -93,7 +93,7 @@ class McapFile:
         """Close without an index."""
         self._stream.close()
 
-    def _channel(self, raw: Raw) -> int:
+    def _channel(self, raw: RawMessage) -> int:
         writer = self._writer("ros1" if raw.definition else "ros2")
         if not raw.definition:
             schema = self._schemas.get(raw.type_name)
@@ -113,7 +113,7 @@ class McapFile:
         return self._begun
 
 
-def recover(broken: Path, whole: Path) -> Saved:
+def recover(broken: Path, whole: Path) -> RecoveredFile:
     """Copy all that can be read of a file into one with an index.
 
     Raises:
@@ -163,7 +163,7 @@ def recover(broken: Path, whole: Path) -> Saved:
     if not count:
         whole.unlink()
         raise ValueError("it holds no message")
-    return Saved(count, end_ns // 1000)
+    return RecoveredFile(count, end_ns // 1000)
 
 
 def _writer(stream: object, profile: str) -> Writer:

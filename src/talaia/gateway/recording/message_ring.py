@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-__all__ = ["Raw", "Ring"]
+__all__ = ["MessageRing", "RawMessage"]
 
 # What a message takes in memory beside its bytes, about.
 OVERHEAD = 200
 
 
-class Raw(NamedTuple):
+class RawMessage(NamedTuple):
     """A message as it came.
 
     Attributes:
@@ -29,21 +29,21 @@ class Raw(NamedTuple):
     definition: str = ""
 
 
-class Ring:
+class MessageRing:
     """Holds messages until they are too old or too many bytes."""
 
     def __init__(self, keep_ns: int, max_bytes: int) -> None:
         """Start empty."""
         self._keep_ns = keep_ns
         self._max_bytes = max_bytes
-        self._held: deque[Raw] = deque()
+        self._held: deque[RawMessage] = deque()
         self.bytes = 0
 
     def __len__(self) -> int:
         """Count the messages."""
         return len(self._held)
 
-    def add(self, raw: Raw) -> None:
+    def add(self, raw: RawMessage) -> None:
         """Take the newest message; what is over a bound goes, the oldest first."""
         self._held.append(raw)
         self.bytes += len(raw.data) + OVERHEAD
@@ -55,7 +55,7 @@ class Ring:
         while held and (self.bytes > self._max_bytes or now_ns - held[0].mono_ns > self._keep_ns):
             self.bytes -= len(held.popleft().data) + OVERHEAD
 
-    def take(self) -> deque[Raw]:
+    def take(self) -> deque[RawMessage]:
         """Give all that is held, in order, and hold nothing; as quick for much as for little."""
         taken, self._held, self.bytes = self._held, deque(), 0
         return taken

@@ -13,9 +13,9 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
-from talaia.gateway.recording.mcap_file import McapFile
-from talaia.gateway.recording.message_ring import OVERHEAD, Raw, Ring
-from talaia.gateway.recording.recording_store import Kept, NoRoom, new_id
+from talaia.gateway.recording.mcap_file import McapFileWriter
+from talaia.gateway.recording.message_ring import OVERHEAD, MessageRing, RawMessage
+from talaia.gateway.recording.recording_store import NoRoom, StoredRecording, new_id
 from talaia.wire.frames import RecordState
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
-    from talaia.gateway.recording.recording_store import Shelf
+    from talaia.gateway.recording.recording_store import RecordingStore
     from talaia.model.recording import Recording, Trigger
 
 __all__ = ["Recorder"]
@@ -42,7 +42,7 @@ class Recorder:
         self,
         plan: Recording,
         topics: tuple[str, ...],
-        shelf: Shelf,
+        shelf: RecordingStore,
         clock: Clock,
         definition: Callable[[str], str],
         tell_state: Callable[[RecordState], None],
@@ -70,12 +70,12 @@ class Recorder:
         self._tell_state = tell_state
         self._events = events
         self._finished = finished
-        self._ring = Ring(round(plan.before * SECOND), round(plan.ring_mb * _MB))
+        self._ring = MessageRing(round(plan.before * SECOND), round(plan.ring_mb * _MB))
         self._changed = threading.Condition()
-        self._queue: deque[Raw] = deque()
+        self._queue: deque[RawMessage] = deque()
         self._queued = 0
         self._lost = 0
-        self._kept: Kept | None = None
+        self._kept: StoredRecording | None = None
         # Messages go into the file; not so while it is being finished.
         self._open = False
         # What came up while a file was being finished.
@@ -103,7 +103,7 @@ class Recorder:
     ) -> None:
         """See `RawSink.offer`."""
         mono_ns = self._clock.monotonic_ns()
-        raw = Raw(topic, type_name, time_ns, mono_ns, bytes(data), definition)
+        raw = RawMessage(topic, type_name, time_ns, mono_ns, bytes(data), definition)
         with self._changed:
             if not self._open:
                 self._ring.add(raw)
@@ -156,7 +156,7 @@ class Recorder:
             self._queue = self._ring.take()
             self._lost = 0
             begin_ns = self._queue[0].time_ns if self._queue else wall_ns
-            self._kept = Kept(
+            self._kept = StoredRecording(
                 id=new_id(wall_ns), why=why[:1000], who=who[:200], begin_us=begin_ns // 1000
             )
             self._until_ns = until_ns
@@ -193,14 +193,14 @@ class Recorder:
             except Exception as error:  # noqa: BLE001 - told, and the next one may go well
                 self._failed(kept, error)
 
-    def _record(self, kept: Kept) -> None:
+    def _record(self, kept: StoredRecording) -> None:
         self._tell()
         self._events.tell("recording_started", f"{kept.id}: {kept.why}", who=kept.who)
         for gone in self._shelf.begin(kept, round(self._plan.file_mb * _MB)):
             self._events.tell(
                 "recording_dropped", f"{gone.id}: it waited for the hub, and the disk is full"
             )
-        file = McapFile(self._shelf.part(kept.id), self._definition)
+        file = McapFileWriter(self._shelf.part(kept.id), self._definition)
         try:
             note = self._fill(file)
             with self._changed:
@@ -226,7 +226,7 @@ class Recorder:
         self._tell()
         self._finished()
 
-    def _fill(self, file: McapFile) -> str:
+    def _fill(self, file: McapFileWriter) -> str:
         """Write until it is to end; give why it ended early, if it did."""
         most = self._plan.file_mb * _MB
         looked_ns = 0
@@ -261,7 +261,7 @@ class Recorder:
             if file.size > most:
                 return "it had the greatest size that the description allows"
 
-    def _failed(self, kept: Kept, error: Exception) -> None:
+    def _failed(self, kept: StoredRecording, error: Exception) -> None:
         log.warning("the recording %s failed: %s", kept.id, error)
         with self._changed:
             self._shut()

@@ -12,16 +12,16 @@ from talaia.wire.frames import RecordState
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.gateway.recording.film_recorder import Films
+    from talaia.gateway.recording.film_recorder import FilmRecorder
     from talaia.gateway.recording.recorder import Recorder
     from talaia.model.recording import Recording, Trigger
     from talaia.model.site import Site
 
-__all__ = ["Tapes"]
+__all__ = ["TriggeredRecorder"]
 
 
 @dataclasses.dataclass(frozen=True)
-class Tapes:
+class TriggeredRecorder:
     """What is told to begin and to end, and tells how it stands. Any thread may call it.
 
     Attributes:
@@ -34,7 +34,7 @@ class Tapes:
 
     plan: Recording
     recorder: Recorder | None
-    films: Films | None
+    films: FilmRecorder | None
     tell: Callable[[RecordState], None]
 
     def start(self) -> None:

@@ -25,7 +25,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["FILM", "Kept", "NoRoom", "Saved", "Shelf", "new_id", "offer_of"]
+__all__ = [
+    "FILM",
+    "NoRoom",
+    "RecordingStore",
+    "RecoveredFile",
+    "StoredRecording",
+    "new_id",
+    "offer_of",
+]
 
 log = logging.getLogger(__name__)
 _DISK_TROUBLE = {errno.ENOSPC, errno.EROFS, errno.EIO, errno.EDQUOT}
@@ -36,7 +44,7 @@ class NoRoom(GatewayError):
     """The disk has no room for a recording."""
 
 
-class Kept(msgspec.Struct, kw_only=True):
+class StoredRecording(msgspec.Struct, kw_only=True):
     """What is known of a recording.
 
     Attributes:
@@ -60,7 +68,7 @@ class Kept(msgspec.Struct, kw_only=True):
     stream: str = ""
 
 
-class Saved(NamedTuple):
+class RecoveredFile(NamedTuple):
     """What could be read of a file that was cut off.
 
     Attributes:
@@ -73,7 +81,7 @@ class Saved(NamedTuple):
     end_us: int
 
 
-def offer_of(kept: Kept) -> FileOffer | FilmOffer:
+def offer_of(kept: StoredRecording) -> FileOffer | FilmOffer:
     """Say what a recording is."""
     why, who, note = kept.why[:2000], kept.who[:200], kept.note[:2000]
     if kept.stream:
@@ -109,7 +117,7 @@ def new_id(wall_ns: int) -> str:
     return f"{moment:%Y%m%dT%H%M%SZ}-{secrets.token_hex(3)}"
 
 
-class Shelf:
+class RecordingStore:
     """The folder of recordings. Its methods block; each may be called from any thread."""
 
     def __init__(self, folder: Path, max_bytes: int, spare: int, ending: str = MESSAGES) -> None:
@@ -123,7 +131,7 @@ class Shelf:
         self._spare = spare
         self._refused: set[str] = set()
 
-    def open(self, recover: Callable[[Path, Path], Saved]) -> None:
+    def open(self, recover: Callable[[Path, Path], RecoveredFile]) -> None:
         """Make the folder, and make whole what a killed gateway left.
 
         Args:
@@ -136,7 +144,7 @@ class Shelf:
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         for part in self._folder.glob(f"*{self._part}"):
             name = part.name.removesuffix(self._part)
-            kept = self._read(name) or Kept(id=name, why="cut off")
+            kept = self._read(name) or StoredRecording(id=name, why="cut off")
             try:
                 saved = recover(part, self.whole(name))
                 kept.messages, kept.end_us = saved.number, max(kept.begin_us, saved.end_us)
@@ -171,7 +179,7 @@ class Shelf:
         if found.free < min(self._spare, found.total // 20):
             raise NoRoom(f"the disk of {self._folder} has only {found.free // 2**20} MiB left")
 
-    def begin(self, kept: Kept, size: int) -> list[Kept]:
+    def begin(self, kept: StoredRecording, size: int) -> list[StoredRecording]:
         """Note a recording that begins and may become ``size`` bytes; give those that had to go.
 
         Raises:
@@ -188,7 +196,7 @@ class Shelf:
         self._write(kept)
         return gone
 
-    def finish(self, kept: Kept) -> None:
+    def finish(self, kept: StoredRecording) -> None:
         """Note that ``whole(kept.id)`` is complete.
 
         Raises:
@@ -201,7 +209,7 @@ class Shelf:
         kept.size = path.stat().st_size
         self._write(kept)
 
-    def waiting(self, *, refused: bool = False) -> list[Kept]:
+    def waiting(self, *, refused: bool = False) -> list[StoredRecording]:
         """List the finished recordings, oldest first; those that the hub refused only if asked."""
         found = []
         for path in sorted(self._folder.glob(f"*{self._whole}")):
@@ -236,14 +244,14 @@ class Shelf:
     def _about(self, name: str) -> Path:
         return self._folder / f"{name}.json"
 
-    def _write(self, kept: Kept) -> None:
+    def _write(self, kept: StoredRecording) -> None:
         partial = self._folder / f"{kept.id}.json.tmp"
         partial.write_bytes(msgspec.json.encode(kept))
         partial.replace(self._about(kept.id))
 
-    def _read(self, name: str) -> Kept | None:
+    def _read(self, name: str) -> StoredRecording | None:
         try:
-            return msgspec.json.decode(self._about(name).read_bytes(), type=Kept)
+            return msgspec.json.decode(self._about(name).read_bytes(), type=StoredRecording)
         except (OSError, msgspec.MsgspecError):
             return None
 

@@ -7,10 +7,10 @@ import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia import __version__
-from talaia.gateway.adapters.connection_scope import Flexible, shares_of
-from talaia.gateway.change_policy import Accepts
-from talaia.gateway.errors import RosterFull
-from talaia.gateway.spool.files import Head
+from talaia.gateway.adapters.connection_scope import ReconfigurableAdapter, shares_of
+from talaia.gateway.change_policy import AcceptedChanges
+from talaia.gateway.errors import ChannelNumbersFull
+from talaia.gateway.spool.files import SegmentHead
 from talaia.model.change import renames, touched
 from talaia.model.load import dump_site
 from talaia.wire.frames import Described, Hello
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.clock import Clock
-    from talaia.gateway.actuation import Acting
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.adapters.connectivity import Reach
-    from talaia.gateway.adapters.multi_adapter import Many, Post
-    from talaia.gateway.legacy.messages import Newest
+    from talaia.gateway.actuation import Actuation
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.adapters.connectivity import DeviceReachability
+    from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
+    from talaia.gateway.legacy.messages import NewestValues
     from talaia.gateway.ports import Adapter
-    from talaia.gateway.recording.recorders import Tapes
+    from talaia.gateway.recording.recorders import TriggeredRecorder
     from talaia.gateway.samples.batching import Batcher
-    from talaia.gateway.samples.channel_numbering import Roster
-    from talaia.gateway.spool.spool_thread import Keeper
+    from talaia.gateway.samples.channel_numbering import ChannelNumbering
+    from talaia.gateway.spool.spool_thread import SpoolThread
     from talaia.model.site import Site
 
-__all__ = ["Exchange", "Parts", "Prepared", "catalogue_of", "prepared"]
+__all__ = ["DescriptionReload", "PreparedDescription", "ReloadTargets", "catalogue_of", "prepared"]
 
 log = logging.getLogger(__name__)
 
@@ -43,7 +43,7 @@ def catalogue_of(site: Site) -> str:
     return hashlib.sha256(listed.encode()).hexdigest()[:16]
 
 
-class Prepared(NamedTuple):
+class PreparedDescription(NamedTuple):
     """A description with what takes long to make of it.
 
     Attributes:
@@ -61,7 +61,7 @@ class Prepared(NamedTuple):
     catalogue: str
     addresses: list[str]
 
-    def hello(self, boot: str, time_us: int, accepts: Accepts) -> Hello:
+    def hello(self, boot: str, time_us: int, accepts: AcceptedChanges) -> Hello:
         """Give what a hub is greeted with."""
         return Hello(
             version=__version__,
@@ -71,7 +71,7 @@ class Prepared(NamedTuple):
             catalogue=self.catalogue,
             time_us=time_us,
             source=deflated(self.source) if self.source else b"",
-            accepts=accepts if self.source else Accepts.NO,
+            accepts=accepts if self.source else AcceptedChanges.NO,
         )
 
     def described(self, renamed: dict[str, str], change_id: str = "", who: str = "") -> Described:
@@ -87,13 +87,13 @@ class Prepared(NamedTuple):
         )
 
 
-def prepared(site: Site, source: str) -> Prepared:
+def prepared(site: Site, source: str) -> PreparedDescription:
     """Make ready what takes long; any thread."""
     addresses = [each.address for each in site.channels()]
-    return Prepared(site, source, dump_site(site), catalogue_of(site), addresses)
+    return PreparedDescription(site, source, dump_site(site), catalogue_of(site), addresses)
 
 
-class Parts(NamedTuple):
+class ReloadTargets(NamedTuple):
     """All that a description is told to.
 
     Attributes:
@@ -104,20 +104,20 @@ class Parts(NamedTuple):
 
     boot: str
     clock: Clock
-    roster: Roster
+    roster: ChannelNumbering
     batcher: Batcher
-    keeper: Keeper
-    reach: Reach
-    many: Many
-    adapters: dict[str, tuple[Adapter, Post]]
-    make: Callable[[Share], tuple[Adapter, Post]]
-    acting: Acting
-    newest: Newest | None
-    tapes: Tapes | None
+    keeper: SpoolThread
+    reach: DeviceReachability
+    many: MultiAdapter
+    adapters: dict[str, tuple[Adapter, ConnectionStatus]]
+    make: Callable[[ConnectionScope], tuple[Adapter, ConnectionStatus]]
+    acting: Actuation
+    newest: NewestValues | None
+    tapes: TriggeredRecorder | None
     followers: tuple[Callable[[Site], None], ...]
 
 
-class Exchange:
+class DescriptionReload:
     """Knows the description that counts, and puts another in its place. Event loop only.
 
     Attributes:
@@ -129,8 +129,8 @@ class Exchange:
 
     def __init__(
         self,
-        begun: Prepared,
-        parts: Parts,
+        begun: PreparedDescription,
+        parts: ReloadTargets,
         say: Callable[[Described], None],
         begin_again: Callable[[Site], None],
     ) -> None:
@@ -138,7 +138,7 @@ class Exchange:
 
         Args:
             begun: see above.
-            parts: see `Parts`.
+            parts: see `ReloadTargets`.
             say: tells the hub.
             begin_again: ends this gateway in favour of a new one, for what cannot be exchanged.
 
@@ -176,7 +176,7 @@ class Exchange:
         """Tell whether all that was moving has been told to stand, for as long as it is to be."""
         return self._parts.acting.control.silent(touched(self.now.site, after))
 
-    def put(self, next_: Prepared, change_id: str, who: str) -> None:
+    def put(self, next_: PreparedDescription, change_id: str, who: str) -> None:
         """Exchange the description for another, at one blow; see `leave`.
 
         Raises:
@@ -192,7 +192,7 @@ class Exchange:
         self._try(after)
         try:
             parts.roster.take(after, renamed)
-        except RosterFull as error:
+        except ChannelNumbersFull as error:
             log.warning("%s; beginning again", error)
             self._begin_again(after)
             return
@@ -213,11 +213,11 @@ class Exchange:
             follow(after)
         parts.acting.pacer.touch()
 
-    def _data(self, next_: Prepared) -> None:
+    def _data(self, next_: PreparedDescription) -> None:
         """From here on samples are numbered, kept and sent by the new list of channels."""
         parts = self._parts
         parts.batcher.redescribe(next_.catalogue, parts.roster.order(next_.site))
-        parts.keeper.redescribe(Head(parts.boot, next_.catalogue, next_.addresses))
+        parts.keeper.redescribe(SegmentHead(parts.boot, next_.catalogue, next_.addresses))
         if parts.newest is not None:
             parts.newest.redescribe(parts.roster.numbers(next_.site))
 
@@ -230,7 +230,7 @@ class Exchange:
 
     def _adapters(self, after: Site, of: dict[str, str]) -> None:
         parts = self._parts
-        adapters: dict[str, tuple[Adapter, Post]] = {}
+        adapters: dict[str, tuple[Adapter, ConnectionStatus]] = {}
         shares = {each.name: each for each in shares_of(after, parts.roster)}
         for name, share in shares.items():
             known = self.shares.get(name)
@@ -239,7 +239,7 @@ class Exchange:
                 adapters[name] = parts.make(share)
             elif known == share:
                 adapters[name] = pair
-            elif isinstance(pair[0], Flexible):
+            elif isinstance(pair[0], ReconfigurableAdapter):
                 pair[0].redescribe(share)
                 adapters[name] = pair
             else:

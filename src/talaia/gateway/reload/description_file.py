@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-__all__ = ["OwnCopy"]
+__all__ = ["DescriptionFile"]
 
 # A file's inode, length and time of change; none where there is no file.
 _Mark = tuple[int, int, int] | None
 
 
-class OwnCopy:
+class DescriptionFile:
     """A description's file and those that it takes in, watched by looking at them.
 
     Attributes:

@@ -12,7 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.errors import TalaiaError
-from talaia.gateway.change_policy import Accepts, forbidden
+from talaia.gateway.change_policy import AcceptedChanges, forbidden
 from talaia.gateway.reload.apply import prepared
 from talaia.gateway.reload.discovered_devices import with_kept
 from talaia.model.check import check
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.gateway.ports import EventSink
-    from talaia.gateway.reload.apply import Exchange
-    from talaia.gateway.reload.description_file import OwnCopy
+    from talaia.gateway.reload.apply import DescriptionReload
+    from talaia.gateway.reload.description_file import DescriptionFile
     from talaia.model.site import Site
     from talaia.wire.frames import ChangeAsk
 
-__all__ = ["Changing", "Refused"]
+__all__ = ["ChangeRefused", "ChangeRequests"]
 
 log = logging.getLogger(__name__)
 LOOK_S = 0.5
@@ -46,7 +46,7 @@ MOST_PROBLEMS = 50
 MOST_REMEMBERED = 50
 
 
-class Refused(NamedTuple):
+class ChangeRefused(NamedTuple):
     """Why a change does not take place."""
 
     message: str
@@ -67,16 +67,16 @@ class Refused(NamedTuple):
         )
 
 
-class Changing:
+class ChangeRequests:
     """Takes changes in, judges them, and sees each through."""
 
     def __init__(
         self,
-        copy: OwnCopy | None,
-        accepts: Accepts,
+        copy: DescriptionFile | None,
+        accepts: AcceptedChanges,
         key_hash: str,
         data: Path,
-        exchange: Exchange,
+        exchange: DescriptionReload,
         send: Callable[[ChangeState], None],
         events: EventSink,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
@@ -134,7 +134,7 @@ class Changing:
         assert copy is not None  # noqa: S101 - it has just been read
         async with self._turn:
             site = await asyncio.to_thread(self._read, text)
-            if isinstance(site, Refused):
+            if isinstance(site, ChangeRefused):
                 self._complain(site)
                 return
             if site == self._exchange.now.site and text == self._exchange.now.source:
@@ -142,7 +142,7 @@ class Changing:
                 return
             if site.site != self._exchange.now.site.site:
                 where = Finding("$.site", "a site keeps its short name while it runs")
-                self._complain(Refused("the description is of another site", (where,)))
+                self._complain(ChangeRefused("the description is of another site", (where,)))
                 return
             while hindrance := self._exchange.hindrance(site):
                 log.info("the description waits: %s", hindrance)
@@ -154,7 +154,7 @@ class Changing:
         else:
             self._settled()
 
-    def _complain(self, refused: Refused) -> None:
+    def _complain(self, refused: ChangeRefused) -> None:
         """Say once what is wrong with the file; what counted before goes on."""
         said = "; ".join(str(each) for each in refused.problems[:1]) or refused.message
         more = len(refused.problems) - 1
@@ -183,7 +183,7 @@ class Changing:
                 refused = await self._take(asked)
             except Exception:
                 log.exception("the change %s failed", asked.id)
-                refused = Refused("the gateway failed; see its log")
+                refused = ChangeRefused("the gateway failed; see its log")
         if refused is None:
             self._note(ChangeState(id=asked.id, phase=ChangePhase.APPLIED))
             return
@@ -197,32 +197,36 @@ class Changing:
             self._known.pop(next(iter(self._known)))
         self._send(state)
 
-    async def _take(self, asked: ChangeAsk) -> Refused | None:
+    async def _take(self, asked: ChangeAsk) -> ChangeRefused | None:
         copy, now = self._copy, self._exchange.now
         try:
             text = inflated(asked.source)
         except PeerError as error:
-            return Refused(str(error))
+            return ChangeRefused(str(error))
         seal = seal_of(self._key_hash, asked.id, asked.who, asked.base, text)
         if not hmac.compare_digest(seal, asked.seal):
-            return Refused("the change is not sealed with this gateway's key")
-        if self._accepts is Accepts.NO or copy is None or not copy.editable:
-            findings = forbidden(now.site, now.site, Accepts.NO)
-            return Refused("this gateway takes no changes from the hub", tuple(findings))
+            return ChangeRefused("the change is not sealed with this gateway's key")
+        if self._accepts is AcceptedChanges.NO or copy is None or not copy.editable:
+            findings = forbidden(now.site, now.site, AcceptedChanges.NO)
+            return ChangeRefused("this gateway takes no changes from the hub", tuple(findings))
         if asked.base != copy.digest:
-            return Refused("the description has been changed meanwhile; begin with the newest one")
+            return ChangeRefused(
+                "the description has been changed meanwhile; begin with the newest one"
+            )
         site = await asyncio.to_thread(self._read, text)
-        if isinstance(site, Refused):
+        if isinstance(site, ChangeRefused):
             return site
         if findings := forbidden(now.site, site, self._accepts):
-            return Refused("this gateway does not take such a change from the hub", tuple(findings))
+            return ChangeRefused(
+                "this gateway does not take such a change from the hub", tuple(findings)
+            )
         if hindrance := self._exchange.hindrance(site):
-            return Refused(f"{hindrance}; wait for its end, or cancel it, and ask again")
+            return ChangeRefused(f"{hindrance}; wait for its end, or cancel it, and ask again")
         return await self._put(site, text, asked.id, asked.who)
 
     # ── both ──
 
-    def _read(self, text: str) -> Site | Refused:
+    def _read(self, text: str) -> Site | ChangeRefused:
         """Read and check a text as if it stood in the file; any thread."""
         assert self._copy is not None  # noqa: S101 - there is a text because there is a file
         try:
@@ -231,10 +235,10 @@ class Changing:
             return _of(error)
         findings = check(site)
         if findings:
-            return Refused("the description cannot be used as written", tuple(findings))
+            return ChangeRefused("the description cannot be used as written", tuple(findings))
         return with_counts(with_kept(self._data, site))
 
-    async def _put(self, site: Site, text: str, change_id: str, who: str) -> Refused | None:
+    async def _put(self, site: Site, text: str, change_id: str, who: str) -> ChangeRefused | None:
         copy, exchange = self._copy, self._exchange
         assert copy is not None  # noqa: S101 - see `_read`
         source = text if copy.editable else ""
@@ -255,18 +259,20 @@ class Changing:
                 raise
         except TimeoutError:
             exchange.leave(None)
-            return Refused("a device that it touches does not come to rest")
+            return ChangeRefused("a device that it touches does not come to rest")
         except OSError as error:
             exchange.leave(None)
-            return Refused(f"the gateway cannot write {copy.path.name}: {error.strerror or error}")
+            return ChangeRefused(
+                f"the gateway cannot write {copy.path.name}: {error.strerror or error}"
+            )
         except TalaiaError as error:
             exchange.leave(None)
-            return Refused(str(error))
+            return ChangeRefused(str(error))
         copy.counts(site, text)
         log.info("the description was changed%s", f" by {who}" if who else "")
         return None
 
 
-def _of(error: DescriptionError) -> Refused:
+def _of(error: DescriptionError) -> ChangeRefused:
     finding = Finding(error.where, error.problem, error.remedy)
-    return Refused("the description cannot be used as written", (finding,))
+    return ChangeRefused("the description cannot be used as written", (finding,))

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Device, Site
 
-__all__ = ["Renewal"]
+__all__ = ["GatewayRestart"]
 
 log = logging.getLogger(__name__)
 
 
-class Renewal:
+class GatewayRestart:
     """Knows with which description to begin again. Event loop only.
 
     Attributes:

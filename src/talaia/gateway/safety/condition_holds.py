@@ -20,7 +20,7 @@ from talaia.model.overriding import (
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from talaia.gateway.safety.interlock_state import Verdict
+    from talaia.gateway.safety.interlock_state import InterlockVerdict
     from talaia.model.interlock import Interlock
     from talaia.model.site import Site
 
@@ -52,7 +52,7 @@ class ConditionHolds:
             # Of several limits of one signal one that is never overridden counts for all.
             self._never[name] = self._never.get(name) or never_overridden(site, condition)
 
-    def look(self, verdicts: Iterable[tuple[str, Verdict]], now_ns: int) -> None:
+    def look(self, verdicts: Iterable[tuple[str, InterlockVerdict]], now_ns: int) -> None:
         """Take in what each condition says, in the order of the description."""
         seen: set[str] = set()
         for name, verdict in verdicts:

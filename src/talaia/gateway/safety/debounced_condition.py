@@ -17,17 +17,17 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.clock import SECOND
-from talaia.gateway.safety.interlock_state import Verdict
+from talaia.gateway.safety.interlock_state import InterlockVerdict
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.model.interlock import Condition
 
-__all__ = ["Tripwire"]
+__all__ = ["DebouncedCondition"]
 
 
-class BadTime:
+class BadTimeWindow:
     """For how long something was bad within a window of time. Bounded in memory."""
 
     PARTS = 100
@@ -62,7 +62,7 @@ class BadTime:
             from_ns = end_ns
 
 
-class Tripwire:
+class DebouncedCondition:
     """The memory of one condition.
 
     Attributes:
@@ -81,9 +81,9 @@ class Tripwire:
             below=condition.below if condition.until_above is None else condition.until_above,
         )
         self._on = False
-        self._bad_time = BadTime(2 * self._lasting_ns)
+        self._bad_time = BadTimeWindow(2 * self._lasting_ns)
 
-    def look(self, judge: Callable[[Condition], Verdict], now_ns: int) -> Verdict:
+    def look(self, judge: Callable[[Condition], InterlockVerdict], now_ns: int) -> InterlockVerdict:
         """Say how it stands.
 
         Args:
@@ -100,6 +100,6 @@ class Tripwire:
             # The dwell time of a limit is for what was measured beyond it, not for a silence.
             return verdict
         if not self._on and bad_ns < self._lasting_ns:
-            return Verdict()
+            return InterlockVerdict()
         self._on = True
         return verdict._replace(dwell=self.condition.dwell)

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
-from talaia.gateway.safety.interlock_state import Verdict
+from talaia.gateway.safety.interlock_state import InterlockVerdict
 from talaia.model import sky
 from talaia.model.dew_point import dew_point
 
@@ -19,23 +19,23 @@ __all__ = ["judge_dew_point", "judge_difference", "judge_sun"]
 
 def judge_difference(
     condition: Condition, names: tuple[str, str], values: tuple[float, float], unit: str
-) -> Verdict:
+) -> InterlockVerdict:
     """Say whether the first of two signals is too far from, or too near to, the second."""
     return _judge_limits(condition, f"{names[0]} minus {names[1]}", values[0] - values[1], unit)
 
 
 def judge_dew_point(
     condition: Condition, name: str, temperature: float, humidity: float, unit: str
-) -> Verdict:
+) -> InterlockVerdict:
     """Say whether a temperature (°C) is too near to the dew point at a humidity (%)."""
     away = temperature - dew_point(temperature, humidity)
     if math.isnan(away):
         air = f"{temperature:g} °C and {humidity:g} %"
-        return Verdict(f"{name}: the air has no dew point at {air}", unknown=True)
+        return InterlockVerdict(f"{name}: the air has no dew point at {air}", unknown=True)
     return _judge_limits(condition, f"{name} minus dew point", away, unit)
 
 
-def judge_sun(condition: Condition, place: Place, wall_ns: int) -> Verdict:
+def judge_sun(condition: Condition, place: Place, wall_ns: int) -> InterlockVerdict:
     """Say whether the Sun is too high, or too low, at a place."""
     jd = sky.julian_day(wall_ns / SECOND)
     here = sky.Place(place.latitude, place.longitude, place.elevation)
@@ -43,9 +43,9 @@ def judge_sun(condition: Condition, place: Place, wall_ns: int) -> Verdict:
     return _judge_limits(condition, "The Sun's altitude", altitude, "°")
 
 
-def _judge_limits(condition: Condition, name: str, value: float, unit: str) -> Verdict:
+def _judge_limits(condition: Condition, name: str, value: float, unit: str) -> InterlockVerdict:
     if condition.above is not None and value > condition.above:
-        return Verdict(f"{name} is above {condition.above:g} {unit}".rstrip())
+        return InterlockVerdict(f"{name} is above {condition.above:g} {unit}".rstrip())
     if condition.below is not None and value < condition.below:
-        return Verdict(f"{name} is below {condition.below:g} {unit}".rstrip())
-    return Verdict()
+        return InterlockVerdict(f"{name} is below {condition.below:g} {unit}".rstrip())
+    return InterlockVerdict()

@@ -12,10 +12,10 @@ from talaia.wire.frames import InterlockState
 if TYPE_CHECKING:
     from talaia.model.interlock import Interlock
 
-__all__ = ["Change", "Latch", "Override", "Verdict"]
+__all__ = ["InterlockChange", "InterlockOverride", "InterlockStateMachine", "InterlockVerdict"]
 
 
-class Verdict(NamedTuple):
+class InterlockVerdict(NamedTuple):
     """What the conditions say now.
 
     Attributes:
@@ -32,7 +32,7 @@ class Verdict(NamedTuple):
     dwell: float | None = None
 
 
-class Override(NamedTuple):
+class InterlockOverride(NamedTuple):
     """Who lets people act in spite of a condition, why, and until when (ns, monotonic)."""
 
     who: str
@@ -41,7 +41,7 @@ class Override(NamedTuple):
     condition: str = ""
 
 
-class Change(Enum):
+class InterlockChange(Enum):
     """What a look brought about; several may come at once, in this order."""
 
     OVERRIDE_ENDED = "override ended"
@@ -52,7 +52,7 @@ class Change(Enum):
     TOLD = "told"
 
 
-class Latch:
+class InterlockStateMachine:
     """The state of one interlock. It begins locked, until all has been safe for the dwell time."""
 
     def __init__(self, name: str, rule: Interlock, now_ns: int) -> None:
@@ -66,7 +66,7 @@ class Latch:
         self._safe_ns = now_ns
         self._fired = False
         self._stretched = False
-        self._override: Override | None = None
+        self._override: InterlockOverride | None = None
         self.why = "the gateway has just started"
 
     @property
@@ -85,34 +85,34 @@ class Latch:
         return self._fired and self._override is None
 
     @property
-    def override(self) -> Override | None:
+    def override(self) -> InterlockOverride | None:
         """Who has overridden it, if anybody."""
         return self._override
 
-    def redescribed(self, rule: Interlock, now_ns: int) -> Latch:
+    def redescribed(self, rule: Interlock, now_ns: int) -> InterlockStateMachine:
         """Give the latch of another rule of this name: locked, and no override is left.
 
         What was unsafe and has not been safe for long enough goes on to demand what it did; while
         it is unsafe, another sequence is run as if it had just become so.
         """
-        latch = Latch(self._name, rule, now_ns)
+        latch = InterlockStateMachine(self._name, rule, now_ns)
         latch.why = self.why or "its description has changed"
         latch._fired = self._fired and (not self._unsafe or rule.run == self._rule.run)
         return latch
 
-    def look(self, verdict: Verdict, now_ns: int) -> list[Change]:
+    def look(self, verdict: InterlockVerdict, now_ns: int) -> list[InterlockChange]:
         """Take in what the conditions say; give what follows."""
-        changes: list[Change] = []
+        changes: list[InterlockChange] = []
         if self._override is not None and now_ns >= self._override.until_ns:
             self._override = None
             self._fired = False
-            changes.append(Change.OVERRIDE_ENDED)
+            changes.append(InterlockChange.OVERRIDE_ENDED)
         if verdict.why:
             if not self._locked:
                 self._locked, self._since_ns = True, now_ns
-                changes.append(Change.LOCKED)
+                changes.append(InterlockChange.LOCKED)
             elif not self._unsafe or verdict.why != self.why:
-                changes.append(Change.TOLD)
+                changes.append(InterlockChange.TOLD)
             self._unsafe, self.why = True, verdict.why
             asked = self._own_dwell_ns
             if verdict.dwell is not None:
@@ -122,20 +122,20 @@ class Latch:
             self._stretched = True
             if verdict.certain and not self._fired and self._override is None:
                 self._fired = True
-                changes.append(Change.FIRED)
+                changes.append(InterlockChange.FIRED)
             return changes
         if self._unsafe:
             self._unsafe, self._safe_ns = False, now_ns
-            changes.append(Change.TOLD)
+            changes.append(InterlockChange.TOLD)
         if self._locked and now_ns - self._safe_ns >= self._dwell_ns:
             self._locked = self._fired = self._stretched = False
             self._dwell_ns = self._own_dwell_ns
             self.why = ""
-            changes.append(Change.RELEASED)
+            changes.append(InterlockChange.RELEASED)
             if self._override is not None:
                 # There is nothing left to override; the next time somebody has to say so anew.
                 self._override = None
-                changes.insert(0, Change.OVERRIDE_ENDED)
+                changes.insert(0, InterlockChange.OVERRIDE_ENDED)
         return changes
 
     def end_override(self, now_ns: int) -> None:
@@ -170,7 +170,7 @@ class Latch:
         if not self._locked:
             return f"{self._rule.name} locks nothing now, so there is nothing to override"
         until_ns = now_ns + round(seconds * SECOND)
-        self._override = Override(who, reason.strip(), until_ns, condition)
+        self._override = InterlockOverride(who, reason.strip(), until_ns, condition)
         return ""
 
     def state(self, now_ns: int) -> InterlockState:

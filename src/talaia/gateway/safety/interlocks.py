@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Protocol
 import msgspec
 
 from talaia.clock import MS, SECOND
-from talaia.gateway.freeze_watchdog import StallCredit
+from talaia.gateway.freeze_watchdog import FreezeCredit
 from talaia.gateway.safety.condition_holds import ConditionHolds
-from talaia.gateway.safety.debounced_condition import Tripwire
+from talaia.gateway.safety.debounced_condition import DebouncedCondition
 from talaia.gateway.safety.derived_conditions import judge_dew_point, judge_difference, judge_sun
 from talaia.gateway.safety.enclosure_guard import (
     Act,
@@ -29,12 +29,16 @@ from talaia.gateway.safety.enclosure_guard import (
     apart_of,
     hold_of,
 )
-from talaia.gateway.safety.interlock_state import Change, Latch, Verdict
+from talaia.gateway.safety.interlock_state import (
+    InterlockChange,
+    InterlockStateMachine,
+    InterlockVerdict,
+)
 from talaia.gateway.safety.link_losses import LinkLosses
 from talaia.gateway.safety.outlet_guard import refuse_power_cut
 from talaia.gateway.safety.pointing_limits import misdirected
 from talaia.gateway.safety.sensor_agreement import Agreement, Closed, Sensor, SensorTurns, closed_by
-from talaia.gateway.safety.value_validity import Validity, within_sighting, word_of
+from talaia.gateway.safety.value_validity import ValueValidity, within_sighting, word_of
 from talaia.model.interlock import Condition
 from talaia.model.opening import opening_of
 from talaia.model.overriding import condition_id
@@ -45,7 +49,7 @@ from talaia.wire.frames import EnclosureState
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from talaia.gateway.ports import Field, Mouth, Reading, Readings
+    from talaia.gateway.ports import ChannelReading, ControlOutput, Field, ReadingSource
     from talaia.model.enclosure import Enclosure, Sighting
     from talaia.model.interlock import Interlock, Step
     from talaia.model.site import Signal, Site
@@ -69,10 +73,10 @@ class Runner(Protocol):
 def judged(
     condition: Condition,
     signal: Signal,
-    reading: Reading | None,
+    reading: ChannelReading | None,
     age_ns: int,
     problem: str = "",
-) -> Verdict:
+) -> InterlockVerdict:
     """Say what is unsafe about a signal.
 
     Args:
@@ -80,40 +84,40 @@ def judged(
         signal: its description.
         reading: its newest, if there ever was one.
         age_ns: of the reading; where there is none, how long it has been listened for.
-        problem: what makes it unknown however fresh it is, see `Validity`.
+        problem: what makes it unknown however fresh it is, see `ValueValidity`.
 
     """
     max_age = signal.max_age if condition.max_age is None else condition.max_age
     fresh = age_ns <= round(max_age * SECOND)
     if reading is None:
-        return Verdict(f"{signal.name}: no value yet", certain=not fresh, unknown=True)
+        return InterlockVerdict(f"{signal.name}: no value yet", certain=not fresh, unknown=True)
     if problem:
-        return Verdict(problem, unknown=True)
+        return InterlockVerdict(problem, unknown=True)
     if not fresh:
-        return Verdict(f"{signal.name}: no value newer than {max_age:g} s", unknown=True)
+        return InterlockVerdict(f"{signal.name}: no value newer than {max_age:g} s", unknown=True)
     value = reading.value
     if not math.isfinite(value):
-        return Verdict(f"{signal.name}: not a number", unknown=True)
+        return InterlockVerdict(f"{signal.name}: not a number", unknown=True)
     if signal.type is SignalType.STATE:
-        return Verdict(_state_problem(condition, signal, value))
+        return InterlockVerdict(_state_problem(condition, signal, value))
     unit = f" {signal.unit}" if signal.unit else ""
     if condition.above is not None and value > condition.above:
-        return Verdict(f"{signal.name} is above {condition.above:g}{unit}")
+        return InterlockVerdict(f"{signal.name} is above {condition.above:g}{unit}")
     if condition.below is not None and value < condition.below:
-        return Verdict(f"{signal.name} is below {condition.below:g}{unit}")
-    return Verdict()
+        return InterlockVerdict(f"{signal.name} is below {condition.below:g}{unit}")
+    return InterlockVerdict()
 
 
-def together(parts: Sequence[Verdict]) -> Verdict:
+def together(parts: Sequence[InterlockVerdict]) -> InterlockVerdict:
     """Say what is unsafe about conditions that are unsafe only all at once.
 
     One that is unknown counts as unsafe, as everywhere; it makes the whole uncertain for as long
     as it is itself.
     """
     if not parts or not all(part.why for part in parts):
-        return Verdict()
+        return InterlockVerdict()
     why = " and ".join(part.why for part in parts)
-    return Verdict(why[:LONGEST_WHY], all(part.certain for part in parts))
+    return InterlockVerdict(why[:LONGEST_WHY], all(part.certain for part in parts))
 
 
 def _state_problem(condition: Condition, signal: Signal, value: float) -> str:
@@ -131,8 +135,8 @@ class Interlocks:
     def __init__(
         self,
         site: Site,
-        readings: Readings,
-        mouth: Mouth,
+        readings: ReadingSource,
+        mouth: ControlOutput,
         run: Runner,
         now_ns: int,
         wall_ns: Callable[[], int] = time.time_ns,
@@ -151,16 +155,17 @@ class Interlocks:
         self._site = site
         self._wall_ns = wall_ns
         self._readings = readings
-        self._validity = Validity(readings, wall_ns)
+        self._validity = ValueValidity(readings, wall_ns)
         self._mouth = mouth
         self._run = run
         # From when on a signal that has never said anything has been listened to.
         self._began_ns = dict.fromkeys(site.guarded(), now_ns)
         self._losses = LinkLosses(site, now_ns)
-        self._credit = StallCredit(now_ns)
+        self._credit = FreezeCredit(now_ns)
         self._looked_ns = now_ns - LOOK_NS
         self._wires = {
-            name: [Tripwire(each) for each in rule.when] for name, rule in site.interlocks.items()
+            name: [DebouncedCondition(each) for each in rule.when]
+            for name, rule in site.interlocks.items()
         }
         self._enclosures = {
             name: EnclosureGuard(name, rule) for name, rule in site.enclosures.items()
@@ -174,7 +179,10 @@ class Interlocks:
             for name, rule in site.enclosures.items()
             if rule.follow is not None
         }
-        self._latches = {name: Latch(name, rule, now_ns) for name, rule in site.interlocks.items()}
+        self._latches = {
+            name: InterlockStateMachine(name, rule, now_ns)
+            for name, rule in site.interlocks.items()
+        }
         self._holds = {
             name: ConditionHolds(site, rule, now_ns) for name, rule in site.interlocks.items()
         }
@@ -215,10 +223,10 @@ class Interlocks:
             known = latches.get(name)
             if known is not None and (over := known.override) is not None:
                 self._mouth.note("override_ended", "", name, over.who, good=True)
-            latch = Latch(name, rule, now_ns)
+            latch = InterlockStateMachine(name, rule, now_ns)
             latch.why = "it has just been described"
             self._latches[name] = latch if known is None else known.redescribed(rule, now_ns)
-            self._wires[name] = [Tripwire(each) for each in rule.when]
+            self._wires[name] = [DebouncedCondition(each) for each in rule.when]
             self._holds[name] = ConditionHolds(site, rule, now_ns)
             self._mouth.send(self._state(name, now_ns))
         self._redescribe_enclosures(before, site)
@@ -480,20 +488,20 @@ class Interlocks:
             latch.end_override(now_ns)
         for change in latch.look(verdict, now_ns):
             match change:
-                case Change.LOCKED:
+                case InterlockChange.LOCKED:
                     self._note("interlock_locked", f"{name}: {latch.why}", good=False)
-                case Change.RELEASED:
+                case InterlockChange.RELEASED:
                     self._note("interlock_released", name, good=True)
-                case Change.OVERRIDE_ENDED:
+                case InterlockChange.OVERRIDE_ENDED:
                     who = "" if before is None else before.who
                     said = f"{name}: {ended}" if ended else name
                     self._mouth.note("override_ended", "", said, who, good=True)
-                case Change.FIRED:
+                case InterlockChange.FIRED:
                     if rule.run:
                         self._note("interlock_acts", f"{name}: {latch.why}", good=False)
                         self._run(f"interlock {name}", rule.run)
                     continue
-                case Change.TOLD:
+                case InterlockChange.TOLD:
                     pass
             self._mouth.send(self._state(name, now_ns))
 
@@ -585,7 +593,7 @@ class Interlocks:
             return None
         return states[int(value)] in sighting.is_one_of
 
-    def _verdict(self, name: str, now_ns: int) -> Verdict:
+    def _verdict(self, name: str, now_ns: int) -> InterlockVerdict:
         """Give the first thing that is certainly unsafe, or else the first that is unknown.
 
         It asks for the longest dwell time of all that are unsafe.
@@ -597,24 +605,24 @@ class Interlocks:
         self._holds[name].look(looks, now_ns)
         verdicts = [verdict for _, verdict in looks if verdict.why]
         if not verdicts:
-            return Verdict()
+            return InterlockVerdict()
         own = self._site.interlocks[name].dwell
         longest = max(own if each.dwell is None else each.dwell for each in verdicts)
         first = next((each for each in verdicts if each.certain), verdicts[0])
         return first._replace(dwell=longest)
 
-    def _judge(self, condition: Condition, now_ns: int) -> Verdict:
+    def _judge(self, condition: Condition, now_ns: int) -> InterlockVerdict:
         if condition.all_of:
             return together([self._judge(part, now_ns) for part in condition.all_of])
         if condition.link_lost is not None:
             lost = self._losses.lost_ns
             if lost is None or self._age_ns(lost, now_ns) < round(condition.link_lost * SECOND):
-                return Verdict()
-            return Verdict(f"the hub has been out of reach for {condition.link_lost:g} s")
+                return InterlockVerdict()
+            return InterlockVerdict(f"the hub has been out of reach for {condition.link_lost:g} s")
         if condition.sun is not None:
             place = self._site.place
             if place is None:
-                return Verdict("it is not known where the site is", unknown=True)
+                return InterlockVerdict("it is not known where the site is", unknown=True)
             return judge_sun(condition, place, self._wall_ns())
         other = condition.minus or condition.humidity
         if not other:
@@ -627,17 +635,17 @@ class Interlocks:
                 return verdict
         return self._judge_two(condition, other)
 
-    def _judge_two(self, condition: Condition, other: str) -> Verdict:
+    def _judge_two(self, condition: Condition, other: str) -> InterlockVerdict:
         first, second = self._site.signal(condition.signal), self._site.signal(other)
         one, two = self._readings.latest(condition.signal), self._readings.latest(other)
         if first is None or second is None or one is None or two is None:
-            return Verdict("no value yet", unknown=True)
+            return InterlockVerdict("no value yet", unknown=True)
         if condition.humidity:
             return judge_dew_point(condition, first.name, one.value, two.value, first.unit)
         values = (one.value, two.value)
         return judge_difference(condition, (first.name, second.name), values, first.unit)
 
-    def _judge_signal(self, condition: Condition, address: str, now_ns: int) -> Verdict:
+    def _judge_signal(self, condition: Condition, address: str, now_ns: int) -> InterlockVerdict:
         device, _, signal = address.partition("/")
         reading = self._readings.latest(address)
         since = self._began_ns[address] if reading is None else reading.mono_ns

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.clock import Clock
-    from talaia.gateway.ports import CommandTarget, Mouth, Outcome
+    from talaia.gateway.ports import CommandOutcome, CommandTarget, ControlOutput
     from talaia.gateway.safety.interlocks import Interlocks
     from talaia.model.enclosure import Heartbeat
     from talaia.model.site import Site
 
-__all__ = ["Heartbeats", "Supervision", "Watched"]
+__all__ = ["Heartbeats", "Supervision", "SupervisionListener"]
 
 log = logging.getLogger(__name__)
 LOOK_S = 0.25
@@ -33,7 +33,7 @@ LOOK_S = 0.25
 LATEST_NS = 2 * SECOND
 
 
-class Watched(Protocol):
+class SupervisionListener(Protocol):
     """Whoever wants to know that the gateway supervises."""
 
     def __call__(self) -> None:
@@ -45,7 +45,7 @@ class Heartbeats:
     """Sends the heartbeats of a site's enclosures while they are supervised. Event loop only."""
 
     def __init__(
-        self, site: Site, interlocks: Interlocks, target: CommandTarget, mouth: Mouth
+        self, site: Site, interlocks: Interlocks, target: CommandTarget, mouth: ControlOutput
     ) -> None:
         """Take who knows the sensors, who sends, and who writes down."""
         self._site = site
@@ -97,13 +97,13 @@ class Heartbeats:
         self._sent_ns[name] = self._open[name] = now_ns
         loop = asyncio.get_running_loop()
 
-        def done(outcome: Outcome) -> None:
+        def done(outcome: CommandOutcome) -> None:
             with contextlib.suppress(RuntimeError):
                 loop.call_soon_threadsafe(self._ended, name, device, now_ns, outcome)
 
         self._target.act(device, command_id, fields, done)
 
-    def _ended(self, name: str, device: str, sent_ns: int, outcome: Outcome) -> None:
+    def _ended(self, name: str, device: str, sent_ns: int, outcome: CommandOutcome) -> None:
         if outcome.phase is CommandPhase.RUNNING or self._open.get(name) != sent_ns:
             return
         del self._open[name]
@@ -125,7 +125,7 @@ class Supervision:
         self,
         clock: Clock,
         judged_ns: Callable[[], int | None],
-        watched: tuple[Watched, ...],
+        watched: tuple[SupervisionListener, ...],
         heartbeats: Heartbeats,
     ) -> None:
         """Take whom to tell.

@@ -16,11 +16,11 @@ from talaia.model.site import SignalType
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.gateway.ports import Reading, Readings
+    from talaia.gateway.ports import ChannelReading, ReadingSource
     from talaia.model.enclosure import Sighting
     from talaia.model.site import Signal, Site
 
-__all__ = ["Validity", "range_problem", "span_of", "within_sighting", "word_of"]
+__all__ = ["ValueValidity", "range_problem", "span_of", "within_sighting", "word_of"]
 
 
 class _Same(NamedTuple):
@@ -30,10 +30,10 @@ class _Same(NamedTuple):
     since_ns: int
 
 
-class Validity:
+class ValueValidity:
     """Judges the newest readings of a site by what is described of their signals."""
 
-    def __init__(self, readings: Readings, wall_ns: Callable[[], int]) -> None:
+    def __init__(self, readings: ReadingSource, wall_ns: Callable[[], int]) -> None:
         """Know nothing yet.
 
         Args:
@@ -65,7 +65,7 @@ class Validity:
         self,
         address: str,
         signal: Signal,
-        reading: Reading,
+        reading: ChannelReading,
         max_age: float,
         now_ns: int,
     ) -> str:
@@ -85,7 +85,9 @@ class Validity:
             or self._frozen_problem(address, signal, reading, now_ns)
         )
 
-    def _stamp_problem(self, signal: Signal, reading: Reading, max_age: float, now_ns: int) -> str:
+    def _stamp_problem(
+        self, signal: Signal, reading: ChannelReading, max_age: float, now_ns: int
+    ) -> str:
         if not signal.source.stamp:
             return ""
         limit_ns = round(max_age * SECOND)
@@ -101,7 +103,9 @@ class Validity:
         away = span_of(abs(lag_ns) / SECOND)
         return f"{signal.name}: its own time stamp is {away} {side} the gateway's clock"
 
-    def _frozen_problem(self, address: str, signal: Signal, reading: Reading, now_ns: int) -> str:
+    def _frozen_problem(
+        self, address: str, signal: Signal, reading: ChannelReading, now_ns: int
+    ) -> str:
         if signal.frozen_after <= 0:
             return ""
         still_ns = now_ns - self._observe(address, reading.value, now_ns).since_ns

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.gateway.spool.progress_mark import Mark
+    from talaia.gateway.spool.progress_mark import ProgressMark
 
 __all__ = ["NOT_HEARD", "NOT_RUNNING", "FirstHeard", "absence", "watch_first_heard"]
 
@@ -33,7 +33,7 @@ _SAME_US = 1_000_000
 _CHANNELS = 65_536
 
 
-def absence(former: Mark, wall_us: int, mono_s: float, machine: str) -> tuple[int, int]:
+def absence(former: ProgressMark, wall_us: int, mono_s: float, machine: str) -> tuple[int, int]:
     """Give from when to when no gateway ran (µs, UTC).
 
     How long it was is the monotonic clock's to say, while the machine is still the same: where
@@ -43,7 +43,7 @@ def absence(former: Mark, wall_us: int, mono_s: float, machine: str) -> tuple[in
         former: how far the run before came.
         wall_us: now.
         mono_s: now.
-        machine: see `Mark.machine`.
+        machine: see `ProgressMark.machine`.
 
     """
     from_us = min(former.heard_us, wall_us)

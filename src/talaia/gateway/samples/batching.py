@@ -18,7 +18,7 @@ import numpy as np
 from talaia.gateway.samples.absence_gaps import FirstHeard
 from talaia.gateway.samples.newest_samples import RunNewest
 from talaia.gateway.samples.rising_times import RisingTimes
-from talaia.gateway.spool.segment import Record
+from talaia.gateway.spool.segment import SampleRecord
 from talaia.wire.columns import MAX_SAMPLES, Columns, pack, part, renumbered
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
@@ -56,7 +56,7 @@ def joined(chunks: list[Columns]) -> Columns:
     )
 
 
-def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[Record]:
+def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[SampleRecord]:
     """Encode columns as `Samples` frames; several if one cannot hold them.
 
     A batch is halved until it fits: more samples than a batch may hold, or a wall clock that
@@ -83,7 +83,7 @@ def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[
                 texts=columns.texts,
             )
             low, high = int(columns.time_us.min()), int(columns.time_us.max())
-            return [Record(first, count, low, high, LINK_FROM_GATEWAY.encode(frame))]
+            return [SampleRecord(first, count, low, high, LINK_FROM_GATEWAY.encode(frame))]
     middle = count // 2
     return [
         *records_of(part(columns, 0, middle), boot, catalogue, first),
@@ -100,8 +100,8 @@ class Batcher:
         boot: str,
         catalogue: str,
         flush: float,
-        keep: Callable[[Record], None],
-        lose: Callable[[Record, str], None],
+        keep: Callable[[SampleRecord], None],
+        lose: Callable[[SampleRecord, str], None],
     ) -> None:
         """Start at sequence 0.
 
@@ -162,7 +162,7 @@ class Batcher:
 
         Args:
             catalogue: the new list's name.
-            order: see `Roster.order`.
+            order: see `ChannelNumbering.order`.
 
         """
         self.flush()
@@ -202,7 +202,7 @@ class Batcher:
                 self._keep(record)
         if self._dropped:
             dropped, self._dropped = self._dropped, 0
-            self._lose(Record(self.next, dropped, *self._dropped_us, b""), OVERRUN)
+            self._lose(SampleRecord(self.next, dropped, *self._dropped_us, b""), OVERRUN)
             self.next += dropped
 
     def newest(self) -> NewestSamples:
@@ -217,5 +217,5 @@ class Batcher:
 
         The gap has a number of its own, for nobody knows how many there were.
         """
-        self._lose(Record(self.next, 1, from_us, to_us, b""), reason)
+        self._lose(SampleRecord(self.next, 1, from_us, to_us, b""), reason)
         self.next += 1

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from talaia.gateway.errors import RosterFull
+from talaia.gateway.errors import ChannelNumbersFull
 from talaia.model.site import parts_of
 
 if TYPE_CHECKING:
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Signal, Site
 
-__all__ = ["Roster"]
+__all__ = ["ChannelNumbering"]
 
 # What fits the samples' column of channels.
 MOST = 65_536
 
 
-class Roster:
+class ChannelNumbering:
     """Gives each signal the number of its first channel; the others follow it."""
 
     def __init__(self, site: Site) -> None:
@@ -59,7 +59,9 @@ class Roster:
                 first[key] = size
                 size += len(parts_of(signal))
         if size > MOST:
-            raise RosterFull(f"more than {MOST} channels have been described since the start")
+            raise ChannelNumbersFull(
+                f"more than {MOST} channels have been described since the start"
+            )
         self._first, self._size = first, size
 
     def numbers(self, site: Site) -> dict[str, int]:

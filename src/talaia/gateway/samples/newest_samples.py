@@ -15,7 +15,7 @@ _CHANNELS = 65_536
 
 
 class RunNewest:
-    """One place for each channel, by its number in the `Roster`."""
+    """One place for each channel, by its number in the `ChannelNumbering`."""
 
     def __init__(self) -> None:
         """Begin with nothing known."""
@@ -48,7 +48,7 @@ class RunNewest:
         """Give all that is known, by the channel list that counts now, in order of sequence.
 
         Args:
-            order: see `Roster.order`; none where numbers are places.
+            order: see `ChannelNumbering.order`; none where numbers are places.
             now_ns: now (monotonic).
 
         """

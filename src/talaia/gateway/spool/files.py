@@ -10,14 +10,23 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.gateway.spool.packing import unpacked
-from talaia.gateway.spool.segment import Kind, Record, records
+from talaia.gateway.spool.segment import RecordKind, SampleRecord, records
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Head", "Segment", "boot_of", "ranges_of", "scan", "set_aside", "unlinked", "write_all"]
+__all__ = [
+    "Segment",
+    "SegmentHead",
+    "boot_of",
+    "ranges_of",
+    "scan",
+    "set_aside",
+    "unlinked",
+    "write_all",
+]
 
 log = logging.getLogger(__name__)
 # What cannot be read is kept for whoever wants to look, but not for ever.
@@ -25,7 +34,7 @@ ASIDE = ".bad"
 MOST_ASIDE = 4
 
 
-class Head(msgspec.Struct, frozen=True):
+class SegmentHead(msgspec.Struct, frozen=True):
     """What all records of a segment share.
 
     ``ran_s`` is for how long this spool had been running when the segment began, over all its
@@ -44,7 +53,7 @@ class Segment:
 
     number: int
     path: Path
-    head: Head
+    head: SegmentHead
     size: int
     start: int
     first: int = -1
@@ -53,7 +62,7 @@ class Segment:
     to_us: int = 0
     turn: int = 0
 
-    def add(self, record: Record) -> None:
+    def add(self, record: SampleRecord) -> None:
         """Count a record in."""
         if self.first < 0:
             self.first, self.from_us, self.to_us = record.first, record.from_us, record.to_us
@@ -72,9 +81,9 @@ def scan(path: Path, data: bytes) -> tuple[Segment, list[tuple[int, int, int, in
     except ValueError:
         return None
     for end, record in records(data):
-        if record.kind == Kind.SEGMENT:
+        if record.kind == RecordKind.SEGMENT:
             try:
-                head = msgspec.msgpack.decode(record.body, type=Head)
+                head = msgspec.msgpack.decode(record.body, type=SegmentHead)
             except msgspec.DecodeError:
                 return None
             segment = Segment(number, path, head, end, end)
@@ -89,12 +98,12 @@ def scan(path: Path, data: bytes) -> tuple[Segment, list[tuple[int, int, int, in
     return segment, holes, whole
 
 
-def ranges_of(data: bytes) -> list[Record]:
+def ranges_of(data: bytes) -> list[SampleRecord]:
     """Give the records of samples in a segment whose head is gone."""
-    return [record for _, record in records(data) if record.kind != Kind.SEGMENT]
+    return [record for _, record in records(data) if record.kind != RecordKind.SEGMENT]
 
 
-def boot_of(record: Record) -> str:
+def boot_of(record: SampleRecord) -> str:
     """Tell whose samples a record holds, from the record itself; empty when it does not say."""
     try:
         batches = unpacked(record)

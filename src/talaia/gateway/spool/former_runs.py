@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.gateway.spool.packing import unpacked
-from talaia.gateway.spool.segment import Kind, records
+from talaia.gateway.spool.segment import RecordKind, records
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
@@ -21,7 +21,7 @@ from talaia.wire.newest import NewestSamples
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.gateway.spool.segment import Record
+    from talaia.gateway.spool.segment import SampleRecord
 
 __all__ = ["FormerNewest", "newest_in"]
 
@@ -78,9 +78,9 @@ def newest_in(
     return _as_told(boot, catalogue, found, now_us) if found else None
 
 
-def _batches(data: bytes) -> Iterator[Record]:
+def _batches(data: bytes) -> Iterator[SampleRecord]:
     for _, record in records(data):
-        if record.kind == Kind.SEGMENT:
+        if record.kind == RecordKind.SEGMENT:
             continue
         try:
             yield from unpacked(record)

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-__all__ = ["Gaps", "Gone"]
+__all__ = ["DroppedSamples", "SpoolGaps"]
 
 log = logging.getLogger(__name__)
 
 
-class Gaps:
+class SpoolGaps:
     """A short list, kept on disk whole."""
 
     def __init__(self, path: Path) -> None:
@@ -89,7 +89,7 @@ class Gaps:
             log.debug("%s: %s", self._path, error)
 
 
-class Gone:
+class DroppedSamples:
     """Samples of this boot that are here no more since the hub has them: which, and when. Pure.
 
     Asked only when a hub comes back with an older database than it had. Bounded: beyond

@@ -25,13 +25,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.gateway.persistence import NO_ROOM
-from talaia.gateway.spool.files import Head, Segment, set_aside, unlinked, write_all
+from talaia.gateway.spool.files import Segment, SegmentHead, set_aside, unlinked, write_all
 from talaia.gateway.spool.former_runs import newest_in
-from talaia.gateway.spool.gaps import Gaps, Gone
+from talaia.gateway.spool.gaps import DroppedSamples, SpoolGaps
 from talaia.gateway.spool.opening import DAMAGED, take_up, tell_torn
 from talaia.gateway.spool.packing import packed, unpacked
-from talaia.gateway.spool.progress_mark import Mark, MarkFile
-from talaia.gateway.spool.segment import Kind, Record, pack_record, records
+from talaia.gateway.spool.progress_mark import MarkFile, ProgressMark
+from talaia.gateway.spool.segment import RecordKind, SampleRecord, pack_record, records
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from talaia.gateway.spool.former_runs import FormerNewest
     from talaia.wire.frames import Gap
 
-__all__ = ["Head", "Place", "Spool", "Stored"]
+__all__ = ["SegmentHead", "Spool", "SpoolPosition", "StoredRecord"]
 
 log = logging.getLogger(__name__)
 SEGMENT_BYTES = 4 * 1024 * 1024
@@ -59,14 +59,14 @@ _JUMP_US = 5_000_000
 TURNS = 24
 
 
-class Stored(NamedTuple):
+class StoredRecord(NamedTuple):
     """A record with what its segment says of it."""
 
-    head: Head
-    record: Record
+    head: SegmentHead
+    record: SampleRecord
 
 
-class Place(NamedTuple):
+class SpoolPosition(NamedTuple):
     """Where a reader stands; `Place()` is the oldest. ``end`` is one past the last it was given."""
 
     number: int = 0
@@ -81,7 +81,7 @@ class Spool:
     def __init__(
         self,
         folder: Path,
-        head: Head,
+        head: SegmentHead,
         bound: int,
         *,
         age_s: float = float("inf"),
@@ -101,27 +101,27 @@ class Spool:
             spare: so much of the disk stays free for what matters more (STOP, commands).
             now: a clock that never jumps (s).
             wall_us: the wall clock (µs, UTC).
-            machine: see `Mark.machine`.
+            machine: see `ProgressMark.machine`.
 
         """
         self._folder = folder
         self._bound = bound
         self._age_s, self._spare, self._now = age_s, spare, now
         self._acked: dict[str, int] = {}
-        self._gone = Gone()
+        self._gone = DroppedSamples()
         self._synced_end = 0
         self._dirty = False
-        self._memory: deque[Record] = deque()
+        self._memory: deque[SampleRecord] = deque()
         self._memory_bytes = 0
         self._file = -1
         self._full = False
-        self._gaps = Gaps(folder / "gaps.json")
+        self._gaps = SpoolGaps(folder / "gaps.json")
         self._mark_file = MarkFile(folder / "mark.json")
         # What the run before this one left of itself; none where there was none.
         self.former = self._mark_file.former
         began_us = wall_us()
         deaf_us = began_us if self.former is not None else 0
-        self._mark = Mark(head.boot, began_us=began_us, deaf_us=deaf_us, machine=machine)
+        self._mark = ProgressMark(head.boot, began_us=began_us, deaf_us=deaf_us, machine=machine)
         self._segments: list[Segment] = []
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -151,7 +151,9 @@ class Spool:
         return segment
 
     def _open(self, segment: Segment) -> bool:
-        data = pack_record(Record(0, 0, 0, 0, msgspec.msgpack.encode(segment.head), Kind.SEGMENT))
+        data = pack_record(
+            SampleRecord(0, 0, 0, 0, msgspec.msgpack.encode(segment.head), RecordKind.SEGMENT)
+        )
         file = -1
         try:
             # Made here: a disk that takes something again may have come up without the folder.
@@ -173,7 +175,7 @@ class Spool:
         log.debug("spool: %s", error)
         self._full = error.errno in NO_ROOM
 
-    def redescribe(self, head: Head) -> None:
+    def redescribe(self, head: SegmentHead) -> None:
         """Keep what comes from here on by another channel list, in a segment of its own."""
         # What waits in memory goes to disk behind the new head: each says its addresses itself.
         self._memory = deque(_alone(each, self._head.addresses) for each in self._memory)
@@ -196,7 +198,7 @@ class Spool:
         """How much is kept, on disk and (while the disk is full) in memory."""
         return sum(segment.size for segment in self._segments) + self._memory_bytes
 
-    def append(self, record: Record) -> None:
+    def append(self, record: SampleRecord) -> None:
         """Keep a record of this boot. Never raises for a full disk: the oldest gives way."""
         self._trim()
         data = pack_record(record)
@@ -224,7 +226,7 @@ class Spool:
         )
         self._mark_file.write(self._mark)
 
-    def _place(self, data: bytes, record: Record) -> bool:
+    def _place(self, data: bytes, record: SampleRecord) -> bool:
         while not (self._has_room(len(data)) and self._write(data, record)):
             if not self._full or not self._drop_oldest(FULL):
                 return False
@@ -242,7 +244,7 @@ class Spool:
         spare = min(self._spare, disk.f_blocks * disk.f_frsize * MOST_SPARE)
         return disk.f_bavail * disk.f_frsize - size >= spare
 
-    def _write(self, data: bytes, record: Record) -> bool:
+    def _write(self, data: bytes, record: SampleRecord) -> bool:
         segment = self._current
         # Quarter of the bound: dropping the oldest must not mean dropping nearly all.
         largest = min(SEGMENT_BYTES, max(self._bound // 4, len(data)))
@@ -291,7 +293,7 @@ class Spool:
         segment.size = len(whole)
         segment.turn += 1
 
-    def _keep_in_memory(self, record: Record) -> None:
+    def _keep_in_memory(self, record: SampleRecord) -> None:
         self._memory.append(record)
         self._memory_bytes += len(record.body)
         while self._memory_bytes > MEMORY_BYTES:
@@ -324,7 +326,7 @@ class Spool:
         # A file that the disk does not give up is given out again by a later run: no harm.
         unlinked(segment.path)
 
-    def lose(self, record: Record, reason: str, boot: str = "") -> None:
+    def lose(self, record: SampleRecord, reason: str, boot: str = "") -> None:
         """Record that a batch is gone; of this boot when none is named."""
         span = (record.first, record.end - 1, record.from_us, record.to_us)
         self._gaps.add(boot or self._head.boot, *span, reason)
@@ -423,7 +425,7 @@ class Spool:
 
     # ── reading ──
 
-    def read(self, place: Place, most: int) -> tuple[list[Stored], Place]:
+    def read(self, place: SpoolPosition, most: int) -> tuple[list[StoredRecord], SpoolPosition]:
         """Give the next records not yet acknowledged, about ``most`` bytes; none at the end."""
         self._trim()
         for segment in [*self._segments]:
@@ -431,7 +433,7 @@ class Spool:
                 continue
             same = segment.number == place.number and segment.turn == place.turn
             if not same:
-                place = Place(segment.number, segment.turn, segment.start)
+                place = SpoolPosition(segment.number, segment.turn, segment.start)
             try:
                 found, place = self._read_segment(segment, place, most)
             except OSError as error:
@@ -441,7 +443,9 @@ class Spool:
                 return found, place
         last = self._segments[-1].number + 1
         if self._memory and place.number < last:
-            return [Stored(self._head, each) for each in self._memory], Place(last, 0, 0)
+            return [StoredRecord(self._head, each) for each in self._memory], SpoolPosition(
+                last, 0, 0
+            )
         return [], place
 
     def former_segments(self) -> list[int]:
@@ -462,17 +466,17 @@ class Spool:
                 return newest_in(data, head.boot, head.catalogue, head.addresses, known, now_us)
         return None
 
-    def seek(self, boot: str, first: int) -> Place:
+    def seek(self, boot: str, first: int) -> SpoolPosition:
         """Give where to read from to be given sample ``first`` of ``boot`` early on."""
         for segment in self._segments:
             if segment.head.boot == boot and segment.end > first:
-                return Place(segment.number, -1)
-        return Place()
+                return SpoolPosition(segment.number, -1)
+        return SpoolPosition()
 
     def _read_segment(
-        self, segment: Segment, place: Place, most: int
-    ) -> tuple[list[Stored], Place]:
-        found: list[Stored] = []
+        self, segment: Segment, place: SpoolPosition, most: int
+    ) -> tuple[list[StoredRecord], SpoolPosition]:
+        found: list[StoredRecord] = []
         offset, expected = place.offset, place.end
         file = os.open(segment.path, os.O_RDONLY | os.O_CLOEXEC)
         try:
@@ -481,7 +485,7 @@ class Spool:
                 data = os.pread(file, min(most * 2, segment.size - offset), offset)
                 end = 0
                 for end, record in records(data):
-                    if record.kind == Kind.SEGMENT:
+                    if record.kind == RecordKind.SEGMENT:
                         continue
                     self._see_hole(segment, expected, record)
                     expected = record.end
@@ -498,19 +502,21 @@ class Spool:
                 offset += end
         finally:
             os.close(file)
-        return found, Place(segment.number, segment.turn, offset, expected)
+        return found, SpoolPosition(segment.number, segment.turn, offset, expected)
 
-    def _batches(self, segment: Segment, record: Record) -> list[Stored]:
+    def _batches(self, segment: Segment, record: SampleRecord) -> list[StoredRecord]:
         acked = self._acked.get(segment.head.boot, 0)
         if record.end <= acked:
             return []
         try:
-            return [Stored(segment.head, each) for each in unpacked(record) if each.end > acked]
+            return [
+                StoredRecord(segment.head, each) for each in unpacked(record) if each.end > acked
+            ]
         except PeerError as error:
             self.lose(record, str(error), segment.head.boot)
             return []
 
-    def _see_hole(self, segment: Segment, expected: int, record: Record | None) -> None:
+    def _see_hole(self, segment: Segment, expected: int, record: SampleRecord | None) -> None:
         """Tell of records that were whole when they were written and are not there now."""
         first = max(segment.first if expected < 0 else expected, 0)
         past = segment.end if record is None else record.first
@@ -551,7 +557,7 @@ class Spool:
             unlinked(self._current.path)
 
 
-def _alone(record: Record, addresses: list[str]) -> Record:
+def _alone(record: SampleRecord, addresses: list[str]) -> SampleRecord:
     """Give a batch that says itself what its channels are."""
     frame = LINK_FROM_GATEWAY.decode(record.body)
     if not isinstance(frame, Samples) or frame.addresses:

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.gateway.spool.files import Segment
-    from talaia.gateway.spool.gaps import Gaps
-    from talaia.gateway.spool.progress_mark import Mark
+    from talaia.gateway.spool.gaps import SpoolGaps
+    from talaia.gateway.spool.progress_mark import ProgressMark
 
 __all__ = ["DAMAGED", "TORN", "take_up", "tell_torn"]
 
@@ -23,7 +23,7 @@ DAMAGED = "damaged on disk"
 TORN = "the end of what waited on the gateway's disk is missing"
 
 
-def take_up(folder: Path, gaps: Gaps, former: Mark | None = None) -> list[Segment]:
+def take_up(folder: Path, gaps: SpoolGaps, former: ProgressMark | None = None) -> list[Segment]:
     """Read every segment: torn tails are cut, what is damaged is set aside or told as a gap.
 
     Raises:
@@ -48,7 +48,7 @@ def take_up(folder: Path, gaps: Gaps, former: Mark | None = None) -> list[Segmen
     return found
 
 
-def tell_torn(former: Mark, segments: list[Segment], gaps: Gaps) -> None:
+def tell_torn(former: ProgressMark, segments: list[Segment], gaps: SpoolGaps) -> None:
     """Tell what the run before had heard, and the hub has not stored, and is nowhere now."""
     mine = [each for each in segments if each.head.boot == former.boot]
     first = max([former.acked, *(each.end for each in mine)])
@@ -58,7 +58,7 @@ def tell_torn(former: Mark, segments: list[Segment], gaps: Gaps) -> None:
         gaps.add_unknown(former.boot, first, former.end - 1, *span, TORN)
 
 
-def _read(path: Path, gaps: Gaps, former: Mark | None) -> Segment | None:
+def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment | None:
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -88,7 +88,7 @@ def _read(path: Path, gaps: Gaps, former: Mark | None) -> Segment | None:
     return segment
 
 
-def _leave(path: Path, data: bytes, gaps: Gaps) -> None:
+def _leave(path: Path, data: bytes, gaps: SpoolGaps) -> None:
     """Set a segment aside whose head cannot be read, and tell what was in it."""
     if not data:
         unlinked(path)

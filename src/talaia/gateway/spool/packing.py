@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-from talaia.gateway.spool.segment import Kind, Record
+from talaia.gateway.spool.segment import RecordKind, SampleRecord
 from talaia.wire.columns import Columns, pack, part, unpack
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
@@ -47,7 +47,7 @@ _encoder = msgspec.msgpack.Encoder()
 _decoder = msgspec.msgpack.Decoder(_Group)
 
 
-def packed(kept: Iterable[Record]) -> Iterator[Record]:
+def packed(kept: Iterable[SampleRecord]) -> Iterator[SampleRecord]:
     """Pack batches of samples that follow each other; others start a new group.
 
     A batch that cannot be read is passed on as it is.
@@ -70,8 +70,8 @@ def packed(kept: Iterable[Record]) -> Iterator[Record]:
     yield from _close(group)
 
 
-def _frame_of(record: Record) -> tuple[Samples, Columns] | None:
-    if record.kind != Kind.SAMPLES:
+def _frame_of(record: SampleRecord) -> tuple[Samples, Columns] | None:
+    if record.kind != RecordKind.SAMPLES:
         return None
     try:
         frame = LINK_FROM_GATEWAY.decode(record.body)
@@ -90,7 +90,7 @@ def _follows(last: tuple[Samples, Columns], frame: Samples) -> bool:
     )  # fmt: skip
 
 
-def _close(group: list[tuple[Samples, Columns]]) -> Iterator[Record]:
+def _close(group: list[tuple[Samples, Columns]]) -> Iterator[SampleRecord]:
     if not group:
         return
     first = group[0][0]
@@ -110,24 +110,24 @@ def _close(group: list[tuple[Samples, Columns]]) -> Iterator[Record]:
         _shuffled(np.concatenate([columns.value for _, columns in group]).astype("<f8")),
         texts,
     )
-    yield Record(
+    yield SampleRecord(
         first.first,
         at,
         int(time_us.min()),
         int(time_us.max()),
         zlib.compress(_encoder.encode(body), _LEVEL),
-        Kind.PACKED,
+        RecordKind.PACKED,
     )
 
 
-def unpacked(record: Record) -> list[Record]:
+def unpacked(record: SampleRecord) -> list[SampleRecord]:
     """Give a packed record's batches, and any other as it is.
 
     Raises:
         PeerError: it cannot be read.
 
     """
-    if record.kind != Kind.PACKED:
+    if record.kind != RecordKind.PACKED:
         return [record]
     inflate = zlib.decompressobj()
     try:
@@ -152,7 +152,7 @@ def unpacked(record: Record) -> list[Record]:
     ]
 
 
-def _batches(group: _Group, first: int, columns: Columns) -> list[Record]:
+def _batches(group: _Group, first: int, columns: Columns) -> list[SampleRecord]:
     """Encode columns as one frame, or as two where the wall clock jumped within them."""
     try:
         base, channel, offset, value = pack(columns)
@@ -171,7 +171,7 @@ def _batches(group: _Group, first: int, columns: Columns) -> list[Record]:
         texts=columns.texts,
     )
     low, high = int(columns.time_us.min()), int(columns.time_us.max())
-    return [Record(first, len(columns), low, high, LINK_FROM_GATEWAY.encode(frame))]
+    return [SampleRecord(first, len(columns), low, high, LINK_FROM_GATEWAY.encode(frame))]
 
 
 def _shuffled(column: np.ndarray) -> bytes:

@@ -16,14 +16,14 @@ import msgspec
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Mark", "MarkFile", "machine_run"]
+__all__ = ["MarkFile", "ProgressMark", "machine_run"]
 
 log = logging.getLogger(__name__)
 # One block of any file system: it is taken once, and never needs room again.
 _SIZE = 512
 
 
-class Mark(msgspec.Struct, frozen=True):
+class ProgressMark(msgspec.Struct, frozen=True):
     """How far a run came.
 
     Attributes:
@@ -55,15 +55,15 @@ class MarkFile:
         """Read what the run before left; `former` is none where there was none."""
         self._path = path
         self._file = -1
-        self.former: Mark | None = None
+        self.former: ProgressMark | None = None
         try:
-            self.former = msgspec.json.decode(path.read_bytes(), type=Mark)
+            self.former = msgspec.json.decode(path.read_bytes(), type=ProgressMark)
         except FileNotFoundError:
             pass
         except (OSError, msgspec.DecodeError) as error:
             log.warning("%s cannot be read: %s", path, error)
 
-    def write(self, mark: Mark) -> None:
+    def write(self, mark: ProgressMark) -> None:
         """Write it in its place; where the disk takes nothing, the old one stays."""
         try:
             if self._file < 0:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["HEAD", "Kind", "Record", "pack_record", "records"]
+__all__ = ["HEAD", "RecordKind", "SampleRecord", "pack_record", "records"]
 
 MAGIC = b"\xf7TLR"
 # magic, kind, body length, CRC-32 of all that follows it, first, count, from_us, to_us
@@ -24,7 +24,7 @@ HEAD = _HEAD.size
 _MAX_BODY = 16 * 1024 * 1024
 
 
-class Kind:
+class RecordKind:
     """What a record holds: the segment's own head, a batch of samples, or several, deflated."""
 
     SEGMENT = 0
@@ -32,7 +32,7 @@ class Kind:
     PACKED = 2
 
 
-class Record(NamedTuple):
+class SampleRecord(NamedTuple):
     """A batch as it is kept.
 
     Attributes:
@@ -41,7 +41,7 @@ class Record(NamedTuple):
         from_us: earliest time (wall).
         to_us: latest time.
         body: the encoded frame.
-        kind: see `Kind`.
+        kind: see `RecordKind`.
 
     """
 
@@ -50,7 +50,7 @@ class Record(NamedTuple):
     from_us: int
     to_us: int
     body: bytes
-    kind: int = Kind.SAMPLES
+    kind: int = RecordKind.SAMPLES
 
     @property
     def end(self) -> int:
@@ -58,7 +58,7 @@ class Record(NamedTuple):
         return self.first + self.samples
 
 
-def pack_record(record: Record) -> bytes:
+def pack_record(record: SampleRecord) -> bytes:
     """Give a record's bytes."""
     checked = _CHECKED.pack(record.first, record.samples, record.from_us, record.to_us)
     crc = zlib.crc32(record.body, zlib.crc32(checked, record.kind))
@@ -75,7 +75,7 @@ def pack_record(record: Record) -> bytes:
     return head + record.body
 
 
-def records(data: bytes, at: int = 0) -> Iterator[tuple[int, Record]]:
+def records(data: bytes, at: int = 0) -> Iterator[tuple[int, SampleRecord]]:
     """Give the whole records of ``data`` from ``at`` on, each with the offset where it ends."""
     while True:
         at = data.find(MAGIC, at)
@@ -89,7 +89,7 @@ def records(data: bytes, at: int = 0) -> Iterator[tuple[int, Record]]:
         yield at, record
 
 
-def _read(data: bytes, at: int) -> Record | None:
+def _read(data: bytes, at: int) -> SampleRecord | None:
     if len(data) - at < HEAD:
         return None
     _, kind, length, crc, first, count, from_us, to_us = _HEAD.unpack_from(data, at)
@@ -99,4 +99,4 @@ def _read(data: bytes, at: int) -> Record | None:
     checked = _CHECKED.pack(first, count, from_us, to_us)
     if zlib.crc32(body, zlib.crc32(checked, kind)) != crc:
         return None
-    return Record(first, count, from_us, to_us, body, kind)
+    return SampleRecord(first, count, from_us, to_us, body, kind)

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from talaia.gateway.spool.former_runs import FormerNewest
-    from talaia.gateway.spool.journal import Head, Place, Spool, Stored
-    from talaia.gateway.spool.segment import Record
+    from talaia.gateway.spool.journal import SegmentHead, Spool, SpoolPosition, StoredRecord
+    from talaia.gateway.spool.segment import SampleRecord
     from talaia.wire.frames import Gap
 
-__all__ = ["Keeper"]
+__all__ = ["SpoolThread"]
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
@@ -26,7 +26,7 @@ MAX_WAITING = 32 * 1024 * 1024
 UNDER_WAY_US = 250_000
 
 
-class Keeper:
+class SpoolThread:
     """Gives the spool's work to one thread, in order. Called from the event loop only.
 
     What waits for the disk is bounded: beyond that a batch is not kept but recorded as lost,
@@ -44,7 +44,7 @@ class Keeper:
         self._given = 0
         self._taken = 0
 
-    def append(self, record: Record) -> None:
+    def append(self, record: SampleRecord) -> None:
         """Keep a record."""
         size = len(record.body)
         if self._given - self._taken + size > MAX_WAITING:
@@ -53,7 +53,7 @@ class Keeper:
         self._given += size
         self._thread.submit(self._append, record, size).add_done_callback(_log_failure)
 
-    def lose(self, record: Record, reason: str, boot: str = "") -> None:
+    def lose(self, record: SampleRecord, reason: str, boot: str = "") -> None:
         """Record a loss that happened outside the spool; see `Spool.lose`."""
         self._thread.submit(self._spool.lose, record, reason, boot).add_done_callback(_log_failure)
 
@@ -61,11 +61,11 @@ class Keeper:
         """See `Spool.all_heard`."""
         self._thread.submit(self._spool.all_heard).add_done_callback(_log_failure)
 
-    def _append(self, record: Record, size: int) -> None:
+    def _append(self, record: SampleRecord, size: int) -> None:
         self._taken += size
         self._spool.append(record)
 
-    def redescribe(self, head: Head) -> None:
+    def redescribe(self, head: SegmentHead) -> None:
         """See `Spool.redescribe`; what was given before is kept by the old channel list."""
         self._thread.submit(self._spool.redescribe, head).add_done_callback(_log_failure)
 
@@ -99,7 +99,7 @@ class Keeper:
         """See `Spool.gaps`."""
         return await self._do(self._spool.gaps)
 
-    async def seek(self, boot: str, first: int) -> Place:
+    async def seek(self, boot: str, first: int) -> SpoolPosition:
         """See `Spool.seek`."""
         return await self._do(lambda: self._spool.seek(boot, first))
 
@@ -114,7 +114,9 @@ class Keeper:
             if found is not None:
                 yield found
 
-    async def read(self, place: Place, most: int) -> tuple[list[Stored], Place]:
+    async def read(
+        self, place: SpoolPosition, most: int
+    ) -> tuple[list[StoredRecord], SpoolPosition]:
         """See `Spool.read`."""
         return await self._do(lambda: self._spool.read(place, most))
 

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.gateway.spool.journal import Place
+from talaia.gateway.spool.journal import SpoolPosition
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from talaia.gateway.spool.journal import Stored
-    from talaia.gateway.spool.spool_thread import Keeper
-    from talaia.gateway.uplink.lanes import Lanes
+    from talaia.gateway.spool.journal import StoredRecord
+    from talaia.gateway.spool.spool_thread import SpoolThread
+    from talaia.gateway.uplink.lanes import SendLanes
 
 __all__ = ["CatchUp", "as_old"]
 
@@ -26,7 +26,7 @@ MAX_WAITING = 8
 MOST_UNHEARD = 8 * 1024 * 1024
 
 
-def as_old(stored: Stored, catalogue: str) -> bytes:
+def as_old(stored: StoredRecord, catalogue: str) -> bytes:
     """Turn a kept batch into the frame to send: no longer live, and able to stand alone.
 
     A batch of another channel list than the link's carries the addresses of its own; one that
@@ -50,8 +50,8 @@ class CatchUp:
 
     def __init__(
         self,
-        keeper: Keeper,
-        lanes: Lanes,
+        keeper: SpoolThread,
+        lanes: SendLanes,
         boot: str,
         catalogue: Callable[[], str],
         rate: int,
@@ -84,7 +84,7 @@ class CatchUp:
         """
         told = await self._tell_gaps(0)
         await self._send(
-            Place(),
+            SpoolPosition(),
             lambda boot, first, _: boot != self._boot or first < live_from,
             until=(self._boot, live_from),
         )
@@ -118,7 +118,7 @@ class CatchUp:
 
     async def _send(
         self,
-        place: Place,
+        place: SpoolPosition,
         wanted: Callable[[str, int, int], bool],
         until: tuple[str, int],
     ) -> None:
@@ -157,7 +157,7 @@ class CatchUp:
             await asyncio.sleep(STEP_S)
 
     def _frames(
-        self, found: list[Stored], wanted: Callable[[str, int, int], bool]
+        self, found: list[StoredRecord], wanted: Callable[[str, int, int], bool]
     ) -> Iterator[bytes]:
         for stored in found:
             boot, record = stored.head.boot, stored.record

@@ -1,7 +1,8 @@
 """The link and the media connection: one socket each, from handshake to loss.
 
-What is sent comes from elsewhere (`Lanes`, `Pictures`), and so does what received messages mean
-(`Desk`); here frames only pass, beats are kept, and a loss becomes one `LinkLost` with a reason.
+What is sent comes from elsewhere (`SendLanes`, `PictureUplink`), and so does what received messages
+mean (`HubMessageHandler`); here frames only pass, beats are kept, and a loss becomes one `LinkLost`
+with a reason.
 
 Long, because both sockets are dialled, kept and lost in the same way, told in one place.
 """
@@ -16,9 +17,9 @@ from typing import TYPE_CHECKING, Protocol
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
-from talaia.gateway.errors import KeyRefused, LinkLost, SentAway
+from talaia.gateway.errors import KeyRefused, LinkLost, RetryLater
 from talaia.gateway.uplink.dialling import first_to_end
-from talaia.gateway.uplink.heartbeat import Beats, reply_to
+from talaia.gateway.uplink.heartbeat import HeartbeatMonitor, reply_to
 from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.frames import (
     LINK_FROM_GATEWAY,
@@ -39,13 +40,13 @@ if TYPE_CHECKING:
     from websockets.asyncio.client import ClientConnection
 
     from talaia.clock import Clock
-    from talaia.gateway.settings import Settings
-    from talaia.gateway.uplink.lanes import Lanes
-    from talaia.gateway.uplink.pictures import Pictures
-    from talaia.gateway.uplink.tls import Trust
+    from talaia.gateway.settings import GatewaySettings
+    from talaia.gateway.uplink.lanes import SendLanes
+    from talaia.gateway.uplink.pictures import PictureUplink
+    from talaia.gateway.uplink.tls import HubTrust
     from talaia.wire.frames import FromHub
 
-__all__ = ["Desk", "LinkRun", "dial", "run_media"]
+__all__ = ["HubLink", "HubMessageHandler", "dial", "run_media"]
 
 log = logging.getLogger(__name__)
 HANDSHAKE_S = 5.0
@@ -53,7 +54,7 @@ HANDSHAKE_S = 5.0
 WRITE_LIMIT = 32 * 1024
 
 
-class Desk(Protocol):
+class HubMessageHandler(Protocol):
     """Where the hub's messages are acted on. Returns at once; raises nothing."""
 
     def link_up(self, welcome: Welcome) -> None:
@@ -70,7 +71,9 @@ class Desk(Protocol):
 
 
 @asynccontextmanager
-async def dial(settings: Settings, trust: Trust, path: str) -> AsyncIterator[ClientConnection]:
+async def dial(
+    settings: GatewaySettings, trust: HubTrust, path: str
+) -> AsyncIterator[ClientConnection]:
     """Open a WebSocket to the hub; a loss inside the block becomes `LinkLost`.
 
     Raises:
@@ -101,7 +104,7 @@ async def dial(settings: Settings, trust: Trust, path: str) -> AsyncIterator[Cli
             raise KeyRefused(error.response.status_code, settings.hub.url) from error
         if error.response.status_code in (429, 503):
             after_s = _seconds(error.response.headers.get("Retry-After", ""))
-            raise SentAway(f"{url} answers HTTP {error.response.status_code}", after_s) from error
+            raise RetryLater(f"{url} answers HTTP {error.response.status_code}", after_s) from error
         raise LinkLost(f"{url} answers HTTP {error.response.status_code}") from error
     except ConnectionClosed as error:
         reason = error.rcvd.reason if error.rcvd is not None and error.rcvd.reason else str(error)
@@ -134,13 +137,15 @@ async def _close(socket: ClientConnection) -> None:
         socket.transport.abort()
 
 
-def _check_awake(beats: Beats, clock: Clock) -> None:
+def _check_awake(beats: HeartbeatMonitor, clock: Clock) -> None:
     frozen = beats.stood_still_s(clock.monotonic_ns())
     if frozen > 0:
         raise LinkLost(f"this process stood still for {frozen:.1f} s; starting clean")
 
 
-async def _beat(socket_send: Callable[[Beat], None], beats: Beats, clock: Clock, what: str) -> None:
+async def _beat(
+    socket_send: Callable[[Beat], None], beats: HeartbeatMonitor, clock: Clock, what: str
+) -> None:
     while True:
         if beats.dead:
             raise LinkLost(f"{what} has not answered for {beats.MISSED} s")
@@ -150,17 +155,17 @@ async def _beat(socket_send: Callable[[Beat], None], beats: Beats, clock: Clock,
         await asyncio.sleep(beats.PERIOD_S)
 
 
-class LinkRun:
+class HubLink:
     """The link, once: hello, welcome, then frames both ways until it is lost."""
 
     def __init__(
         self,
-        settings: Settings,
-        trust: Trust,
+        settings: GatewaySettings,
+        trust: HubTrust,
         clock: Clock,
-        lanes: Lanes,
+        lanes: SendLanes,
         wake: asyncio.Event,
-        desk: Desk,
+        desk: HubMessageHandler,
     ) -> None:
         """Take what to send and who acts on what comes."""
         self._settings = settings
@@ -183,7 +188,7 @@ class LinkRun:
         """
         try:
             async with dial(self._settings, self._trust, "/gateway/link") as socket:
-                beats = Beats(self._clock.monotonic_ns())
+                beats = HeartbeatMonitor(self._clock.monotonic_ns())
                 await socket.send(LINK_FROM_GATEWAY.encode(hello))
                 welcome = await self._answer(socket, beats)
                 self._check(welcome)
@@ -202,7 +207,7 @@ class LinkRun:
             self._lanes.link_lost()
             self._desk.link_lost()
 
-    async def _answer(self, socket: ClientConnection, beats: Beats) -> FromHub:
+    async def _answer(self, socket: ClientConnection, beats: HeartbeatMonitor) -> FromHub:
         """Wait for the first frame. A slow hub is waited for; a freeze of ours ends the link."""
 
         async def pulse() -> None:
@@ -221,7 +226,7 @@ class LinkRun:
 
     def _check(self, welcome: FromHub) -> None:
         if isinstance(welcome, Bye):
-            raise SentAway(f"the hub refuses this gateway: {welcome.reason}", welcome.after_s)
+            raise RetryLater(f"the hub refuses this gateway: {welcome.reason}", welcome.after_s)
         if not isinstance(welcome, Welcome):
             raise PeerError(f"{type(welcome).__name__} before the welcome")
         if not speaks(welcome.protocol):
@@ -230,7 +235,7 @@ class LinkRun:
                 "bring both to the same version"
             )
 
-    async def _read(self, socket: ClientConnection, beats: Beats) -> None:
+    async def _read(self, socket: ClientConnection, beats: HeartbeatMonitor) -> None:
         while True:
             data = await socket.recv()
             try:
@@ -246,7 +251,7 @@ class LinkRun:
                 case BeatReply():
                     beats.answered(message, now)
                 case Bye():
-                    raise SentAway(f"the hub closes the link: {message.reason}", message.after_s)
+                    raise RetryLater(f"the hub closes the link: {message.reason}", message.after_s)
                 case Welcome():
                     raise PeerError("a second welcome")
                 case _:
@@ -263,7 +268,11 @@ class LinkRun:
 
 
 async def run_media(
-    settings: Settings, trust: Trust, clock: Clock, pictures: Pictures, up: Callable[[], None]
+    settings: GatewaySettings,
+    trust: HubTrust,
+    clock: Clock,
+    pictures: PictureUplink,
+    up: Callable[[], None],
 ) -> None:
     """Send pictures until the connection is lost; ``up`` is called once it stands.
 
@@ -272,7 +281,7 @@ async def run_media(
 
     """
     async with dial(settings, trust, "/gateway/media") as socket:
-        beats = Beats(clock.monotonic_ns())
+        beats = HeartbeatMonitor(clock.monotonic_ns())
         pictures.link_up()
         up()
 

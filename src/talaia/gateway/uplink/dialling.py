@@ -7,23 +7,23 @@ import logging
 import random
 from typing import TYPE_CHECKING
 
-from talaia.gateway.errors import KeyRefused, LinkLost, SentAway
+from talaia.gateway.errors import KeyRefused, LinkLost, RetryLater
 from talaia.gateway.uplink.backoff import Backoff
-from talaia.gateway.uplink.heartbeat import Beats
+from talaia.gateway.uplink.heartbeat import HeartbeatMonitor
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from talaia.clock import Clock
 
-__all__ = ["Outage", "beside_link", "first_to_end", "keep_dialling"]
+__all__ = ["OutageLog", "beside_link", "first_to_end", "keep_dialling"]
 
 log = logging.getLogger(__name__)
 # The link and what runs beside it are struck by one blow, but find out up to a beat apart.
-GRACE_S = 1.25 * Beats.PERIOD_S
+GRACE_S = 1.25 * HeartbeatMonitor.PERIOD_S
 
 
-class Outage:
+class OutageLog:
     """What is said of a connection: its loss once, and that it is back once. Pure.
 
     A hub that dies is seen in several ways, one after another (closed, refused, no route): that
@@ -47,7 +47,7 @@ class Outage:
 
 
 async def keep_dialling(
-    what: str, once: Callable[[], Awaitable[None]], outage: Outage, clock: Clock
+    what: str, once: Callable[[], Awaitable[None]], outage: OutageLog, clock: Clock
 ) -> None:
     """Dial for ever, waiting in between. An ``once`` that returns has nothing to be said of it."""
     backoff = Backoff(random.SystemRandom().random)
@@ -58,7 +58,7 @@ async def keep_dialling(
             await once()
         except (KeyRefused, LinkLost) as error:
             refused = isinstance(error, KeyRefused)
-            sent_away_s = error.after_s if isinstance(error, SentAway) else None
+            sent_away_s = error.after_s if isinstance(error, RetryLater) else None
             say = log.warning if outage.lost(refused=refused) else log.debug
             say("%s: %s; trying again", what, error)
         lasted = (clock.monotonic_ns() - began) / 1e9

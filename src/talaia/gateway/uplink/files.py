@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.client import ClientConnection
 
-    from talaia.gateway.settings import Settings
-    from talaia.gateway.uplink.tls import Trust
+    from talaia.gateway.settings import GatewaySettings
+    from talaia.gateway.uplink.tls import HubTrust
     from talaia.wire.frames import ArchiveOffer, FileOffer, FilmOffer
 
     Offer = FileOffer | FilmOffer | ArchiveOffer
 
-__all__ = ["Lane", "Sending", "Source", "send_files"]
+__all__ = ["FileLane", "FileSource", "TransferCallbacks", "send_files"]
 
 log = logging.getLogger(__name__)
 ANSWER_S = 20.0
@@ -37,7 +37,7 @@ REST_S = 0.05
 MOST_DAMAGED = 3
 
 
-class Source(Protocol):
+class FileSource(Protocol):
     """Where files wait on the disk. Its methods block; any thread."""
 
     def offers(self) -> Sequence[Offer]:
@@ -62,15 +62,15 @@ class Source(Protocol):
         ...
 
 
-class Lane(NamedTuple):
+class FileLane(NamedTuple):
     """Files of one kind, and how many bytes of them may go in a second."""
 
     what: str
-    source: Source
+    source: FileSource
     rate: float
 
 
-class Sending(NamedTuple):
+class TransferCallbacks(NamedTuple):
     """Who is asked and told meanwhile.
 
     Attributes:
@@ -90,7 +90,10 @@ class _Unknown(Exception):
 
 
 async def send_files(
-    settings: Settings, trust: Trust, lanes: Sequence[Lane], sending: Sending
+    settings: GatewaySettings,
+    trust: HubTrust,
+    lanes: Sequence[FileLane],
+    sending: TransferCallbacks,
 ) -> None:
     """Hand over all that waits; returns when nothing does.
 
@@ -118,7 +121,7 @@ async def send_files(
                 left.remove(lane)
 
 
-async def _next(lanes: Sequence[Lane]) -> tuple[Lane, Offer] | None:
+async def _next(lanes: Sequence[FileLane]) -> tuple[FileLane, Offer] | None:
     for lane in lanes:
         offers = await asyncio.to_thread(lane.source.offers)
         if offers:
@@ -128,10 +131,10 @@ async def _next(lanes: Sequence[Lane]) -> tuple[Lane, Offer] | None:
 
 async def _send(
     socket: ClientConnection,
-    lane: Lane,
+    lane: FileLane,
     offer: Offer,
-    sending: Sending,
-    before: Sequence[Lane],
+    sending: TransferCallbacks,
+    before: Sequence[FileLane],
 ) -> None:
     """Send a file, or as much of it as goes before one of the lanes ``before`` has something."""
     has = await _ask(socket, offer, DONE_S)

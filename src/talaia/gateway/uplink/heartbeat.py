@@ -5,10 +5,10 @@ from __future__ import annotations
 from talaia.clock import SECOND
 from talaia.wire.frames import Beat, BeatReply
 
-__all__ = ["Beats", "reply_to"]
+__all__ = ["HeartbeatMonitor", "reply_to"]
 
 
-class Beats:
+class HeartbeatMonitor:
     """The beats of one connection, ours and its answers."""
 
     PERIOD_S = 1.0

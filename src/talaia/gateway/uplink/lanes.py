@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 
     from talaia.wire.frames import FromGateway
 
-__all__ = ["Lane", "Lanes", "Waiting"]
+__all__ = ["SendLanes", "SendPriority", "WaitingFrame"]
 
 
-class Lane(IntEnum):
+class SendPriority(IntEnum):
     """From the most urgent to the least."""
 
     CONTROL = 0
@@ -60,7 +60,7 @@ _COMMANDS = (CommandState, Event)
 _NONE = 2**62
 
 
-class Waiting(NamedTuple):
+class WaitingFrame(NamedTuple):
     """An encoded frame, and for samples the sequence range it holds."""
 
     data: bytes
@@ -68,7 +68,7 @@ class Waiting(NamedTuple):
     end: int = 0
 
 
-class Lanes:
+class SendLanes:
     """The lanes of one gateway.
 
     CONTROL lives for one link: after a loss the state is told anew, nothing is replayed. COMMANDS
@@ -84,7 +84,7 @@ class Lanes:
     def __init__(self, wake: Callable[[], None]) -> None:
         """Take what to call when something begins to wait."""
         self._wake = wake
-        self._lanes: tuple[deque[Waiting], ...] = tuple(deque() for _ in Lane)
+        self._lanes: tuple[deque[WaitingFrame], ...] = tuple(deque() for _ in SendPriority)
         self._live_bytes = 0
         self.linked = False
         self.dropped_events = 0
@@ -95,26 +95,28 @@ class Lanes:
     def send(self, message: FromGateway) -> None:
         """Queue a message in the lane of its kind."""
         if isinstance(message, _COMMANDS):
-            lane = self._lanes[Lane.COMMANDS]
+            lane = self._lanes[SendPriority.COMMANDS]
             if len(lane) >= self.MAX_COMMANDS:
                 lane.popleft()
                 self.dropped_events += 1
         elif not self.linked:
             return
         elif isinstance(message, _CONTROL):
-            lane = self._lanes[Lane.CONTROL]
+            lane = self._lanes[SendPriority.CONTROL]
             if len(lane) >= self.MAX_CONTROL:
                 lane.popleft()
         else:
-            lane = self._lanes[Lane.SEEN if isinstance(message, Seen) else Lane.BACKFILL]
-        lane.append(Waiting(LINK_FROM_GATEWAY.encode(message)))
+            lane = self._lanes[
+                SendPriority.SEEN if isinstance(message, Seen) else SendPriority.BACKFILL
+            ]
+        lane.append(WaitingFrame(LINK_FROM_GATEWAY.encode(message)))
         self._wake()
 
     def live(self, data: bytes, first: int, end: int) -> None:
         """Queue a batch of live samples; without a link it is the spool's matter alone."""
         if not self.linked:
             return
-        lane = self._lanes[Lane.LIVE]
+        lane = self._lanes[SendPriority.LIVE]
         if self._live_bytes + len(data) > self.MAX_LIVE and lane:
             begin = min(each.first for each in lane)
             if self.overflowed is not None:
@@ -123,20 +125,20 @@ class Lanes:
             self.overflowed = (min(begin, first), max(numbered, default=first))
             lane.clear()
             self._live_bytes = 0
-        lane.append(Waiting(data, first, end))
+        lane.append(WaitingFrame(data, first, end))
         self._live_bytes += len(data)
         self._wake()
 
     def newest(self, data: bytes) -> None:
         """Queue the newest samples, before all that is heard from here on."""
         if self.linked:
-            self._lanes[Lane.LIVE].append(Waiting(data, _NONE, _NONE))
+            self._lanes[SendPriority.LIVE].append(WaitingFrame(data, _NONE, _NONE))
             self._live_bytes += len(data)
             self._wake()
 
     def backfill(self, data: bytes) -> None:
         """Queue a frame of old samples; the caller keeps the rate and the bound."""
-        self._lanes[Lane.BACKFILL].append(Waiting(data))
+        self._lanes[SendPriority.BACKFILL].append(WaitingFrame(data))
         self._wake()
 
     def owe(self, boot: str, first: int, below: int) -> None:
@@ -147,24 +149,27 @@ class Lanes:
     @property
     def busy(self) -> bool:
         """Whether anything waits that is not old."""
-        return any(self._lanes[lane] for lane in (Lane.CONTROL, Lane.COMMANDS, Lane.LIVE))
+        return any(
+            self._lanes[lane]
+            for lane in (SendPriority.CONTROL, SendPriority.COMMANDS, SendPriority.LIVE)
+        )
 
     @property
     def seen_waiting(self) -> int:
         """How many sightings wait."""
-        return len(self._lanes[Lane.SEEN])
+        return len(self._lanes[SendPriority.SEEN])
 
     @property
     def backfill_waiting(self) -> int:
         """How many old frames wait."""
-        return len(self._lanes[Lane.BACKFILL])
+        return len(self._lanes[SendPriority.BACKFILL])
 
     def next(self) -> bytes | None:
         """Give the most urgent frame, or none."""
         for index, lane in enumerate(self._lanes):
             if lane:
                 waiting = lane.popleft()
-                if index == Lane.LIVE:
+                if index == SendPriority.LIVE:
                     self._live_bytes -= len(waiting.data)
                 return waiting.data
         return None
@@ -181,5 +186,10 @@ class Lanes:
         self.overflowed = None
         self.owed.clear()
         self._live_bytes = 0
-        for lane in (Lane.CONTROL, Lane.LIVE, Lane.SEEN, Lane.BACKFILL):
+        for lane in (
+            SendPriority.CONTROL,
+            SendPriority.LIVE,
+            SendPriority.SEEN,
+            SendPriority.BACKFILL,
+        ):
             self._lanes[lane].clear()

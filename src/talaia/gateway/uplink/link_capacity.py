@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["Room"]
+__all__ = ["LinkCapacity"]
 
 # Longer than usual under way by this (µs): the link is full, and nothing is encoded for it.
 FULL_US = 150_000
@@ -17,7 +17,7 @@ _DOWN_US, _UP_US = 400_000, 3_000_000
 _FORGET = 0.02
 
 
-class Room:
+class LinkCapacity:
     """Watches pictures go and their receipts come back, and gives the share of the bits to use."""
 
     def __init__(self) -> None:

@@ -10,10 +10,10 @@ import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.uplink.catchup import CatchUp
-from talaia.gateway.uplink.connection import LinkRun, run_media
-from talaia.gateway.uplink.dialling import Outage, beside_link, keep_dialling
-from talaia.gateway.uplink.files import Sending, send_files
-from talaia.gateway.uplink.newest_samples import NewestTeller
+from talaia.gateway.uplink.connection import HubLink, run_media
+from talaia.gateway.uplink.dialling import OutageLog, beside_link, keep_dialling
+from talaia.gateway.uplink.files import TransferCallbacks, send_files
+from talaia.gateway.uplink.newest_samples import NewestSamplesSender
 from talaia.wire.frames import ArchiveOffer, Newest
 
 if TYPE_CHECKING:
@@ -21,39 +21,39 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
-    from talaia.gateway.reload.apply import Exchange
+    from talaia.gateway.reload.apply import DescriptionReload
     from talaia.gateway.samples.batching import Batcher
-    from talaia.gateway.settings import Settings
-    from talaia.gateway.spool.spool_thread import Keeper
-    from talaia.gateway.uplink.files import Lane
-    from talaia.gateway.uplink.lanes import Lanes
-    from talaia.gateway.uplink.message_dispatcher import FrontDesk
-    from talaia.gateway.uplink.pictures import Pictures
-    from talaia.gateway.uplink.tls import Trust
+    from talaia.gateway.settings import GatewaySettings
+    from talaia.gateway.spool.spool_thread import SpoolThread
+    from talaia.gateway.uplink.files import FileLane
+    from talaia.gateway.uplink.lanes import SendLanes
+    from talaia.gateway.uplink.message_dispatcher import MessageDispatcher
+    from talaia.gateway.uplink.pictures import PictureUplink
+    from talaia.gateway.uplink.tls import HubTrust
     from talaia.wire.frames import FileOffer, FilmOffer, Hello, Welcome
 
-__all__ = ["Way", "keep_files", "keep_link", "keep_media"]
+__all__ = ["HubConnection", "keep_files", "keep_link", "keep_media"]
 
 log = logging.getLogger(__name__)
 
 
-class Way(NamedTuple):
+class HubConnection(NamedTuple):
     """The way to the hub, and who acts on what it says."""
 
-    settings: Settings
-    trust: Trust
+    settings: GatewaySettings
+    trust: HubTrust
     clock: Clock
-    desk: FrontDesk
+    desk: MessageDispatcher
 
 
 async def keep_link(
-    way: Way,
+    way: HubConnection,
     boot: str,
-    exchange: Exchange,
-    lanes: Lanes,
+    exchange: DescriptionReload,
+    lanes: SendLanes,
     wake: asyncio.Event,
     batcher: Batcher,
-    keeper: Keeper,
+    keeper: SpoolThread,
 ) -> None:
     """Keep the link: what is new goes out at once, and what waits on the disk beside it.
 
@@ -68,9 +68,9 @@ async def keep_link(
 
     """
     settings, clock = way.settings, way.clock
-    link = LinkRun(settings, way.trust, clock, lanes, wake, way.desk)
-    outage = Outage()
-    teller = NewestTeller(batcher.newest, keeper, lanes, clock, boot)
+    link = HubLink(settings, way.trust, clock, lanes, wake, way.desk)
+    outage = OutageLog()
+    teller = NewestSamplesSender(batcher.newest, keeper, lanes, clock, boot)
     # Which description the hub was greeted with.
     told = 0
 
@@ -116,9 +116,9 @@ async def keep_link(
     await keep_dialling("the hub", lambda: link.once(hello(), beside), outage, clock)
 
 
-async def keep_media(way: Way, pictures: Pictures) -> None:
+async def keep_media(way: HubConnection, pictures: PictureUplink) -> None:
     """Keep the connection for pictures of cameras."""
-    desk, outage = way.desk, Outage()
+    desk, outage = way.desk, OutageLog()
 
     def up() -> None:
         if outage.back():
@@ -136,7 +136,11 @@ async def keep_media(way: Way, pictures: Pictures) -> None:
 
 
 async def keep_files(
-    way: Way, files: Sequence[Lane], to_send: asyncio.Event, lanes: Lanes, events: EventSink
+    way: HubConnection,
+    files: Sequence[FileLane],
+    to_send: asyncio.Event,
+    lanes: SendLanes,
+    events: EventSink,
 ) -> None:
     """Hand pictures and recordings over, while there is a link and something waits.
 
@@ -148,7 +152,7 @@ async def keep_files(
         events: told what the hub does not take.
 
     """
-    desk, outage = way.desk, Outage()
+    desk, outage = way.desk, OutageLog()
 
     def up() -> None:
         if outage.back():
@@ -159,7 +163,7 @@ async def keep_files(
         said = f"the hub does not take {offer.id}: {why}"
         events.tell("file_refused", said, device=device)
 
-    sending = Sending(lambda: lanes.busy, up, refused)
+    sending = TransferCallbacks(lambda: lanes.busy, up, refused)
 
     async def once() -> None:
         await send_files(way.settings, way.trust, files, sending)

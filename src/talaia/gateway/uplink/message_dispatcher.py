@@ -33,34 +33,37 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
     from talaia.clock import Clock
-    from talaia.gateway.actuation import Acting
-    from talaia.gateway.adapters.connectivity import Reach
-    from talaia.gateway.detection.sighting_reports import Telling
-    from talaia.gateway.ports import Adapter, Outcome
-    from talaia.gateway.recording.recorders import Tapes
-    from talaia.gateway.reload.requests import Changing
-    from talaia.gateway.spool.spool_thread import Keeper
-    from talaia.gateway.uplink.lanes import Lanes
-    from talaia.gateway.uplink.pictures import Pictures
+    from talaia.gateway.actuation import Actuation
+    from talaia.gateway.adapters.connectivity import DeviceReachability
+    from talaia.gateway.detection.sighting_reports import DetectionReporter
+    from talaia.gateway.ports import Adapter, CommandOutcome
+    from talaia.gateway.recording.recorders import TriggeredRecorder
+    from talaia.gateway.reload.requests import ChangeRequests
+    from talaia.gateway.spool.spool_thread import SpoolThread
+    from talaia.gateway.uplink.lanes import SendLanes
+    from talaia.gateway.uplink.pictures import PictureUplink
     from talaia.wire.frames import FromGateway, FromHub, Welcome
 
-__all__ = ["FrontDesk", "Voice"]
+__all__ = ["MessageDispatcher", "OutputRouter"]
 
 log = logging.getLogger(__name__)
 # What is noted, and what it means to who records.
 _CAUSES = {"stop": Trigger.STOP, "interlock_locked": Trigger.INTERLOCK}
 
 
-class Voice:
-    """A `Mouth` and an `EventSink`: to the robot through the adapter, to the hub through lanes."""
+class OutputRouter:
+    """Routes what is decided here: to the robot through the adapter, to the hub through lanes.
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, clock: Clock, lanes: Lanes) -> None:
+    A `ControlOutput` and an `EventSink`.
+    """
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, clock: Clock, lanes: SendLanes) -> None:
         """Start without an adapter, as one that is away."""
         self._loop = loop
         self._clock = clock
         self._lanes = lanes
         self.adapter: Adapter | None = None
-        self.tapes: Tapes | None = None
+        self.tapes: TriggeredRecorder | None = None
         # Whether the hub of this link takes `EnclosureState`; others hear of enclosures here.
         self.takes_enclosures = False
         self.on_enclosure: Callable[[EnclosureState], None] = lambda _state: None
@@ -116,22 +119,22 @@ class Voice:
         self._loop.call_soon_threadsafe(self._lanes.send, event)
 
 
-class FrontDesk:
-    """A `Desk`: gives each message to whom it concerns."""
+class MessageDispatcher:
+    """A `HubMessageHandler`: gives each message to whom it concerns."""
 
     def __init__(
         self,
         boot: str,
-        acting: Acting,
-        keeper: Keeper,
+        acting: Actuation,
+        keeper: SpoolThread,
         adapter: Adapter,
-        voice: Voice,
-        lanes: Lanes,
-        reach: Reach,
-        tapes: Tapes | None,
-        changing: Changing,
-        pictures: Pictures,
-        telling: Telling,
+        voice: OutputRouter,
+        lanes: SendLanes,
+        reach: DeviceReachability,
+        tapes: TriggeredRecorder | None,
+        changing: ChangeRequests,
+        pictures: PictureUplink,
+        telling: DetectionReporter,
     ) -> None:
         """Take all who act, the voice that tells how it went, and the lanes to the hub."""
         self._pictures = pictures
@@ -226,7 +229,7 @@ class FrontDesk:
         self._pacer.touch()
 
     def _reconnect(self, asked: Reconnect) -> None:
-        def done(outcome: Outcome) -> None:
+        def done(outcome: CommandOutcome) -> None:
             good = outcome.phase is CommandPhase.SUCCEEDED
             kind = "device reconnected" if good else "device not reconnected"
             self._voice.tell(kind, outcome.message, device=asked.device, who=asked.who, good=good)

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.spool.former_runs import FormerNewest
-    from talaia.gateway.spool.spool_thread import Keeper
-    from talaia.gateway.uplink.lanes import Lanes
+    from talaia.gateway.spool.spool_thread import SpoolThread
+    from talaia.gateway.uplink.lanes import SendLanes
     from talaia.wire.newest import NewestSamples
 
-__all__ = ["NewestTeller"]
+__all__ = ["NewestSamplesSender"]
 
 
-class NewestTeller:
+class NewestSamplesSender:
     """Tells it when a link comes up, and again when live samples had to be dropped.
 
     They go in the lane of live samples, so that what is heard later follows them.
@@ -30,8 +30,8 @@ class NewestTeller:
     def __init__(
         self,
         newest: Callable[[], NewestSamples],
-        keeper: Keeper,
-        lanes: Lanes,
+        keeper: SpoolThread,
+        lanes: SendLanes,
         clock: Clock,
         boot: str,
     ) -> None:

@@ -13,7 +13,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from talaia.gateway.ports import Filming
-from talaia.gateway.uplink.link_capacity import Room
+from talaia.gateway.uplink.link_capacity import LinkCapacity
 from talaia.wire.frames import MEDIA_FROM_GATEWAY, Beat, Form, Trouble
 
 if TYPE_CHECKING:
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.gateway.recording.film_recorder import Films
-    from talaia.gateway.video.frame_source import Looks
+    from talaia.gateway.recording.film_recorder import FilmRecorder
+    from talaia.gateway.video.frame_source import FrameSource
     from talaia.wire.frames import BeatReply, Boxes, Picture
 
-__all__ = ["Pictures"]
+__all__ = ["PictureUplink"]
 
 # The beat behind each picture is its receipt; the connection's own beats count from 1.
 _RECEIPTS = 2**40
@@ -35,15 +35,15 @@ _MOST_WAITING = 6
 _FOR_OLD_HUB = frozenset({Form.JPEG.value})
 
 
-class Pictures:
+class PictureUplink:
     """A `PictureSink`. Beside pictures it carries the connection's few small messages."""
 
     def __init__(
         self,
         loop: asyncio.AbstractEventLoop,
         clock: Clock,
-        looks: Looks,
-        films: Films | None = None,
+        looks: FrameSource,
+        films: FilmRecorder | None = None,
     ) -> None:
         """Take the loop that sends, where those at the gateway look, and who films."""
         self._films = films
@@ -55,7 +55,7 @@ class Pictures:
         self._wake = asyncio.Event()
         self._linked = False
         self._sent = 0
-        self._room = Room()
+        self._room = LinkCapacity()
         # From here on used by the encoding threads, too.
         self._lock = threading.Lock()
         self._asked: Mapping[str, frozenset[str]] = {}

@@ -14,10 +14,10 @@ from talaia.gateway.uplink.certificate_der import public_key_of
 if TYPE_CHECKING:
     from talaia.gateway.settings import HubAddress
 
-__all__ = ["Trust"]
+__all__ = ["HubTrust"]
 
 
-class Trust:
+class HubTrust:
     """Makes the TLS context for a hub.
 
     With a fingerprint (of the certificate, or of its public key, which a renewal keeps), the

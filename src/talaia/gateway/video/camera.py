@@ -19,7 +19,7 @@ from talaia.wire.frames import Form, Picture
 
 try:
     from talaia.gateway.video import h264
-    from talaia.gateway.video.camera_film import Reel
+    from talaia.gateway.video.camera_film import CameraFilm
 
     ABLE = h264.can_encode()
 except ImportError:
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import PictureSink
     from talaia.model.site import Stream
 
-__all__ = ["ABLE", "IMAGE", "PictureStream", "Stamp", "Taken"]
+__all__ = ["ABLE", "IMAGE", "CapturedFrame", "FrameStamp", "PictureStream"]
 
 IMAGE = "sensor_msgs/msg/Image"
 COMPRESSED = "sensor_msgs/msg/CompressedImage"
@@ -59,7 +59,7 @@ _UNREADABLE = (
 _PNG = b"\x89PNG"
 
 
-class Stamp(NamedTuple):
+class FrameStamp(NamedTuple):
     """A picture's number and when it came: wall and monotonic clock (µs)."""
 
     seq: int
@@ -67,7 +67,7 @@ class Stamp(NamedTuple):
     mono_us: int
 
 
-class Taken:
+class CapturedFrame:
     """One picture as it came, read once and only when somebody wants it."""
 
     def __init__(self, read: Callable[[], object], kind: str) -> None:
@@ -110,7 +110,7 @@ class Taken:
         if isinstance(message, Pixels):
             self._pixels = message
         elif self._kind == COMPRESSED:
-            data = bytes(cast("jpeg.Compressed", message).data)
+            data = bytes(cast("jpeg.CompressedImageFields", message).data)
             if data[:4] == _PNG:
                 if not ABLE:
                     raise FieldError("format", "PNG needs PyAV: install talaia[camera]")
@@ -172,7 +172,7 @@ class PictureStream:
         self._due_ns = 0
         self._seq = 0
         self._rungs: dict[Form, _Rung] = {}
-        self._reel = Reel() if ABLE else None
+        self._reel = CameraFilm() if ABLE else None
 
     def is_due(self, mono_ns: int) -> bool:
         """Tell whether the rate allows a picture now; if so, count it as taken."""
@@ -186,8 +186,8 @@ class PictureStream:
     def take(self, raw: object, time_us: int, mono_us: int, sink: PictureSink) -> None:
         """Make of one raw picture what is wanted of it, and give that to ``sink``."""
         self._seq += 1
-        stamp = Stamp(self._seq, time_us, mono_us)
-        taken = Taken(lambda: self._decode(raw), self._stream.source.type)
+        stamp = FrameStamp(self._seq, time_us, mono_us)
+        taken = CapturedFrame(lambda: self._decode(raw), self._stream.source.type)
         sink.look(self.address, stamp, taken.rgb)
         forms = _served(sink.asked(self.address))
         for form in self._rungs.keys() - forms.keys():
@@ -211,8 +211,8 @@ class PictureStream:
 
     def _film(
         self,
-        taken: Taken,
-        stamp: Stamp,
+        taken: CapturedFrame,
+        stamp: FrameStamp,
         large: Picture | None,
         filming: Filming,
         sink: PictureSink,
@@ -248,8 +248,8 @@ class PictureStream:
 
     def _made(
         self,
-        taken: Taken,
-        stamp: Stamp,
+        taken: CapturedFrame,
+        stamp: FrameStamp,
         form: Form,
         served: list[str],
         share: float,
@@ -273,7 +273,7 @@ class PictureStream:
             data=data,
         )  # fmt: skip
 
-    def _jpeg(self, taken: Taken, form: Form, share: float) -> tuple[bytes, int, int]:
+    def _jpeg(self, taken: CapturedFrame, form: Form, share: float) -> tuple[bytes, int, int]:
         stream = self._stream
         small = form is Form.JPEG_SMALL
         own = taken.jpeg()
@@ -289,8 +289,8 @@ class PictureStream:
 
     def _h264(
         self,
-        taken: Taken,
-        stamp: Stamp,
+        taken: CapturedFrame,
+        stamp: FrameStamp,
         form: Form,
         served: list[str],
         share: float,

@@ -13,16 +13,16 @@ from talaia.gateway.video.h264 import Encoder
 from talaia.wire.frames import Picture
 
 if TYPE_CHECKING:
-    from talaia.gateway.video.camera import Stamp
+    from talaia.gateway.video.camera import FrameStamp
     from talaia.gateway.video.pixels import Pixels
 
-__all__ = ["KEY_EVERY_S", "Reel"]
+__all__ = ["KEY_EVERY_S", "CameraFilm"]
 
 # To jump to a picture, all since the last of these are decoded.
 KEY_EVERY_S = 2.0
 
 
-class Reel:
+class CameraFilm:
     """One camera's film; used by the encoding thread alone."""
 
     def __init__(self) -> None:
@@ -57,7 +57,7 @@ class Reel:
         return self._shared
 
     def own(
-        self, address: str, stamp: Stamp, pixels: Pixels, made_for: tuple[int, int, int, float]
+        self, address: str, stamp: FrameStamp, pixels: Pixels, made_for: tuple[int, int, int, float]
     ) -> Picture | None:
         """Encode a picture for the film alone.
 

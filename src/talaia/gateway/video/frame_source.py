@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING
 
-from talaia.gateway.ports import Look
+from talaia.gateway.ports import CameraFrame
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Looks"]
+__all__ = ["FrameSource"]
 
 
 class _Newest:
@@ -23,10 +23,10 @@ class _Newest:
         self.holders = 0
         self.stamp = (0, 0, 0)
         self.decode: Callable[[], NDArray[np.uint8] | None] | None = None
-        self.look: Look | None = None
+        self.look: CameraFrame | None = None
 
 
-class Looks:
+class FrameSource:
     """A `talaia.gateway.ports.Pictures`."""
 
     def __init__(self) -> None:
@@ -92,7 +92,7 @@ class Looks:
                 return self._of[stream].stamp[2]
             return 0
 
-    def newest(self, stream: str, after: int = 0, wait_s: float = 0.0) -> Look | None:
+    def newest(self, stream: str, after: int = 0, wait_s: float = 0.0) -> CameraFrame | None:
         """See `Pictures.newest`."""
         with self._lock:
 
@@ -111,6 +111,6 @@ class Looks:
         rgb = None if decode is None else decode()
         if rgb is None:
             return None
-        look = Look(stream, *stamp, rgb)
+        look = CameraFrame(stream, *stamp, rgb)
         newest.look = look
         return look

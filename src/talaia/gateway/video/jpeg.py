@@ -13,13 +13,13 @@ from talaia.gateway.video.pixels import MOST_PIXELS, Pixels, pixels_of, rgb_of, 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Compressed", "encoded", "jpeg_of", "jpeg_size", "pixels_in"]
+__all__ = ["CompressedImageFields", "encoded", "jpeg_of", "jpeg_size", "pixels_in"]
 
 _WHOLE = ("RGB", "BGR", "RGBA", "BGRA", "GRAY")
 _BEGIN, _END = b"\xff\xd8", b"\xff\xd9"
 
 
-class Compressed(Protocol):
+class CompressedImageFields(Protocol):
     """The fields of a ``sensor_msgs/CompressedImage`` that are read here."""
 
     format: str
@@ -58,11 +58,11 @@ def jpeg_size(message: object) -> tuple[bytes, int, int]:
         FieldError: it is no JPEG, or is cut off.
 
     """
-    data = bytes(cast("Compressed", message).data)
+    data = bytes(cast("CompressedImageFields", message).data)
     try:
         height, width, _, _ = simplejpeg.decode_jpeg_header(data)
     except ValueError as error:
-        shown = cast("Compressed", message).format[:40]
+        shown = cast("CompressedImageFields", message).format[:40]
         raise FieldError("data", f"format {shown!r} is no JPEG ({error})") from error
     if width * height > MOST_PIXELS:
         raise FieldError("data", f"{width}x{height} pixels are more than {MOST_PIXELS}")

@@ -22,9 +22,9 @@ from talaia.clock import SECOND, SystemClock
 from talaia.errors import TalaiaError
 from talaia.gateway.adapters.catalog import adapter_of
 from talaia.gateway.adapters.connection_scope import shares_of
-from talaia.gateway.adapters.connectivity import Reach
-from talaia.gateway.adapters.multi_adapter import Many, Post
-from talaia.gateway.ports import Filming, Outlets
+from talaia.gateway.adapters.connectivity import DeviceReachability
+from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
+from talaia.gateway.ports import AdapterContext, Filming
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.watchdog.needed import closing_site
 from talaia.model.arguments import fields_of
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.ports import Adapter, Outcome
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.ports import Adapter, CommandOutcome
     from talaia.model.interlock import Step
     from talaia.wire.columns import Columns
     from talaia.wire.frames import FromGateway, Picture
@@ -80,7 +80,7 @@ class Record(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class _Recorder:
-    """A `Mouth` and an `EventSink`: to the log and to the record."""
+    """A `ControlOutput` and an `EventSink`: to the log and to the record."""
 
     def __init__(self, path: str, clock: Clock) -> None:
         self._path = path
@@ -165,16 +165,18 @@ class Closing:
         self._recorder = _Recorder(job.record, clock)
         loop = asyncio.get_running_loop()
         of = {name: site.connection_of(name) for name in site.devices}
-        reach = Reach(of, clock, lambda _state: None)
+        reach = DeviceReachability(of, clock, lambda _state: None)
         nothing = _NoSamples()
-        outlets = Outlets(
+        outlets = AdapterContext(
             clock, nothing, nothing, self._recorder, Path(job.folder), job.domain, site=site.name
         )
-        adapters: dict[str, tuple[Adapter, Post]] = {}
+        adapters: dict[str, tuple[Adapter, ConnectionStatus]] = {}
         for share in shares_of(site):
             if share.devices:
-                adapters[share.name] = self._joined(share, outlets, Post(share.name, loop, reach))
-        self._adapter = Many(
+                adapters[share.name] = self._joined(
+                    share, outlets, ConnectionStatus(share.name, loop, reach)
+                )
+        self._adapter = MultiAdapter(
             of, adapters, reach, self._recorder, lambda _devices: None, lambda _devices: None
         )
         self._interlocks = Interlocks(
@@ -188,7 +190,9 @@ class Closing:
         self._closed_ns: int | None = None
 
     @staticmethod
-    def _joined(share: Share, outlets: Outlets, post: Post) -> tuple[Adapter, Post]:
+    def _joined(
+        share: ConnectionScope, outlets: AdapterContext, post: ConnectionStatus
+    ) -> tuple[Adapter, ConnectionStatus]:
         return adapter_of(share, outlets, post), post
 
     async def run(self) -> None:
@@ -248,7 +252,7 @@ class Closing:
             )
             self._adapter.act(device, name, fields, partial(self._ended, step.command))
 
-    def _ended(self, command: str, outcome: Outcome) -> None:
+    def _ended(self, command: str, outcome: CommandOutcome) -> None:
         log.info("%s %s %s", command, outcome.phase, outcome.message)
 
 

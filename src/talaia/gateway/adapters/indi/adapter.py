@@ -24,15 +24,15 @@ from talaia.gateway.adapters.indi.discovery import devices_of
 from talaia.gateway.adapters.indi.driver_connections import DriverConnections
 from talaia.gateway.adapters.indi.errors import IndiError
 from talaia.gateway.adapters.indi.fits_circumstances import circumstances
-from talaia.gateway.adapters.indi.goals import CHOICE, SILENT_NS, Goal, begin
+from talaia.gateway.adapters.indi.goals import CHOICE, SILENT_NS, IndiGoal, begin
 from talaia.gateway.adapters.indi.protocol import (
     BlobEnd,
     BlobHead,
     BlobPart,
-    Kind,
-    Reader,
-    Told,
+    DriverMessage,
+    IndiParser,
     Vector,
+    VectorKind,
     ask_blobs,
     ask_properties,
     new_vector,
@@ -43,10 +43,10 @@ from talaia.gateway.adapters.indi.standard_properties import (
     read_text,
     stamp_of,
 )
-from talaia.gateway.adapters.indi.state import Book
+from talaia.gateway.adapters.indi.state import IndiDeviceTree
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.fits.header import rewritten, values_of
-from talaia.gateway.ports import Outcome, Reading
+from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.model.connection import IndiConnection
 from talaia.model.site import SignalType
 from talaia.wire.columns import Columns
@@ -55,13 +55,13 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
 
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.adapters.indi.state import DeviceState
-    from talaia.gateway.ports import Outlets, Status
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.adapters.indi.state import IndiDevice
+    from talaia.gateway.ports import AdapterContext, AdapterStatus
     from talaia.model.site import Device, Signal
     from talaia.wire.frames import Scalar
 
-__all__ = ["Indi"]
+__all__ = ["IndiAdapter"]
 
 log = logging.getLogger(__name__)
 OPEN_S = 5.0
@@ -102,14 +102,16 @@ class _Last:
 class _Under(NamedTuple):
     """A command under way."""
 
-    goal: Goal
-    done: Callable[[Outcome], None]
+    goal: IndiGoal
+    done: Callable[[CommandOutcome], None]
 
 
-class Indi:
+class IndiAdapter:
     """An `Adapter` for the devices of one INDI server. See `talaia.gateway.ports`."""
 
-    def __init__(self, share: Share, outlets: Outlets, status: Status) -> None:
+    def __init__(
+        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+    ) -> None:
         """Take what it serves, where things go, and where it says how its side stands."""
         assert isinstance(share.connection, IndiConnection)  # noqa: S101 - the catalogue's promise
         self._share, self._status = share, status
@@ -117,11 +119,11 @@ class Indi:
         self._clock, self._samples = outlets.clock, outlets.samples
         self._events, self._frames = outlets.events, outlets.frames
         self._site = outlets.site
-        self.book = Book()
+        self.book = IndiDeviceTree()
         self._plans = _plans(share)
         self._devices = {name: each.indi for name, each in share.devices.items() if each.indi}
         self._last = {plan.address: _Last() for plan in self._plans}
-        self._latest: dict[str, Reading] = {}
+        self._latest: dict[str, ChannelReading] = {}
         self._under: list[_Under] = []
         self._writer: asyncio.StreamWriter | None = None
         self._began_ns = 0
@@ -132,7 +134,7 @@ class Indi:
         self._silent: set[str] = set()
         self._asked_blobs: set[str] = set()
         self._shooting = ""
-        self._waiting: list[tuple[str, int, Callable[[Outcome], None]]] = []
+        self._waiting: list[tuple[str, int, Callable[[CommandOutcome], None]]] = []
         self._told: dict[str, Device] = {}
 
     # ── Adapter ──
@@ -171,8 +173,8 @@ class Indi:
     def watch(self, streams: Collection[str]) -> None:
         """Take no pictures of its own accord: a camera here is asked for each one."""
 
-    def latest(self, address: str) -> Reading | None:
-        """See `Readings.latest`."""
+    def latest(self, address: str) -> ChannelReading | None:
+        """See `ReadingSource.latest`."""
         return self._latest.get(address)
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
@@ -185,27 +187,34 @@ class Indi:
         if not stopped or found is None:
             return
         for held in found.vectors.values():
-            if held.name.endswith(("ABORT_MOTION", "ABORT_EXPOSURE")) and held.kind is Kind.SWITCH:
-                self._send(new_vector(Kind.SWITCH, name, held.name, {"ABORT": True}))
+            if (
+                held.name.endswith(("ABORT_MOTION", "ABORT_EXPOSURE"))
+                and held.kind is VectorKind.SWITCH
+            ):
+                self._send(new_vector(VectorKind.SWITCH, name, held.name, {"ABORT": True}))
 
     def act(
-        self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Scalar],
+        done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
         now_ns = self._clock.monotonic_ns()
         if self._writer is None:
-            done(Outcome(CommandPhase.REFUSED, "the INDI server is not connected"))
+            done(CommandOutcome(CommandPhase.REFUSED, "the INDI server is not connected"))
             return None
         described = self._share.devices[device]
         target = described.commands[command].target
         goal = begin(self.book, described.indi, target, fields, now_ns)
         if isinstance(goal, str):
-            done(Outcome(CommandPhase.REFUSED, goal))
+            done(CommandOutcome(CommandPhase.REFUSED, goal))
             return None
         try:
             data = goal.sends(self.book)
         except ValueError as error:
-            done(Outcome(CommandPhase.REFUSED, str(error)))
+            done(CommandOutcome(CommandPhase.REFUSED, str(error)))
             return None
         if target == "CONNECTION":
             connect = fields.get("CONNECT") is True or fields.get(CHOICE) in ("CONNECT", "Connect")
@@ -215,11 +224,11 @@ class Indi:
         self._send(data)
         return lambda: self._cancel(under)
 
-    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`: asks for all its properties, and connects its driver."""
         name = self._devices.get(device, "")
         if self._writer is None:
-            done(Outcome(CommandPhase.FAILED, "the INDI server is not connected"))
+            done(CommandOutcome(CommandPhase.FAILED, "the INDI server is not connected"))
             return
         self._connections.connect_again(name)
         self._send(ask_properties(name))
@@ -242,10 +251,10 @@ class Indi:
         self.book.clear()
         for under in self._under:
             gone = "the INDI server went away meanwhile; look at the device"
-            under.done(Outcome(CommandPhase.UNKNOWN, gone))
+            under.done(CommandOutcome(CommandPhase.UNKNOWN, gone))
         self._under.clear()
         for _, _, done in self._waiting:
-            done(Outcome(CommandPhase.FAILED, "the INDI server went away meanwhile"))
+            done(CommandOutcome(CommandPhase.FAILED, "the INDI server went away meanwhile"))
         self._waiting.clear()
         self._give(self._plans)
         self._latest.clear()
@@ -260,7 +269,7 @@ class Indi:
             writer.transport.abort()
 
     async def _read(self, reader: asyncio.StreamReader) -> None:
-        words = Reader()
+        words = IndiParser()
         while data := await reader.read(READ_BYTES):
             touched: set[str] = set()
             now_ns = self._clock.monotonic_ns()
@@ -285,9 +294,13 @@ class Indi:
                                 self._connections.redefine(held.device)
                                 self._asked_blobs.discard(held.device)
                         touched.add(event.device)
-                        if isinstance(event, Vector) and event.kind is Kind.BLOB and event.new:
+                        if (
+                            isinstance(event, Vector)
+                            and event.kind is VectorKind.BLOB
+                            and event.new
+                        ):
                             self._want_pictures(event.device)
-                        if isinstance(event, Told):
+                        if isinstance(event, DriverMessage):
                             log.debug("%s: %s", event.device, event.message)
                         self._look(now_ns, event.device)
             self._give(plan for plan in self._plans if plan.device in touched or "" in touched)
@@ -381,7 +394,7 @@ class Indi:
             self._told = told
             self._status.found(told)
 
-    def _grown(self, found: list[DeviceState]) -> dict[str, Device]:
+    def _grown(self, found: list[IndiDevice]) -> dict[str, Device]:
         """Give those that have more than when they were found: a driver connected only now."""
         names = {indi: ours for ours, indi in self._devices.items()}
         grown = {}
@@ -402,7 +415,7 @@ class Indi:
             )
         return grown
 
-    def _is_ours(self, device: DeviceState) -> bool:
+    def _is_ours(self, device: IndiDevice) -> bool:
         if device.name in self._devices.values():
             return True
         wanted = self._connection.devices
@@ -430,10 +443,10 @@ class Indi:
             name, due_ns, done = each
             device = self.book.devices.get(name)
             if device is not None and device.connected:
-                done(Outcome(CommandPhase.SUCCEEDED, f"the driver of {name} is connected"))
+                done(CommandOutcome(CommandPhase.SUCCEEDED, f"the driver of {name} is connected"))
             elif now_ns >= due_ns:
                 problem = "is not there" if device is None else "is not connected"
-                done(Outcome(CommandPhase.FAILED, f"the driver of {name} {problem}"))
+                done(CommandOutcome(CommandPhase.FAILED, f"the driver of {name} {problem}"))
             else:
                 continue
             self._waiting.remove(each)
@@ -525,7 +538,7 @@ class Indi:
         """Keep a reading that safety depends on; with a stamp, from when that advanced."""
         source = plan.signal.source
         if not source.stamp:
-            self._latest[plan.address] = Reading(value, mono_ns)
+            self._latest[plan.address] = ChannelReading(value, mono_ns)
             return
         stamp = stamp_of(self.book, device, source.property)
         if stamp is None:
@@ -535,7 +548,7 @@ class Indi:
             self._latest.pop(plan.address, None)
         else:
             true_ns = min(mono_ns, advanced_ns)
-            self._latest[plan.address] = Reading(value, true_ns, stamp.stamp_ns, mono_ns)
+            self._latest[plan.address] = ChannelReading(value, true_ns, stamp.stamp_ns, mono_ns)
 
     @staticmethod
     def _is_news(plan: _Plan, last: _Last, value: float | str, now_ns: int) -> bool:
@@ -561,7 +574,7 @@ class Indi:
         return changed or since >= plan.signal.max_age * SECOND / 2
 
 
-def _plans(share: Share) -> list[_Plan]:
+def _plans(share: ConnectionScope) -> list[_Plan]:
     return [
         _Plan(
             f"{name}/{signal_name}",

@@ -14,7 +14,7 @@ import unicodedata
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.adapters.indi.goals import CHOICE
-from talaia.gateway.adapters.indi.protocol import Kind, Perm, Rule
+from talaia.gateway.adapters.indi.protocol import PropertyPermission, SwitchRule, VectorKind
 from talaia.gateway.adapters.indi.standard_properties import MESSAGE, moving_words
 from talaia.model.site import (
     Argument,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from talaia.gateway.adapters.indi.protocol import Element
-    from talaia.gateway.adapters.indi.state import DeviceState, Held
+    from talaia.gateway.adapters.indi.state import IndiDevice, StoredVector
 
 __all__ = ["Interface", "devices_of", "word_of"]
 
@@ -232,7 +232,7 @@ def word_of(name: str, taken: Iterable[str] = (), otherwise: str = "indi") -> st
 
 
 def devices_of(
-    found: Iterable[DeviceState], connection: str, taken: Iterable[str] = ()
+    found: Iterable[IndiDevice], connection: str, taken: Iterable[str] = ()
 ) -> dict[str, Device]:
     """Describe devices by id; their ids keep clear of those that are ``taken``.
 
@@ -270,7 +270,7 @@ def _shown(name: str) -> str:
 # ── signals ──
 
 
-def _signals(device: DeviceState) -> dict[str, Signal]:
+def _signals(device: IndiDevice) -> dict[str, Signal]:
     made: dict[str, Signal] = {}
     known: set[str] = set()
     weather = device.vectors.get("WEATHER_STATUS")
@@ -317,13 +317,13 @@ def _signals(device: DeviceState) -> dict[str, Signal]:
     return made
 
 
-def _weather_age(device: DeviceState) -> float:
+def _weather_age(device: IndiDevice) -> float:
     """Two and a half of the driver's own periods (s)."""
     period = device.value("WEATHER_UPDATE", "PERIOD")
     return 2.5 * period if isinstance(period, float) and 0 < period <= 3600 else 150.0
 
 
-def _standard(device: DeviceState, row: _Number, element: Element, max_age: float) -> Signal:
+def _standard(device: IndiDevice, row: _Number, element: Element, max_age: float) -> Signal:
     unit = row.unit
     if row.property == "WEATHER_PARAMETERS":
         # The driver's label says what it really measures in, except that rain is by the hour.
@@ -346,7 +346,7 @@ def _standard(device: DeviceState, row: _Number, element: Element, max_age: floa
     )
 
 
-def _filters(device: DeviceState) -> tuple[str, ...]:
+def _filters(device: IndiDevice) -> tuple[str, ...]:
     held = device.vectors.get("FILTER_NAME")
     if held is None:
         return ()
@@ -356,8 +356,8 @@ def _filters(device: DeviceState) -> tuple[str, ...]:
     )
 
 
-def _is_shown(held: Held, device: DeviceState) -> bool:
-    if held.name in _HIDDEN or held.kind is Kind.BLOB or not _fits(held.name):
+def _is_shown(held: StoredVector, device: IndiDevice) -> bool:
+    if held.name in _HIDDEN or held.kind is VectorKind.BLOB or not _fits(held.name):
         return False
     if device.interface == 0:
         return held.group.lower() != "connection"
@@ -366,10 +366,10 @@ def _is_shown(held: Held, device: DeviceState) -> bool:
     return held.group.lower() not in _HIDDEN_GROUPS
 
 
-def _add_generic(made: dict[str, Signal], held: Held, max_age: float) -> None:
+def _add_generic(made: dict[str, Signal], held: StoredVector, max_age: float) -> None:
     title = _shown(held.label or held.name)
     sources = {(each.source.property, each.source.element) for each in made.values()}
-    if held.kind is Kind.SWITCH and held.rule is not Rule.ANY:
+    if held.kind is VectorKind.SWITCH and held.rule is not SwitchRule.ANY:
         if len(held.elements) < 2:
             return
         states = _states(held)
@@ -398,22 +398,22 @@ def _add_generic(made: dict[str, Signal], held: Held, max_age: float) -> None:
         made[word] = _typed(signal, held, element)
 
 
-def _states(held: Held) -> tuple[str, ...]:
+def _states(held: StoredVector) -> tuple[str, ...]:
     labels = [_shown(each.label or each.name) for each in held.elements.values()]
     unique = tuple(
         label if labels.count(label) == 1 else _shown(each.name)
         for label, each in zip(labels, held.elements.values(), strict=True)
     )
-    return (*unique, "none") if held.rule is Rule.AT_MOST_ONE else unique
+    return (*unique, "none") if held.rule is SwitchRule.AT_MOST_ONE else unique
 
 
-def _typed(signal: Signal, held: Held, element: Element) -> Signal:
+def _typed(signal: Signal, held: StoredVector, element: Element) -> Signal:
     match held.kind:
-        case Kind.TEXT:
+        case VectorKind.TEXT:
             return _changed(signal, type=SignalType.TEXT)
-        case Kind.LIGHT:
+        case VectorKind.LIGHT:
             return _changed(signal, type=SignalType.STATE, states=("idle", "ok", "busy", "alert"))
-        case Kind.SWITCH:
+        case VectorKind.SWITCH:
             return _changed(signal, type=SignalType.STATE, states=("off", "on"))
         case _:
             return _changed(signal, unit=_unit(element.label))
@@ -432,7 +432,7 @@ def _unit(label: str) -> str:
 # ── commands ──
 
 
-def _commands(device: DeviceState) -> dict[str, Command]:
+def _commands(device: IndiDevice) -> dict[str, Command]:
     made: dict[str, Command] = {}
     known: set[str] = {row.target for row in _COMMANDS}
     if "EQUATORIAL_EOD_COORD" in device.vectors:
@@ -442,17 +442,21 @@ def _commands(device: DeviceState) -> dict[str, Command]:
     known |= {"EQUATORIAL_EOD_COORD", "CCD_EXPOSURE"}
     for row in _COMMANDS:
         held = device.vectors.get(row.target)
-        if held is not None and held.perm is not Perm.READ and _has(device, row):
+        if held is not None and held.perm is not PropertyPermission.READ and _has(device, row):
             made[word_of(row.id, made)] = _command(held, row)
     for held in device.vectors.values():
         if len(made) >= MAX_COMMANDS:
             break
-        if held.perm is not Perm.READ and held.name not in known and _is_shown(held, device):
+        if (
+            held.perm is not PropertyPermission.READ
+            and held.name not in known
+            and _is_shown(held, device)
+        ):
             _add_setting(made, held)
     return made
 
 
-def _has(device: DeviceState, row: _Do) -> bool:
+def _has(device: IndiDevice, row: _Do) -> bool:
     wanted = [name for name, _ in row.fixed] + ([row.element] if row.element else [])
     for field in wanted:
         before, _, element = field.rpartition("/")
@@ -461,7 +465,7 @@ def _has(device: DeviceState, row: _Do) -> bool:
     return True
 
 
-def _command(held: Held, row: _Do) -> Command:
+def _command(held: StoredVector, row: _Do) -> Command:
     arguments = {}
     if row.element:
         element = held.elements[row.element]
@@ -490,7 +494,7 @@ def _number_argument(element: Element, name: str, unit: str) -> Argument:
     )
 
 
-def _pointing(device: DeviceState) -> dict[str, Command]:
+def _pointing(device: IndiDevice) -> dict[str, Command]:
     arguments = {
         "ra": Argument(
             type=ArgumentType.NUMBER, field="RA", name="Right ascension (JNow)", unit="h",
@@ -521,7 +525,7 @@ def _pointing(device: DeviceState) -> dict[str, Command]:
     return made
 
 
-def _expose(device: DeviceState) -> Command:
+def _expose(device: IndiDevice) -> Command:
     element = device.vectors["CCD_EXPOSURE"].elements.get("CCD_EXPOSURE_VALUE")
     longest = element.maximum if element is not None and element.maximum > 0 else 3600.0
     arguments = {
@@ -550,18 +554,22 @@ def _expose(device: DeviceState) -> Command:
     )
 
 
-def _add_setting(made: dict[str, Command], held: Held) -> None:
+def _add_setting(made: dict[str, Command], held: StoredVector) -> None:
     """Let any other property be set by its own labels."""
     title = _shown(held.label or held.name)
     elements = [each for each in held.elements.values() if _fits(each.name)]
-    if held.kind is Kind.SWITCH and len(held.elements) == 1 and held.rule is not Rule.ANY:
+    if (
+        held.kind is VectorKind.SWITCH
+        and len(held.elements) == 1
+        and held.rule is not SwitchRule.ANY
+    ):
         made[word_of(held.name, made)] = Command(
             name=title, kind=CommandKind.INDI, target=held.name, fixed={elements[0].name: True}
             if elements else {},
         )  # fmt: skip
         return
     arguments: dict[str, Argument] = {}
-    if held.kind is Kind.SWITCH and held.rule is not Rule.ANY:
+    if held.kind is VectorKind.SWITCH and held.rule is not SwitchRule.ANY:
         words = ", ".join(_shown(each.label or each.name) for each in elements)
         arguments["choice"] = Argument(
             type=ArgumentType.TEXT, field=CHOICE, name=f"One of {words}"[:100], max_length=64
@@ -570,10 +578,10 @@ def _add_setting(made: dict[str, Command], held: Held) -> None:
         for element in elements[:12]:
             name = _shown(_IN_LABEL.sub("", element.label) or element.name)
             word = word_of(name, arguments, "value")
-            if held.kind is Kind.NUMBER:
+            if held.kind is VectorKind.NUMBER:
                 arguments[word] = _number_argument(element, name, _unit(element.label))
             else:
-                boolean = held.kind is Kind.SWITCH
+                boolean = held.kind is VectorKind.SWITCH
                 arguments[word] = Argument(
                     type=ArgumentType.BOOLEAN if boolean else ArgumentType.TEXT,
                     field=element.name,

@@ -17,17 +17,22 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.indi.protocol import Kind, Perm, State, new_vector
+from talaia.gateway.adapters.indi.protocol import (
+    PropertyPermission,
+    PropertyState,
+    VectorKind,
+    new_vector,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from talaia.gateway.adapters.indi.protocol import Value
-    from talaia.gateway.adapters.indi.state import DeviceState, Held
+    from talaia.gateway.adapters.indi.state import IndiDevice, StoredVector
 
     Setup = Mapping[str, Mapping[str, Value]]
 
-__all__ = ["DriverConnections", "Notice"]
+__all__ = ["DriverConnections", "DriverProblem"]
 
 CONNECT_AGAIN_NS = (5 * SECOND, 10 * SECOND, 30 * SECOND, 60 * SECOND)
 # Connected for so long, a driver is no crash loop: its next crash is mended at once again.
@@ -36,7 +41,7 @@ STEADY_NS = 60 * SECOND
 DEFINED_WITHIN_NS = 15 * SECOND
 
 
-class Notice(NamedTuple):
+class DriverProblem(NamedTuple):
     """A trouble of a driver to be written down."""
 
     kind: str
@@ -129,7 +134,7 @@ class DriverConnections:
         known = self._drivers.get(device)
         return 0 if known is None else known.in_vain
 
-    def step(self, device: DeviceState, now_ns: int) -> Iterator[bytes | Notice]:
+    def step(self, device: IndiDevice, now_ns: int) -> Iterator[bytes | DriverProblem]:
         """Give what is to be sent and written down now."""
         held = device.vectors.get("CONNECTION")
         known = self._drivers.setdefault(device.name, _Driver())
@@ -137,32 +142,32 @@ class DriverConnections:
         if held is None or device.connected:
             yield from self._on_connected(device, known, now_ns)
             return
-        if held.state is State.BUSY:
+        if held.state is PropertyState.BUSY:
             return
         if known.connected:
             known.connected = False
             known.writes.clear()
             # Said by a Set event, it was done; defined so once more, it has been started anew.
             done = held.sets != known.sets
-            known.left |= done and held.state is not State.ALERT
+            known.left |= done and held.state is not PropertyState.ALERT
             known.lost = not done
         if known.left or not self._connect or now_ns < known.due_ns:
             return
         if known.lost:
             known.lost = False
-            yield Notice("driver_restarted", "its driver was started anew; connecting it")
+            yield DriverProblem("driver_restarted", "its driver was started anew; connecting it")
         if known.in_vain == 1:
             said = device.said[-1].message if device.said else "no reason given"
-            yield Notice("driver_not_connected", said)
+            yield DriverProblem("driver_not_connected", said)
         known.due_ns = now_ns + CONNECT_AGAIN_NS[min(known.tries, len(CONNECT_AGAIN_NS) - 1)]
         known.tries += 1
         known.in_vain += 1
         asked = {"CONNECT": True, "DISCONNECT": False}
-        yield new_vector(Kind.SWITCH, device.name, "CONNECTION", asked)
+        yield new_vector(VectorKind.SWITCH, device.name, "CONNECTION", asked)
 
     def _on_connected(
-        self, device: DeviceState, known: _Driver, now_ns: int
-    ) -> Iterator[bytes | Notice]:
+        self, device: IndiDevice, known: _Driver, now_ns: int
+    ) -> Iterator[bytes | DriverProblem]:
         held = device.vectors.get("CONNECTION")
         known.sets = 0 if held is None else held.sets
         if not known.connected:
@@ -178,19 +183,19 @@ class DriverConnections:
                 del known.writes[name]
 
 
-def _is_written(held: Held | None, values: Mapping[str, Value], write: _Write) -> bool:
+def _is_written(held: StoredVector | None, values: Mapping[str, Value], write: _Write) -> bool:
     if held is None:
         return False
     if all(_same(held.value(element), value) for element, value in values.items()):
         return True
     # A driver may round, or write an angle in its own way: that it took it is enough.
     later = write.sets is not None and held.sets > write.sets
-    return later and held.state in (State.OK, State.IDLE)
+    return later and held.state in (PropertyState.OK, PropertyState.IDLE)
 
 
 def _written(
-    device: DeviceState, name: str, values: Mapping[str, Value], write: _Write, now_ns: int
-) -> Iterator[bytes | Notice]:
+    device: IndiDevice, name: str, values: Mapping[str, Value], write: _Write, now_ns: int
+) -> Iterator[bytes | DriverProblem]:
     """Ask for one property's values, unless they are there or it is not time."""
     held = device.vectors.get(name)
     if _is_written(held, values, write) or now_ns < write.due_ns:
@@ -198,14 +203,14 @@ def _written(
     if held is None:
         if now_ns - write.since_ns >= DEFINED_WITHIN_NS and not write.told:
             write.told = True
-            yield Notice("driver_not_set_up", f"it has no property {name}")
+            yield DriverProblem("driver_not_set_up", f"it has no property {name}")
         return
     problem = _misfit(held, values)
-    if not problem and write.sets is not None and held.state is State.ALERT:
+    if not problem and write.sets is not None and held.state is PropertyState.ALERT:
         problem = device.said[-1].message if device.said else "the driver says Alert"
     if problem and not write.told:
         write.told = True
-        yield Notice("driver_not_set_up", f"{name}: {problem}")
+        yield DriverProblem("driver_not_set_up", f"{name}: {problem}")
     again = CONNECT_AGAIN_NS[min(write.tries, len(CONNECT_AGAIN_NS) - 1)]
     write.tries += 1
     write.due_ns = now_ns + again
@@ -213,27 +218,31 @@ def _written(
         return
     write.sets = held.sets
     # The other members of a vector go along as they are: many drivers want all of them.
-    rest = {} if held.kind is Kind.SWITCH else {k: e.value for k, e in held.elements.items()}
+    rest = {} if held.kind is VectorKind.SWITCH else {k: e.value for k, e in held.elements.items()}
     known = {k: v for k, v in rest.items() if not isinstance(v, float) or math.isfinite(v)}
     yield new_vector(held.kind, device.name, name, {**known, **values})
 
 
-def _misfit(held: Held, values: Mapping[str, Value]) -> str:
+def _misfit(held: StoredVector, values: Mapping[str, Value]) -> str:
     """Say why these values cannot be written to a property; empty where they can."""
-    if held.perm is Perm.READ or held.kind not in (Kind.NUMBER, Kind.SWITCH, Kind.TEXT):
+    if held.perm is PropertyPermission.READ or held.kind not in (
+        VectorKind.NUMBER,
+        VectorKind.SWITCH,
+        VectorKind.TEXT,
+    ):
         return "it cannot be set"
     for element, value in values.items():
         known = held.elements.get(element)
         if known is None:
             return f"it has no {element}; it has {', '.join(held.elements)}"
-        if held.kind is Kind.SWITCH and not isinstance(value, bool):
+        if held.kind is VectorKind.SWITCH and not isinstance(value, bool):
             return f"{element} is a switch: expected true or false, found {value!r}"
-        if held.kind is Kind.NUMBER:
+        if held.kind is VectorKind.NUMBER:
             if isinstance(value, bool | str) or not math.isfinite(value):
                 return f"{element} is a number, found {value!r}"
             if known.minimum < known.maximum and not known.minimum <= value <= known.maximum:
                 return f"{element}: {value:g} is not within {known.minimum:g} and {known.maximum:g}"
-        if held.kind is Kind.TEXT and not isinstance(value, str):
+        if held.kind is VectorKind.TEXT and not isinstance(value, str):
             return f"{element} is a text: write {str(value)!r} in quotes"
     return ""
 

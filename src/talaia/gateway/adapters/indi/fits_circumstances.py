@@ -12,13 +12,13 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from talaia.gateway.adapters.indi.discovery import Interface
-from talaia.gateway.adapters.indi.protocol import State
-from talaia.gateway.fits.header import Card
+from talaia.gateway.adapters.indi.protocol import PropertyState
+from talaia.gateway.fits.header import HeaderCard
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from talaia.gateway.adapters.indi.state import Book, DeviceState
+    from talaia.gateway.adapters.indi.state import IndiDevice, IndiDeviceTree
     from talaia.gateway.fits.header import Value
 
 __all__ = ["circumstances", "precessed"]
@@ -40,7 +40,12 @@ _WEATHER = (
     ("WEATHER_RAIN_HOUR", "RAINRATE", "[mm/h] rain"),
     ("WEATHER_CLOUD_COVER", "CLOUDS", "[%] cloud cover"),
 )
-_SAFE = {State.OK: "safe", State.BUSY: "warning", State.ALERT: "unsafe", State.IDLE: "unknown"}
+_SAFE = {
+    PropertyState.OK: "safe",
+    PropertyState.BUSY: "warning",
+    PropertyState.ALERT: "unsafe",
+    PropertyState.IDLE: "unknown",
+}
 
 
 def precessed(ra_deg: float, dec_deg: float, unix_s: float) -> tuple[float, float]:
@@ -63,8 +68,13 @@ def precessed(ra_deg: float, dec_deg: float, unix_s: float) -> tuple[float, floa
 
 
 def circumstances(
-    book: Book, camera: str, site: str, address: str, header: Mapping[str, Value], unix_s: float
-) -> list[Card]:
+    book: IndiDeviceTree,
+    camera: str,
+    site: str,
+    address: str,
+    header: Mapping[str, Value],
+    unix_s: float,
+) -> list[HeaderCard]:
     """Give the cards to set in a picture's header.
 
     Args:
@@ -77,10 +87,10 @@ def circumstances(
 
     """
     cards = [
-        Card("ORIGIN", "Talaia", "control room that kept this file"),
-        Card("OBSERVAT", site, "observatory"),
-        Card("TALAIADV", address, "site and device of the camera"),
-        Card("INSTRUME", camera, "camera"),
+        HeaderCard("ORIGIN", "Talaia", "control room that kept this file"),
+        HeaderCard("OBSERVAT", site, "observatory"),
+        HeaderCard("TALAIADV", address, "site and device of the camera"),
+        HeaderCard("INSTRUME", camera, "camera"),
     ]
     device = book.devices.get(camera)
     if device is None:
@@ -88,7 +98,7 @@ def circumstances(
     telescope = _used(book, device, "ACTIVE_TELESCOPE", Interface.TELESCOPE)
     if telescope is not None:
         cards += _site(telescope)
-        cards.append(Card("TELESCOP", telescope.name, "mount"))
+        cards.append(HeaderCard("TELESCOP", telescope.name, "mount"))
         cards += _pointing(telescope, device, header, unix_s)
     cards += _state(book, device, header)
     weather = [each for each in book if each.interface & Interface.WEATHER]
@@ -97,7 +107,7 @@ def circumstances(
     return cards
 
 
-def _used(book: Book, camera: DeviceState, role: str, bit: int) -> DeviceState | None:
+def _used(book: IndiDeviceTree, camera: IndiDevice, role: str, bit: int) -> IndiDevice | None:
     """Find the device a camera's driver was told to look at, or else the only one of its kind."""
     named = book.devices.get(str(camera.value("ACTIVE_DEVICES", role) or ""))
     if named is not None and named.interface & bit:
@@ -106,12 +116,12 @@ def _used(book: Book, camera: DeviceState, role: str, bit: int) -> DeviceState |
     return fitting[0] if len(fitting) == 1 else None
 
 
-def _number(device: DeviceState, name: str, element: str) -> float | None:
+def _number(device: IndiDevice, name: str, element: str) -> float | None:
     value = device.value(name, element)
     return value if isinstance(value, float) and math.isfinite(value) else None
 
 
-def _site(telescope: DeviceState) -> list[Card]:
+def _site(telescope: IndiDevice) -> list[HeaderCard]:
     latitude = _number(telescope, "GEOGRAPHIC_COORD", "LAT")
     longitude = _number(telescope, "GEOGRAPHIC_COORD", "LONG")
     height = _number(telescope, "GEOGRAPHIC_COORD", "ELEV")
@@ -119,15 +129,15 @@ def _site(telescope: DeviceState) -> list[Card]:
         return []
     east = longitude - 360.0 if longitude > 180.0 else longitude
     return [
-        Card("SITELAT", latitude, "[deg] latitude of the site"),
-        Card("SITELONG", east, "[deg] longitude of the site, east positive"),
-        Card("SITEELEV", height, "[m] height of the site"),
+        HeaderCard("SITELAT", latitude, "[deg] latitude of the site"),
+        HeaderCard("SITELONG", east, "[deg] longitude of the site, east positive"),
+        HeaderCard("SITEELEV", height, "[m] height of the site"),
     ]
 
 
 def _pointing(
-    telescope: DeviceState, camera: DeviceState, header: Mapping[str, Value], unix_s: float
-) -> list[Card]:
+    telescope: IndiDevice, camera: IndiDevice, header: Mapping[str, Value], unix_s: float
+) -> list[HeaderCard]:
     ra, dec = header.get("RA"), header.get("DEC")
     if not isinstance(ra, int | float) or not isinstance(dec, int | float):
         hours = _number(telescope, "EQUATORIAL_EOD_COORD", "RA")
@@ -136,16 +146,16 @@ def _pointing(
             return []
         ra, dec = precessed(hours * 15.0, degrees, unix_s)
     cards = [
-        Card("RA", float(ra), "[deg] J2000, where the mount pointed"),
-        Card("DEC", float(dec), "[deg] J2000, where the mount pointed"),
-        Card("EQUINOX", 2000.0, "of RA and DEC"),
+        HeaderCard("RA", float(ra), "[deg] J2000, where the mount pointed"),
+        HeaderCard("DEC", float(dec), "[deg] J2000, where the mount pointed"),
+        HeaderCard("EQUINOX", 2000.0, "of RA and DEC"),
     ]
     focal = _number(telescope, "TELESCOPE_INFO", "TELESCOPE_FOCAL_LENGTH")
     aperture = _number(telescope, "TELESCOPE_INFO", "TELESCOPE_APERTURE")
     if focal:
-        cards.append(Card("FOCALLEN", focal, "[mm] focal length"))
+        cards.append(HeaderCard("FOCALLEN", focal, "[mm] focal length"))
     if aperture:
-        cards.append(Card("APTDIA", aperture, "[mm] aperture"))
+        cards.append(HeaderCard("APTDIA", aperture, "[mm] aperture"))
     pixel = _number(camera, "CCD_INFO", "CCD_PIXEL_SIZE_X") or _number(
         camera, "CCD_INFO", "CCD_PIXEL_SIZE"
     )
@@ -160,44 +170,46 @@ def _pointing(
     return cards
 
 
-def _world(ra: float, dec: float, width: int, height: int, scale_deg: float) -> list[Card]:
+def _world(ra: float, dec: float, width: int, height: int, scale_deg: float) -> list[HeaderCard]:
     """A tangent plane about the middle, north up and east left: without the camera's turn."""
     return [
-        Card("CTYPE1", "RA---TAN", "estimate from the mount, not from stars"),
-        Card("CTYPE2", "DEC--TAN", "estimate from the mount, not from stars"),
-        Card("CRVAL1", ra, "[deg] at the reference pixel"),
-        Card("CRVAL2", dec, "[deg] at the reference pixel"),
-        Card("CRPIX1", (width + 1) / 2.0, "reference pixel: the middle"),
-        Card("CRPIX2", (height + 1) / 2.0, "reference pixel: the middle"),
-        Card("CDELT1", -scale_deg, "[deg] a pixel; north up is a guess"),
-        Card("CDELT2", scale_deg, "[deg] a pixel; north up is a guess"),
-        Card("CUNIT1", "deg"),
-        Card("CUNIT2", "deg"),
-        Card("RADESYS", "FK5", "of the estimate"),
+        HeaderCard("CTYPE1", "RA---TAN", "estimate from the mount, not from stars"),
+        HeaderCard("CTYPE2", "DEC--TAN", "estimate from the mount, not from stars"),
+        HeaderCard("CRVAL1", ra, "[deg] at the reference pixel"),
+        HeaderCard("CRVAL2", dec, "[deg] at the reference pixel"),
+        HeaderCard("CRPIX1", (width + 1) / 2.0, "reference pixel: the middle"),
+        HeaderCard("CRPIX2", (height + 1) / 2.0, "reference pixel: the middle"),
+        HeaderCard("CDELT1", -scale_deg, "[deg] a pixel; north up is a guess"),
+        HeaderCard("CDELT2", scale_deg, "[deg] a pixel; north up is a guess"),
+        HeaderCard("CUNIT1", "deg"),
+        HeaderCard("CUNIT2", "deg"),
+        HeaderCard("RADESYS", "FK5", "of the estimate"),
     ]
 
 
-def _state(book: Book, camera: DeviceState, header: Mapping[str, Value]) -> list[Card]:
+def _state(
+    book: IndiDeviceTree, camera: IndiDevice, header: Mapping[str, Value]
+) -> list[HeaderCard]:
     cards = []
     if "CCD-TEMP" not in header:
         cards.append(
-            Card("CCD-TEMP", _number(camera, "CCD_TEMPERATURE", "CCD_TEMPERATURE_VALUE"),
+            HeaderCard("CCD-TEMP", _number(camera, "CCD_TEMPERATURE", "CCD_TEMPERATURE_VALUE"),
                  "[deg C] sensor")
         )  # fmt: skip
     wheel = _used(book, camera, "ACTIVE_FILTER", Interface.FILTER)
     slot = None if wheel is None else _number(wheel, "FILTER_SLOT", "FILTER_SLOT_VALUE")
     if wheel is not None and slot is not None and not header.get("FILTER"):
         name = wheel.value("FILTER_NAME", f"FILTER_SLOT_NAME_{round(slot)}")
-        cards.append(Card("FILTER", str(name or f"slot {round(slot)}"), "filter"))
+        cards.append(HeaderCard("FILTER", str(name or f"slot {round(slot)}"), "filter"))
     focuser = _used(book, camera, "ACTIVE_FOCUSER", Interface.FOCUSER)
     if focuser is not None and "FOCUSPOS" not in header:
         position = _number(focuser, "ABS_FOCUS_POSITION", "FOCUS_ABSOLUTE_POSITION")
         if position is not None:
-            cards.append(Card("FOCUSPOS", round(position), "[steps] focuser"))
+            cards.append(HeaderCard("FOCUSPOS", round(position), "[steps] focuser"))
     return [each for each in cards if each.value is not None]
 
 
-def _weather(device: DeviceState, unix_s: float) -> list[Card]:
+def _weather(device: IndiDevice, unix_s: float) -> list[HeaderCard]:
     held = device.vectors.get("WEATHER_PARAMETERS")
     if held is None:
         return []
@@ -205,11 +217,11 @@ def _weather(device: DeviceState, unix_s: float) -> list[Card]:
     for element, key, comment in _WEATHER:
         value = _number(device, held.name, element)
         if value is not None:
-            cards.append(Card(key, value, comment))
+            cards.append(HeaderCard(key, value, comment))
     status = device.vectors.get("WEATHER_STATUS")
     if status is not None:
         word = _SAFE.get(status.state, "unknown")
-        cards.append(Card("WXSAFE", word, "weather, by its own station's limits"))
+        cards.append(HeaderCard("WXSAFE", word, "weather, by its own station's limits"))
     # When the picture came: the driver's own period is the most it may be older.
     at = datetime.fromtimestamp(unix_s, UTC).strftime("%Y-%m-%dT%H:%M:%S")
-    return [*cards, Card("WXDATE", at, "UTC when this weather was read")]
+    return [*cards, HeaderCard("WXDATE", at, "UTC when this weather was read")]

@@ -15,17 +15,23 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
 from talaia.gateway.adapters.indi.numbers import formatted
-from talaia.gateway.adapters.indi.protocol import Kind, Perm, Rule, State, new_vector
-from talaia.gateway.ports import Outcome
+from talaia.gateway.adapters.indi.protocol import (
+    PropertyPermission,
+    PropertyState,
+    SwitchRule,
+    VectorKind,
+    new_vector,
+)
+from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from talaia.gateway.adapters.indi.protocol import Value
-    from talaia.gateway.adapters.indi.state import Book, DeviceState, Held
+    from talaia.gateway.adapters.indi.state import IndiDevice, IndiDeviceTree, StoredVector
 
-__all__ = ["CHOICE", "Goal", "begin"]
+__all__ = ["CHOICE", "IndiGoal", "begin"]
 
 # The field that takes the name of the element to switch on, instead of a value for an element.
 CHOICE = "*"
@@ -70,13 +76,13 @@ _RELATIVE = frozenset({"REL_FOCUS_POSITION", "REL_DOME_POSITION"})
 class _Ask(NamedTuple):
     """What is asked of one property."""
 
-    held: Held
+    held: StoredVector
     values: dict[str, Value]
 
 
 def begin(
-    book: Book, device: str, target: str, fields: Mapping[str, Value], now_ns: int
-) -> Goal | str:
+    book: IndiDeviceTree, device: str, target: str, fields: Mapping[str, Value], now_ns: int
+) -> IndiGoal | str:
     """Begin a command: give its goal, or the sentence that says why it cannot be asked.
 
     Args:
@@ -108,14 +114,18 @@ def begin(
         if ask is not None:
             asks.append(ask)
     barred = _barred(found, asks)
-    return barred or Goal(found, target, asks, now_ns)
+    return barred or IndiGoal(found, target, asks, now_ns)
 
 
-def _asked(device: DeviceState, name: str, values: dict[str, Value]) -> _Ask | str | None:
+def _asked(device: IndiDevice, name: str, values: dict[str, Value]) -> _Ask | str | None:
     held = device.vectors.get(name)
     if held is None:
         return f"{device.name} has no property {name} now"
-    if held.perm is Perm.READ or held.kind not in (Kind.NUMBER, Kind.SWITCH, Kind.TEXT):
+    if held.perm is PropertyPermission.READ or held.kind not in (
+        VectorKind.NUMBER,
+        VectorKind.SWITCH,
+        VectorKind.TEXT,
+    ):
         return f"{name} of {device.name} cannot be set"
     filled: dict[str, Value] = {}
     for element, value in values.items():
@@ -135,7 +145,7 @@ def _asked(device: DeviceState, name: str, values: dict[str, Value]) -> _Ask | s
     return _Ask(held, filled) if filled else None
 
 
-def _chosen(held: Held, word: str) -> str | None:
+def _chosen(held: StoredVector, word: str) -> str | None:
     """Find an element by its name or label, as a person writes it."""
     asked = word.strip().lower()
     for element in held.elements.values():
@@ -145,10 +155,10 @@ def _chosen(held: Held, word: str) -> str | None:
     return tails[0] if len(tails) == 1 else None
 
 
-def _beyond(held: Held, element: str, value: Value) -> str:
+def _beyond(held: StoredVector, element: str, value: Value) -> str:
     known = held.elements[element]
     label = known.label or known.name
-    if held.kind is not Kind.NUMBER:
+    if held.kind is not VectorKind.NUMBER:
         return ""
     if isinstance(value, str) or not math.isfinite(value):
         return f"{label}: expected a finite number"
@@ -159,22 +169,22 @@ def _beyond(held: Held, element: str, value: Value) -> str:
     return ""
 
 
-def _barred(device: DeviceState, asks: list[_Ask]) -> str:
+def _barred(device: IndiDevice, asks: list[_Ask]) -> str:
     names = [each.held.name for each in asks]
     if _POINTING in names and device.value("TELESCOPE_PARK", "PARK") is True:
         return f"{device.name} is parked; unpark it first"
     if "ABS_DOME_POSITION" in names and device.value("DOME_PARK", "PARK") is True:
         return f"{device.name} is parked; unpark it first"
     exposing = device.vectors.get(_EXPOSURE)
-    if _EXPOSURE in names and exposing is not None and exposing.state is State.BUSY:
+    if _EXPOSURE in names and exposing is not None and exposing.state is PropertyState.BUSY:
         return f"{device.name} is exposing; abort that first"
     return ""
 
 
-class Goal:
+class IndiGoal:
     """One command under way. `look` after each event and now and then."""
 
-    def __init__(self, device: DeviceState, target: str, asks: list[_Ask], now_ns: int) -> None:
+    def __init__(self, device: IndiDevice, target: str, asks: list[_Ask], now_ns: int) -> None:
         """Remember how things stood."""
         self.device = device.name
         self.target = target
@@ -189,7 +199,7 @@ class Goal:
         self._cancelled = False
         self._told = ""
 
-    def sends(self, book: Book) -> bytes:
+    def sends(self, book: IndiDeviceTree) -> bytes:
         """Give what is sent to the server. Other members of a vector go along as they are."""
         parts = []
         for held, values in self._asks:
@@ -197,7 +207,7 @@ class Goal:
                 continue
             filled = dict(values)
             now = book.get(held.device, held.name)
-            if held.kind is not Kind.SWITCH and now is not None:
+            if held.kind is not VectorKind.SWITCH and now is not None:
                 rest = {each.name: each.value for each in now.elements.values()}
                 filled = {
                     name: values.get(name, value)
@@ -207,71 +217,75 @@ class Goal:
             parts.append(new_vector(held.kind, held.device, held.name, filled))
         return b"".join(parts)
 
-    def cancel(self, book: Book) -> bytes:
+    def cancel(self, book: IndiDeviceTree) -> bytes:
         """Give what stops it; nothing where the device has no way to stop."""
         stop = _STOPS.get(self.target)
         held = book.get(self.device, stop[0]) if stop is not None else None
         if stop is None or held is None:
             return b""
         self._cancelled = True
-        return new_vector(Kind.SWITCH, self.device, stop[0], {stop[1]: True})
+        return new_vector(VectorKind.SWITCH, self.device, stop[0], {stop[1]: True})
 
     def picture(self, problem: str) -> None:
         """Note that a picture of the device has come, with what is wrong with it, if so."""
         if self.target == _EXPOSURE:
             self._picture = problem
 
-    def look(self, book: Book, now_ns: int) -> Outcome | None:
+    def look(self, book: IndiDeviceTree, now_ns: int) -> CommandOutcome | None:
         """Say how it stands, if there is anything to say."""
         device = book.devices.get(self.device)
         held = None if device is None else device.vectors.get(self.target)
         if device is None or held is None:
             gone = f"{self.device} went away meanwhile; look at the device"
-            return Outcome(CommandPhase.UNKNOWN, gone)
+            return CommandOutcome(CommandPhase.UNKNOWN, gone)
         if self._picture is not None:
             if self._picture:
-                return Outcome(CommandPhase.FAILED, f"the picture is of no use: {self._picture}")
-            return Outcome(CommandPhase.SUCCEEDED, self._words(device) or "the picture has come")
+                return CommandOutcome(
+                    CommandPhase.FAILED, f"the picture is of no use: {self._picture}"
+                )
+            return CommandOutcome(
+                CommandPhase.SUCCEEDED, self._words(device) or "the picture has come"
+            )
         if not all(self._later(device, each.held.name) for each in self._asks):
             return None
         words = self._words(device)
         # Drivers call the abort of a motion an Alert: that nothing moves any more is what counts.
-        if held.state is State.ALERT and not self.target.endswith(_ABORTS):
-            return Outcome(CommandPhase.FAILED, words or "the driver says Alert")
+        if held.state is PropertyState.ALERT and not self.target.endswith(_ABORTS):
+            return CommandOutcome(CommandPhase.FAILED, words or "the driver says Alert")
         if self._moves(device, held):
             self._rest_ns = None
             return self._running(device, held, words)
         if self._cancelled:
-            return Outcome(CommandPhase.CANCELLED, words or "stopped")
+            return CommandOutcome(CommandPhase.CANCELLED, words or "stopped")
         if self.target == _EXPOSURE:
             return self._exposed(device, held, words, now_ns)
         if self._reached(device):
-            return Outcome(CommandPhase.SUCCEEDED, words or self._shown(held))
+            return CommandOutcome(CommandPhase.SUCCEEDED, words or self._shown(held))
         # At rest, and elsewhere.
         problem = self._problem(device)
         if problem:
-            return Outcome(CommandPhase.REFUSED, problem)
+            return CommandOutcome(CommandPhase.REFUSED, problem)
         if self._rest_ns is None:
             self._rest_ns = now_ns
         if now_ns - self._rest_ns < SETTLE_NS:
             return None
         rests = f"it rests at {self._shown(held)}"
-        return Outcome(CommandPhase.FAILED, f"{rests}; {words}" if words else rests)
+        return CommandOutcome(CommandPhase.FAILED, f"{rests}; {words}" if words else rests)
 
-    def _later(self, device: DeviceState, name: str) -> bool:
+    def _later(self, device: IndiDevice, name: str) -> bool:
         held = device.vectors.get(name)
         return name in self._under_way or (held is not None and held.sets > self._sets[name])
 
-    def _moves(self, device: DeviceState, held: Held) -> bool:
+    def _moves(self, device: IndiDevice, held: StoredVector) -> bool:
         others = (device.vectors.get(name) for name in _MOVES_WITH.get(self.target, ()))
-        busy = held.state is State.BUSY and not self._settled_while_busy(held)
-        return busy or any(each is not None and each.state is State.BUSY for each in others)
+        busy = held.state is PropertyState.BUSY and not self._settled_while_busy(held)
+        return busy or any(each is not None and each.state is PropertyState.BUSY for each in others)
 
-    def _settled_while_busy(self, held: Held) -> bool:
+    def _settled_while_busy(self, held: StoredVector) -> bool:
         """A switch of which any may be on is as it is asked for at once, whatever its state."""
-        return held.kind is Kind.SWITCH and held.rule is Rule.ANY
+        return held.kind is VectorKind.SWITCH and held.rule is SwitchRule.ANY
 
-    def _running(self, device: DeviceState, held: Held, words: str) -> Outcome | None:
+    def _running(self, device: IndiDevice, held: StoredVector, words: str) -> CommandOutcome | None:
         progress = 0.0
         if self.target == _EXPOSURE:
             asked = self._number(_EXPOSURE, "CCD_EXPOSURE_VALUE")
@@ -283,23 +297,31 @@ class Goal:
             progress = 0.0 if left_now is None else 1.0 - left_now / self._start
         said = words if words != self._told else ""
         self._told = words
-        return Outcome(CommandPhase.RUNNING, said, min(1.0, max(0.0, progress)))
+        return CommandOutcome(CommandPhase.RUNNING, said, min(1.0, max(0.0, progress)))
 
-    def _exposed(self, device: DeviceState, held: Held, words: str, now_ns: int) -> Outcome | None:
+    def _exposed(
+        self, device: IndiDevice, held: StoredVector, words: str, now_ns: int
+    ) -> CommandOutcome | None:
         """Over without a picture: aborted, or it was kept where the driver runs."""
-        if held.state is State.IDLE:
-            return Outcome(CommandPhase.CANCELLED, words or "the exposure was aborted")
+        if held.state is PropertyState.IDLE:
+            return CommandOutcome(CommandPhase.CANCELLED, words or "the exposure was aborted")
         if device.value("UPLOAD_MODE", "UPLOAD_LOCAL") is True:
-            return Outcome(CommandPhase.SUCCEEDED, words or "the picture is kept by the driver")
+            return CommandOutcome(
+                CommandPhase.SUCCEEDED, words or "the picture is kept by the driver"
+            )
         if self._rest_ns is None:
             self._rest_ns = now_ns
         # Reading out and sending a large picture takes long; the command's own time-out bounds it.
-        return Outcome(CommandPhase.RUNNING, "", 1.0) if now_ns - self._rest_ns < SECOND else None
+        return (
+            CommandOutcome(CommandPhase.RUNNING, "", 1.0)
+            if now_ns - self._rest_ns < SECOND
+            else None
+        )
 
-    def _reached(self, device: DeviceState) -> bool:
+    def _reached(self, device: IndiDevice) -> bool:
         return all(self._there(device, each) for each in self._asks)
 
-    def _there(self, device: DeviceState, ask: _Ask) -> bool:
+    def _there(self, device: IndiDevice, ask: _Ask) -> bool:
         name = ask.held.name
         held = device.vectors.get(name)
         if held is None:
@@ -309,18 +331,22 @@ class Goal:
         if name == _POINTING:
             left = self._distance(device)
             return left is not None and left <= _NEAR_SKY_DEG
-        if held.kind is Kind.SWITCH and len(held.elements) == 1 and held.rule is not Rule.ANY:
+        if (
+            held.kind is VectorKind.SWITCH
+            and len(held.elements) == 1
+            and held.rule is not SwitchRule.ANY
+        ):
             return True  # a button: it springs back
         for element, asked in ask.values.items():
             now = held.value(element)
-            if held.kind is Kind.NUMBER:
+            if held.kind is VectorKind.NUMBER:
                 if not isinstance(now, float) or not _near(held, element, now, float(asked)):
                     return False
             elif now != asked:
                 return False
         return True
 
-    def _distance(self, device: DeviceState) -> float | None:
+    def _distance(self, device: IndiDevice) -> float | None:
         """How far it is from the goal: degrees on the sky, or in the property's unit."""
         if self.target == _POINTING:
             ra, dec = (device.value(_POINTING, each) for each in ("RA", "DEC"))
@@ -331,7 +357,7 @@ class Goal:
         if self.target in _RELATIVE or not self._asks:
             return None
         held, values = self._asks[-1]
-        if held.kind is not Kind.NUMBER or len(values) != 1:
+        if held.kind is not VectorKind.NUMBER or len(values) != 1:
             return None
         (element, asked_value), *_ = values.items()
         now = device.value(held.name, element)
@@ -345,21 +371,21 @@ class Goal:
                 return float(values[element])
         return None
 
-    def _words(self, device: DeviceState) -> str:
+    def _words(self, device: IndiDevice) -> str:
         """Give the driver's newest sentence since the command began."""
         said = [each.message for each in device.said if each.mono_ns >= self._began_ns]
         return _plain(said[-1]) if said else ""
 
-    def _problem(self, device: DeviceState) -> str:
+    def _problem(self, device: IndiDevice) -> str:
         said = [each.message for each in device.said if each.mono_ns >= self._began_ns]
         bad = [each for each in said if each.startswith(("[WARNING]", "[ERROR]"))]
         return _plain(bad[-1]) if bad else ""
 
-    def _shown(self, held: Held) -> str:
-        if held.kind is Kind.SWITCH:
+    def _shown(self, held: StoredVector) -> str:
+        if held.kind is VectorKind.SWITCH:
             on = [each.label or each.name for each in held.elements.values() if each.value is True]
             return ", ".join(on) or str(held.state)
-        if held.kind is Kind.NUMBER:
+        if held.kind is VectorKind.NUMBER:
             return ", ".join(
                 f"{each.label or each.name} {formatted(float(each.value), each.format).strip()}"
                 for each in held.elements.values()
@@ -370,14 +396,14 @@ class Goal:
 def _is_under_way(ask: _Ask) -> bool:
     held = ask.held
     return (
-        held.kind is Kind.SWITCH
-        and held.state is State.BUSY
+        held.kind is VectorKind.SWITCH
+        and held.state is PropertyState.BUSY
         and len(held.elements) > 1
         and all(held.value(element) == asked for element, asked in ask.values.items())
     )
 
 
-def _near(held: Held, element: str, now: float, asked: float) -> bool:
+def _near(held: StoredVector, element: str, now: float, asked: float) -> bool:
     step = held.elements[element].step
     # A step of the hardware may be coarse; a tenth of it is surely the same place.
     near = max(_NEAR.get(held.name, 0.0), step / 10 if step > 0 else 0.0, 1e-6 * abs(asked), 1e-9)

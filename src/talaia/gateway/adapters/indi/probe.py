@@ -17,20 +17,20 @@ from talaia.gateway.adapters.indi.protocol import (
     BlobEnd,
     BlobHead,
     BlobPart,
-    Kind,
-    Perm,
-    Reader,
-    State,
+    IndiParser,
+    PropertyPermission,
+    PropertyState,
+    VectorKind,
     ask_properties,
     new_vector,
 )
-from talaia.gateway.adapters.indi.state import Book
+from talaia.gateway.adapters.indi.state import IndiDeviceTree
 from talaia.gateway.errors import AdapterLost
 from talaia.model.found import FORMAT, DeviceFound, ElementFound, Found, PropertyFound
 
 if TYPE_CHECKING:
     from talaia.gateway.adapters.indi.protocol import Element
-    from talaia.gateway.adapters.indi.state import DeviceState, Held
+    from talaia.gateway.adapters.indi.state import IndiDevice, StoredVector
 
 __all__ = ["look"]
 
@@ -94,14 +94,14 @@ class _Look:
     def __init__(
         self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, *, connect: bool
     ) -> None:
-        self.book = Book()
+        self.book = IndiDeviceTree()
         self._reader, self._writer = reader, writer
         self._connect = connect
         self._asked: set[str] = set()
 
     async def listen(self) -> None:
         """Take in what comes until nothing new has come for a while."""
-        words = Reader()
+        words = IndiParser()
         self._writer.write(ask_properties())
         quiet_at = time.monotonic() + QUIET_S
         while True:
@@ -115,7 +115,7 @@ class _Look:
             if self._apply(words, data):
                 quiet_at = time.monotonic() + QUIET_S
 
-    def _apply(self, words: Reader, data: bytes) -> bool:
+    def _apply(self, words: IndiParser, data: bytes) -> bool:
         """Take bytes in; tell whether they brought more than values of what was known."""
         news = False
         for event in words.feed(data):
@@ -126,20 +126,20 @@ class _Look:
             news |= sum(len(each.vectors) for each in self.book) != before
             if held is not None and held.name == "CONNECTION":
                 # It answers at once or after a while; in between nothing comes.
-                news |= held.state is State.BUSY or self._ask(held)
+                news |= held.state is PropertyState.BUSY or self._ask(held)
         return news
 
-    def _ask(self, held: Held) -> bool:
+    def _ask(self, held: StoredVector) -> bool:
         """Tell a driver to connect, once."""
         if not self._connect or held.device in self._asked or held.value("CONNECT") is True:
             return False
         self._asked.add(held.device)
         asked = {"CONNECT": True, "DISCONNECT": False}
-        self._writer.write(new_vector(Kind.SWITCH, held.device, "CONNECTION", asked))
+        self._writer.write(new_vector(VectorKind.SWITCH, held.device, "CONNECTION", asked))
         return True
 
 
-def _told(book: Book) -> tuple[DeviceFound, ...]:
+def _told(book: IndiDeviceTree) -> tuple[DeviceFound, ...]:
     found = []
     words: set[str] = set()
     for device in sorted(book, key=lambda each: each.name):
@@ -160,30 +160,30 @@ def _told(book: Book) -> tuple[DeviceFound, ...]:
     return tuple(found)
 
 
-def _driver(device: DeviceState) -> str:
+def _driver(device: IndiDevice) -> str:
     """Name the program and its version, as ``DRIVER_INFO`` has them."""
     words = (device.value("DRIVER_INFO", each) for each in ("DRIVER_EXEC", "DRIVER_VERSION"))
     return " ".join(str(each) for each in words if each)
 
 
-def _property(held: Held) -> PropertyFound:
+def _property(held: StoredVector) -> PropertyFound:
     return PropertyFound(
         held.name,
         held.kind.value.lower(),
         held.label,
         held.group,
         held.state.value,
-        held.perm is not Perm.READ,
+        held.perm is not PropertyPermission.READ,
         tuple(_element(held.kind, each) for each in held.elements.values()),
     )
 
 
-def _element(kind: Kind, element: Element) -> ElementFound:
+def _element(kind: VectorKind, element: Element) -> ElementFound:
     match element.value:
         case bool() as on:
             value = "on" if on else "off"
         case float() as number:
             value = f"{number:.10g}"
         case text:
-            value = text[:MAX_SHOWN] if kind is not Kind.BLOB else ""
+            value = text[:MAX_SHOWN] if kind is not VectorKind.BLOB else ""
     return ElementFound(element.name, element.label, value, element.minimum, element.maximum)

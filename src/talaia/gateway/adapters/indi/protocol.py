@@ -29,16 +29,16 @@ __all__ = [
     "BlobHead",
     "BlobPart",
     "Deleted",
+    "DriverMessage",
     "Element",
     "Event",
-    "Kind",
-    "Perm",
-    "Reader",
-    "Rule",
-    "State",
-    "Told",
+    "IndiParser",
+    "PropertyPermission",
+    "PropertyState",
+    "SwitchRule",
     "Value",
     "Vector",
+    "VectorKind",
     "ask_blobs",
     "ask_properties",
     "new_vector",
@@ -54,7 +54,7 @@ MAX_PENDING = 1024 * 1024
 MAX_BLOB = 1024 * 1024 * 1024
 
 
-class Kind(StrEnum):
+class VectorKind(StrEnum):
     """What a vector holds."""
 
     NUMBER = "Number"
@@ -64,7 +64,7 @@ class Kind(StrEnum):
     BLOB = "BLOB"
 
 
-class State(StrEnum):
+class PropertyState(StrEnum):
     """What a driver says of a vector (and of each light). Not a verdict on a command."""
 
     IDLE = "Idle"
@@ -73,7 +73,7 @@ class State(StrEnum):
     ALERT = "Alert"
 
 
-class Perm(StrEnum):
+class PropertyPermission(StrEnum):
     """What a client may do with a vector."""
 
     READ = "ro"
@@ -81,7 +81,7 @@ class Perm(StrEnum):
     BOTH = "rw"
 
 
-class Rule(StrEnum):
+class SwitchRule(StrEnum):
     """How many switches of a vector may be on."""
 
     ONE = "OneOfMany"
@@ -121,15 +121,15 @@ class Vector(NamedTuple):
     """
 
     new: bool
-    kind: Kind
+    kind: VectorKind
     device: str
     name: str
     elements: tuple[Element, ...]
-    state: State | None = None
+    state: PropertyState | None = None
     label: str = ""
     group: str = ""
-    perm: Perm = Perm.READ
-    rule: Rule = Rule.ANY
+    perm: PropertyPermission = PropertyPermission.READ
+    rule: SwitchRule = SwitchRule.ANY
     timeout: float = 0.0
     message: str = ""
     timestamp: str = ""
@@ -143,7 +143,7 @@ class Deleted(NamedTuple):
     message: str = ""
 
 
-class Told(NamedTuple):
+class DriverMessage(NamedTuple):
     """A sentence of a driver for people."""
 
     device: str
@@ -178,7 +178,7 @@ class BlobEnd(NamedTuple):
     problem: str = ""
 
 
-Event = Vector | Deleted | Told | BlobHead | BlobPart | BlobEnd
+Event = Vector | Deleted | DriverMessage | BlobHead | BlobPart | BlobEnd
 
 # Control characters that XML does not allow but drivers of serial devices let through.
 _UNSEEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
@@ -187,7 +187,7 @@ _MEMBER = re.compile(r"(?:def|one)(Number|Switch|Text|Light|BLOB)\Z")
 _WHITE = re.compile(r"\s+")
 
 
-class Reader:
+class IndiParser:
     """Bytes in, events out. After an error it is of no more use."""
 
     def __init__(self, max_blob: int = MAX_BLOB) -> None:
@@ -291,7 +291,7 @@ class Reader:
         self._events.append(head)
 
 
-def _parser(reader: Reader) -> expat.XMLParserType:
+def _parser(reader: IndiParser) -> expat.XMLParserType:
     parser = expat.ParserCreate()
     # Expat may wait for more before it looks again at a token that was cut; a command's answer
     # must not wait, and our own bound keeps the cost down.
@@ -353,27 +353,27 @@ def _element(tag: str, attributes: dict[str, str], text: str) -> Element | None:
     text = text.strip()
     value: Value = text
     limits = (0.0, 0.0, 0.0)
-    match Kind(match[1]):
-        case Kind.NUMBER:
+    match VectorKind(match[1]):
+        case VectorKind.NUMBER:
             value = parsed(text)
             limits = (
                 parsed(attributes.get("min", "0")),
                 parsed(attributes.get("max", "0")),
                 parsed(attributes.get("step", "0")),
             )
-        case Kind.SWITCH:
+        case VectorKind.SWITCH:
             value = text == "On"
-        case Kind.LIGHT:
+        case VectorKind.LIGHT:
             value = text if text in _STATES else ""
-        case Kind.TEXT | Kind.BLOB:
+        case VectorKind.TEXT | VectorKind.BLOB:
             pass
     label = attributes.get("label", "").strip()[:MAX_NAME]
     return Element(name, value, label, attributes.get("format", "")[:MAX_NAME], *limits)
 
 
-_STATES = frozenset(each.value for each in State)
-_PERMS = frozenset(each.value for each in Perm)
-_RULES = frozenset(each.value for each in Rule)
+_STATES = frozenset(each.value for each in PropertyState)
+_PERMS = frozenset(each.value for each in PropertyPermission)
+_RULES = frozenset(each.value for each in SwitchRule)
 
 
 def _event(tag: str, attributes: dict[str, str], members: tuple[Element, ...]) -> Event | None:
@@ -381,7 +381,7 @@ def _event(tag: str, attributes: dict[str, str], members: tuple[Element, ...]) -
     message = attributes.get("message", "").strip()[:MAX_TEXT]
     device = _name(attributes, "device")
     if tag == "message":
-        return Told(device, message) if message else None
+        return DriverMessage(device, message) if message else None
     if tag == "delProperty":
         return Deleted(device, _name(attributes, "name"), message)
     match = _VECTOR.match(tag)
@@ -392,15 +392,15 @@ def _event(tag: str, attributes: dict[str, str], members: tuple[Element, ...]) -
     timeout = parsed(attributes.get("timeout", "0"))
     return Vector(
         match[1] == "def",
-        Kind(match[2]),
+        VectorKind(match[2]),
         device,
         name,
         members,
-        State(state) if state in _STATES else None,
+        PropertyState(state) if state in _STATES else None,
         attributes.get("label", "").strip()[:MAX_NAME],
         attributes.get("group", "").strip()[:MAX_NAME],
-        Perm(perm) if perm in _PERMS else Perm.READ,
-        Rule(rule) if rule in _RULES else Rule.ANY,
+        PropertyPermission(perm) if perm in _PERMS else PropertyPermission.READ,
+        SwitchRule(rule) if rule in _RULES else SwitchRule.ANY,
         timeout if timeout > 0 else 0.0,
         message,
         attributes.get("timestamp", "")[:40],
@@ -424,14 +424,14 @@ def ask_blobs(device: str, *, wanted: bool = True) -> bytes:
     return f"<enableBLOB device={_quoted(device)}>{word}</enableBLOB>\n".encode()
 
 
-def new_vector(kind: Kind, device: str, name: str, values: Mapping[str, Value]) -> bytes:
+def new_vector(kind: VectorKind, device: str, name: str, values: Mapping[str, Value]) -> bytes:
     """Ask a device for new values.
 
     Raises:
         ValueError: a number that is not finite, or a kind that cannot be sent.
 
     """
-    if kind not in (Kind.NUMBER, Kind.SWITCH, Kind.TEXT):
+    if kind not in (VectorKind.NUMBER, VectorKind.SWITCH, VectorKind.TEXT):
         raise ValueError(f"a {kind} cannot be sent")
     members = "".join(
         f"<one{kind} name={_quoted(element)}>{escape(_said(kind, value))}</one{kind}>"
@@ -441,10 +441,10 @@ def new_vector(kind: Kind, device: str, name: str, values: Mapping[str, Value]) 
     return f"{head}{members}</new{kind}Vector>\n".encode("utf-8", "replace")
 
 
-def _said(kind: Kind, value: Value) -> str:
-    if kind is Kind.SWITCH:
+def _said(kind: VectorKind, value: Value) -> str:
+    if kind is VectorKind.SWITCH:
         return "On" if value else "Off"
-    if kind is Kind.NUMBER:
+    if kind is VectorKind.NUMBER:
         return written(float(value))
     return _UNSEEN.sub("\ufffd", str(value))
 

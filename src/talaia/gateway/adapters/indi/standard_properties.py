@@ -9,17 +9,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.gateway.adapters.indi.protocol import Kind, State
+from talaia.gateway.adapters.indi.protocol import PropertyState, VectorKind
 from talaia.gateway.samples.source_stamps import iso_stamp_ns
 
 if TYPE_CHECKING:
-    from talaia.gateway.adapters.indi.state import Book, DeviceState, Held
+    from talaia.gateway.adapters.indi.state import IndiDevice, IndiDeviceTree, StoredVector
 
 __all__ = [
     "LIGHTS",
     "MESSAGE",
-    "Reading",
-    "Stamp",
+    "DriverTimestamp",
+    "PropertyReading",
     "moving_words",
     "read_number",
     "read_state",
@@ -29,7 +29,12 @@ __all__ = [
 
 # A property that no driver has: the device's newest sentence.
 MESSAGE = "message"
-LIGHTS = (State.IDLE.value, State.OK.value, State.BUSY.value, State.ALERT.value)
+LIGHTS = (
+    PropertyState.IDLE.value,
+    PropertyState.OK.value,
+    PropertyState.BUSY.value,
+    PropertyState.ALERT.value,
+)
 # Measured at a period, and sent each time: its arrival is the only sign that it is new.
 _MEASURED = "WEATHER_PARAMETERS"
 _BY_WEATHER = frozenset({_MEASURED, "WEATHER_STATUS"})
@@ -54,7 +59,7 @@ _WORDS: dict[str, dict[str, tuple[str, str]]] = {
 }
 
 
-class Reading(NamedTuple):
+class PropertyReading(NamedTuple):
     """A value and when it was true, by the gateway's monotonic clock."""
 
     value: float | str
@@ -70,7 +75,7 @@ def moving_words(name: str) -> tuple[str, ...]:
     return (*dict.fromkeys(words), "error", "unknown")
 
 
-def clock_of(device: DeviceState, held: Held) -> int:
+def clock_of(device: IndiDevice, held: StoredVector) -> int:
     """Give when a vector's values were true last."""
     if held.name in _BY_WEATHER:
         measured = device.vectors.get(_MEASURED)
@@ -78,7 +83,7 @@ def clock_of(device: DeviceState, held: Held) -> int:
     return device.heard_ns
 
 
-class Stamp(NamedTuple):
+class DriverTimestamp(NamedTuple):
     """A driver's own time of its values.
 
     Attributes:
@@ -93,7 +98,7 @@ class Stamp(NamedTuple):
     advanced_ns: int | None
 
 
-def stamp_of(book: Book, device: str, name: str) -> Stamp | None:
+def stamp_of(book: IndiDeviceTree, device: str, name: str) -> DriverTimestamp | None:
     """Give the stamp of a vector; of the station's verdict that of what it measured."""
     found = book.devices.get(device)
     held = None if found is None else found.vectors.get(name)
@@ -102,10 +107,12 @@ def stamp_of(book: Book, device: str, name: str) -> Stamp | None:
     if held.name in _BY_WEATHER:
         held = found.vectors.get(_MEASURED, held)
     stamp_ns = iso_stamp_ns(held.timestamp)
-    return Stamp(stamp_ns, held.arrived_ns if stamp_ns else None, held.advanced_ns)
+    return DriverTimestamp(stamp_ns, held.arrived_ns if stamp_ns else None, held.advanced_ns)
 
 
-def read_number(book: Book, device: str, name: str, element: str) -> Reading | None:
+def read_number(
+    book: IndiDeviceTree, device: str, name: str, element: str
+) -> PropertyReading | None:
     """Read a number: a switch as 0 or 1, a light as its place in `LIGHTS`; NaN is unknown."""
     found = book.devices.get(device)
     held = None if found is None else found.vectors.get(name)
@@ -118,21 +125,21 @@ def read_number(book: Book, device: str, name: str, element: str) -> Reading | N
         number = float(LIGHTS.index(value)) if value in LIGHTS else math.nan
     else:
         number = float(value)
-    return Reading(number, clock_of(found, held))
+    return PropertyReading(number, clock_of(found, held))
 
 
 def read_state(
-    book: Book, device: str, name: str, element: str, states: tuple[str, ...]
-) -> Reading | None:
+    book: IndiDeviceTree, device: str, name: str, element: str, states: tuple[str, ...]
+) -> PropertyReading | None:
     """Read a state as its place in ``states``; NaN where none of them fits."""
     found = book.devices.get(device)
     held = None if found is None else found.vectors.get(name)
     if found is None or held is None or not _known(found, held):
         return None
-    return Reading(_place(held, element, states), clock_of(found, held))
+    return PropertyReading(_place(held, element, states), clock_of(found, held))
 
 
-def _place(held: Held, element: str, states: tuple[str, ...]) -> float:
+def _place(held: StoredVector, element: str, states: tuple[str, ...]) -> float:
     lowered = [word.lower() for word in states]
 
     def place_of(*words: str) -> int | None:
@@ -150,7 +157,7 @@ def _place(held: Held, element: str, states: tuple[str, ...]) -> float:
         if isinstance(value, float):
             return value
         return _by_word(place_of(value), LIGHTS.index(value) if value in LIGHTS else None, states)
-    if held.kind is not Kind.SWITCH:
+    if held.kind is not VectorKind.SWITCH:
         return _by_word(place_of(held.state), LIGHTS.index(held.state), states)
     on = [each for each in held.elements.values() if each.value is True]
     ways = _WORDS.get(held.name)
@@ -171,22 +178,22 @@ def _by_word(at: int | None, index: int | None, states: tuple[str, ...]) -> floa
     return float(found) if found is not None and found < len(states) else math.nan
 
 
-def _way(held: Held, on: list[str], ways: dict[str, tuple[str, str]]) -> str:
-    if held.state is State.ALERT:
+def _way(held: StoredVector, on: list[str], ways: dict[str, tuple[str, str]]) -> str:
+    if held.state is PropertyState.ALERT:
         return "error"
     known = [each for each in on if each in ways]
     if len(known) != 1:
         return "unknown"
-    return ways[known[0]][0 if held.state is State.BUSY else 1]
+    return ways[known[0]][0 if held.state is PropertyState.BUSY else 1]
 
 
-def read_text(book: Book, device: str, name: str, element: str) -> Reading | None:
+def read_text(book: IndiDeviceTree, device: str, name: str, element: str) -> PropertyReading | None:
     """Read a text; of a switch the label of what is on."""
     found = book.devices.get(device)
     if found is None:
         return None
     if name == MESSAGE:
-        return Reading(found.said[-1].message if found.said else "", found.heard_ns)
+        return PropertyReading(found.said[-1].message if found.said else "", found.heard_ns)
     held = found.vectors.get(name)
     if held is None or not _known(found, held):
         return None
@@ -195,19 +202,19 @@ def read_text(book: Book, device: str, name: str, element: str) -> Reading | Non
         if value is None:
             return None
         text = value if isinstance(value, str) else f"{float(value):g}"
-    elif held.kind is Kind.SWITCH:
+    elif held.kind is VectorKind.SWITCH:
         on = [each.label or each.name for each in held.elements.values() if each.value is True]
         text = ", ".join(on)
     else:
         text = str(held.state)
-    return Reading(text, clock_of(found, held))
+    return PropertyReading(text, clock_of(found, held))
 
 
-def _known(device: DeviceState, held: Held) -> bool:
+def _known(device: IndiDevice, held: StoredVector) -> bool:
     """Tell whether the driver itself stands by its value."""
     if held.name in ("CONNECTION", "DRIVER_INFO"):
         return True
     # A weather driver whose station is silent keeps the last values and says so by its state.
-    if held.name == _MEASURED and held.state is State.ALERT:
+    if held.name == _MEASURED and held.state is PropertyState.ALERT:
         return False
     return device.connected or "CONNECTION" not in device.vectors

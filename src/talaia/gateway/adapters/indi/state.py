@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.gateway.adapters.indi.errors import IndiError
 from talaia.gateway.adapters.indi.protocol import (
     Deleted,
+    DriverMessage,
     Element,
-    Kind,
-    Perm,
-    Rule,
-    State,
-    Told,
+    PropertyPermission,
+    PropertyState,
+    SwitchRule,
     Vector,
+    VectorKind,
 )
 from talaia.gateway.samples.source_stamps import StampAge, iso_stamp_ns
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.adapters.indi.protocol import Value
 
-__all__ = ["Book", "DeviceState", "Held"]
+__all__ = ["IndiDevice", "IndiDeviceTree", "StoredVector"]
 
 MAX_DEVICES = 500
 MAX_VECTORS = 2_000
@@ -37,7 +37,7 @@ MAX_SAID = 50
 
 
 @dataclass(slots=True)
-class Held:
+class StoredVector:
     """A vector as it stands.
 
     Attributes:
@@ -49,15 +49,15 @@ class Held:
 
     """
 
-    kind: Kind
+    kind: VectorKind
     device: str
     name: str
     elements: dict[str, Element]
-    state: State
+    state: PropertyState
     label: str
     group: str
-    perm: Perm
-    rule: Rule
+    perm: PropertyPermission
+    rule: SwitchRule
     timeout: float
     arrived_ns: int
     sets: int = 0
@@ -71,7 +71,7 @@ class Held:
         return None if found is None else found.value
 
 
-class Said(NamedTuple):
+class LoggedDriverMessage(NamedTuple):
     """A sentence of a driver, and when it came."""
 
     mono_ns: int
@@ -79,7 +79,7 @@ class Said(NamedTuple):
 
 
 @dataclass(slots=True)
-class DeviceState:
+class IndiDevice:
     """One device as a server tells it.
 
     Attributes:
@@ -90,8 +90,8 @@ class DeviceState:
 
     name: str
     heard_ns: int
-    vectors: dict[str, Held] = field(default_factory=dict)
-    said: list[Said] = field(default_factory=list)
+    vectors: dict[str, StoredVector] = field(default_factory=dict)
+    said: list[LoggedDriverMessage] = field(default_factory=list)
 
     @property
     def connected(self) -> bool:
@@ -111,23 +111,23 @@ class DeviceState:
         return None if held is None else held.value(element)
 
 
-class Book:
+class IndiDeviceTree:
     """All devices of one server."""
 
     def __init__(self) -> None:
         """Start knowing nothing."""
-        self.devices: dict[str, DeviceState] = {}
+        self.devices: dict[str, IndiDevice] = {}
 
-    def __iter__(self) -> Iterator[DeviceState]:
+    def __iter__(self) -> Iterator[IndiDevice]:
         """Go through the devices in the order in which they came."""
         return iter(self.devices.values())
 
-    def get(self, device: str, name: str) -> Held | None:
+    def get(self, device: str, name: str) -> StoredVector | None:
         """Find a vector."""
         found = self.devices.get(device)
         return None if found is None else found.vectors.get(name)
 
-    def apply(self, event: Vector | Deleted | Told, now_ns: int) -> Held | None:
+    def apply(self, event: Vector | Deleted | DriverMessage, now_ns: int) -> StoredVector | None:
         """Take an event, and give the vector that it touched, if one.
 
         Raises:
@@ -139,7 +139,7 @@ class Book:
                 return self._vector(event, now_ns)
             case Deleted():
                 self._delete(event, now_ns)
-            case Told():
+            case DriverMessage():
                 found = self.devices.get(event.device)
                 if found is not None:
                     found.heard_ns = now_ns
@@ -150,14 +150,14 @@ class Book:
         """Forget all: the server is gone, and what it said may be wrong by now."""
         self.devices.clear()
 
-    def _vector(self, event: Vector, now_ns: int) -> Held | None:
+    def _vector(self, event: Vector, now_ns: int) -> StoredVector | None:
         device = self.devices.get(event.device)
         if device is None:
             if not event.new:
                 return None
             if len(self.devices) >= MAX_DEVICES:
                 raise IndiError(f"the INDI server names more than {MAX_DEVICES} devices")
-            device = self.devices[event.device] = DeviceState(event.device, now_ns)
+            device = self.devices[event.device] = IndiDevice(event.device, now_ns)
         device.heard_ns = now_ns
         if event.message:
             _say(device, event.message, now_ns)
@@ -181,7 +181,9 @@ class Book:
         held.advanced_ns = held.stamps.arrived(iso_stamp_ns(event.timestamp), now_ns)
         return held
 
-    def _define(self, device: DeviceState, held: Held | None, event: Vector, now_ns: int) -> Held:
+    def _define(
+        self, device: IndiDevice, held: StoredVector | None, event: Vector, now_ns: int
+    ) -> StoredVector:
         elements = {each.name: each for each in event.elements}
         if held is not None and held.kind is event.kind:
             # Defined once more: the answer to our question, or to another client's.
@@ -193,12 +195,12 @@ class Book:
             raise IndiError(
                 f"the INDI device {device.name[:40]!r} has more than {MAX_VECTORS} properties"
             )
-        held = Held(
+        held = StoredVector(
             event.kind,
             event.device,
             event.name,
             elements,
-            event.state or State.IDLE,
+            event.state or PropertyState.IDLE,
             event.label,
             event.group,
             event.perm,
@@ -230,6 +232,6 @@ def _updated(known: Element, element: Element) -> Element:
     return known._replace(value=element.value)
 
 
-def _say(device: DeviceState, message: str, now_ns: int) -> None:
-    device.said.append(Said(now_ns, message))
+def _say(device: IndiDevice, message: str, now_ns: int) -> None:
+    device.said.append(LoggedDriverMessage(now_ns, message))
     del device.said[:-MAX_SAID]

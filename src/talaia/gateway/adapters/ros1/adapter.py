@@ -20,15 +20,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.gateway.adapters.reconnection import WAIT_S, rejoined
 from talaia.gateway.adapters.ros1.decode import decoder_of, full_name
-from talaia.gateway.adapters.ros1.frames import Heard
-from talaia.gateway.adapters.ros1.master import Master
+from talaia.gateway.adapters.ros1.frames import ReceivedMessage
+from talaia.gateway.adapters.ros1.master import RosMaster
 from talaia.gateway.adapters.ros1.node import NodeProcess
 from talaia.gateway.adapters.ros1.presence import Ros1Presence
-from talaia.gateway.adapters.topic_readers import Gathered, file_in, parameter_plans_of, plans_of
+from talaia.gateway.adapters.topic_readers import (
+    SampleBuffer,
+    file_in,
+    parameter_plans_of,
+    plans_of,
+)
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.driving.drive_keys import HALT
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.worker import PictureWorker
 from talaia.model.connection import Ros1Connection
@@ -38,12 +43,12 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.ports import FileSink, Outlets, Reading, Status
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.ports import AdapterContext, AdapterStatus, ChannelReading, FileSink
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
 
-__all__ = ["Ros1"]
+__all__ = ["Ros1Adapter"]
 
 log = logging.getLogger(__name__)
 # Messages that rospy keeps for a reader that is behind.
@@ -66,14 +71,16 @@ class _Wanted(NamedTuple):
 
     topic: str
     type_name: str
-    take: Callable[[Heard], None]
+    take: Callable[[ReceivedMessage], None]
     rate: float = 0.0
 
 
-class Ros1:
+class Ros1Adapter:
     """An `Adapter` for ROS 1. See `talaia.gateway.ports` for its promises."""
 
-    def __init__(self, share: Share, outlets: Outlets, status: Status) -> None:
+    def __init__(
+        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+    ) -> None:
         """Take what is to be served and where things go; `run` joins ROS."""
         settings = share.connection
         assert isinstance(settings, Ros1Connection)  # noqa: S101 - the catalog has seen to it
@@ -87,9 +94,9 @@ class Ros1:
         self._told: dict[int, tuple[str, str]] = {}
         self._recorded: list[int] = []
         uri = settings.master or os.environ.get("ROS_MASTER_URI") or _DEFAULT_MASTER
-        self._master = Master(uri)
-        self._latest: dict[str, Reading] = {}
-        self._gathered = Gathered()
+        self._master = RosMaster(uri)
+        self._latest: dict[str, ChannelReading] = {}
+        self._gathered = SampleBuffer()
         self._plans = plans_of(share, self._latest, self._complain)
         self._parameters = parameter_plans_of(share, self._latest, self._complain)
         self._wanted: dict[int, _Wanted] = {}
@@ -108,7 +115,7 @@ class Ros1:
         self._signs = 0
         self._settled = False
         self._calls = count()
-        self._pending: dict[int, Callable[[Outcome], None]] = {}
+        self._pending: dict[int, Callable[[CommandOutcome], None]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
 
     # ── Adapter ──
@@ -203,8 +210,8 @@ class Ros1:
             elif address in before and address not in self._watched:
                 node.tell(op="leave", topic=number)
 
-    def latest(self, address: str) -> Reading | None:
-        """See `Readings.latest`."""
+    def latest(self, address: str) -> ChannelReading | None:
+        """See `ReadingSource.latest`."""
         return self._latest.get(address)
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
@@ -220,12 +227,16 @@ class Ros1:
             self._node.tell(op="say", id=f"stop {device}", fields={"data": stopped})
 
     def act(
-        self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Scalar],
+        done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
         node = self._node
         if node is None:
-            done(Outcome(CommandPhase.REFUSED, "the robot is not connected"))
+            done(CommandOutcome(CommandPhase.REFUSED, "the robot is not connected"))
             return None
         if len(self._pending) >= MAX_PENDING:
             # Calls that were never answered; their callers have long given up.
@@ -238,11 +249,11 @@ class Ros1:
             return None
         return lambda: node.tell(op="cancel", id=address, call=call)
 
-    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`."""
         node, described = self._node, self._share.devices.get(device)
         if node is None or described is None:
-            done(Outcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
+            done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
             return
         sources = {each.source.topic for each in described.signals.values()}
         topics = {each for each in sources if each}
@@ -264,7 +275,7 @@ class Ros1:
         task.add_done_callback(self._tasks.discard)
 
     async def _rejoin(
-        self, topics: set[str], commands: list[Command], done: Callable[[Outcome], None]
+        self, topics: set[str], commands: list[Command], done: Callable[[CommandOutcome], None]
     ) -> None:
         loop = asyncio.get_running_loop()
         until = loop.time() + WAIT_S
@@ -272,7 +283,7 @@ class Ros1:
             try:
                 graph = await loop.run_in_executor(None, self._master.graph)
             except AdapterLost as error:
-                done(Outcome(CommandPhase.FAILED, str(error)))
+                done(CommandOutcome(CommandPhase.FAILED, str(error)))
                 return
             absent = [
                 f"{topic} (nobody publishes it)"
@@ -298,7 +309,7 @@ class Ros1:
         self._streams.clear()
         for number, plan in enumerate(self._plans):
 
-            def take(heard: Heard, number: int = number) -> None:
+            def take(heard: ReceivedMessage, number: int = number) -> None:
                 self._record(heard, number)
                 decode = self._decoders.get(number)
                 if decode is None:
@@ -327,7 +338,7 @@ class Ros1:
 
                 taker = PictureStream(address, stream, decode, self._complain)
 
-                def take_picture(heard: Heard, taker: PictureStream = taker) -> None:
+                def take_picture(heard: ReceivedMessage, taker: PictureStream = taker) -> None:
                     worker.offer(taker, heard.raw)
 
                 self._streams[address] = number
@@ -342,7 +353,7 @@ class Ros1:
         for topic in sorted(self._raw.topics - heard) if self._raw is not None else ():
             number = len(self._wanted)
 
-            def record(heard: Heard, number: int = number) -> None:
+            def record(heard: ReceivedMessage, number: int = number) -> None:
                 self._record(heard, number)
 
             self._wanted[number] = _Wanted(topic, "", record)
@@ -356,7 +367,10 @@ class Ros1:
             number, files = len(self._wanted), self._files
 
             def take(
-                heard: Heard, number: int = number, device: str = device_id, files: FileSink = files
+                heard: ReceivedMessage,
+                number: int = number,
+                device: str = device_id,
+                files: FileSink = files,
             ) -> None:
                 decode = self._decoders.get(number)
                 if decode is not None:
@@ -365,7 +379,7 @@ class Ros1:
             self._frames[device_id] = number
             self._wanted[number] = _Wanted(device.frames.topic, device.frames.type, take)
 
-    def _record(self, heard: Heard, number: int) -> None:
+    def _record(self, heard: ReceivedMessage, number: int) -> None:
         """Give a message to who records, if it is one of those and its type is known."""
         topic, told = self._wanted[number].topic, self._told.get(number)
         if self._raw is not None and told is not None and topic in self._raw.topics:
@@ -421,8 +435,10 @@ class Ros1:
 
     # ── on the node's thread ──
 
-    def _hear(self, frame: Heard | dict[str, Any], loop: asyncio.AbstractEventLoop) -> None:
-        if isinstance(frame, Heard):
+    def _hear(
+        self, frame: ReceivedMessage | dict[str, Any], loop: asyncio.AbstractEventLoop
+    ) -> None:
+        if isinstance(frame, ReceivedMessage):
             wanted = self._wanted.get(frame.topic)
             if wanted is None:
                 return
@@ -507,12 +523,12 @@ class Ros1:
         call = said["call"]
         done = self._pending.get(call) if running else self._pending.pop(call, None)
         if done is not None:
-            done(Outcome(phase, said["message"][:2000], said["progress"]))
+            done(CommandOutcome(phase, said["message"][:2000], said["progress"]))
 
     def _fail_pending(self) -> None:
         pending, self._pending = self._pending, {}
         for done in pending.values():
-            done(Outcome(CommandPhase.UNKNOWN, _CUT))
+            done(CommandOutcome(CommandPhase.UNKNOWN, _CUT))
 
 
 def _settle(future: asyncio.Future[str], why: str) -> None:

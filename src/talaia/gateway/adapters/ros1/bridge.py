@@ -40,7 +40,7 @@ WORKING_EVERY_S = 0.25
 PARAMETERS_EVERY_S = 1.0
 
 
-class Out:
+class FrameWriter:
     """Writes whole frames; rospy calls from many threads."""
 
     def __init__(self, fd: int) -> None:
@@ -118,10 +118,10 @@ def class_of(name: str, find: Callable[[str], Any]) -> Any:
     return found
 
 
-class Topic:
+class RawSubscription:
     """A subscription by raw bytes, so that a type need not be known here."""
 
-    def __init__(self, out: Out, number: int, name: str, rate: float, deep: int) -> None:
+    def __init__(self, out: FrameWriter, number: int, name: str, rate: float, deep: int) -> None:
         """Subscribe; with ``rate`` (Hz) messages that come sooner are left."""
         self._out = out
         self._number, self._name = number, name
@@ -162,7 +162,7 @@ class Topic:
         self._subscriber.unregister()
 
 
-class Voice:
+class ZeroEndedPublisher:
     """A publication, and the zero that ends what it says."""
 
     def __init__(self, asked: dict[str, Any]) -> None:
@@ -194,14 +194,14 @@ class Voice:
                 self.publisher.publish(fill(self._kind(), self._zero))
 
 
-class Bridge:
+class RospyBridge:
     """All of it, told what to do by the gateway."""
 
-    def __init__(self, out: Out) -> None:
+    def __init__(self, out: FrameWriter) -> None:
         """Start with nothing."""
         self._out = out
-        self._topics: dict[int, Topic] = {}
-        self._voices: dict[str, Voice] = {}
+        self._topics: dict[int, RawSubscription] = {}
+        self._voices: dict[str, ZeroEndedPublisher] = {}
         self._services: dict[str, tuple[Any, Any, str]] = {}
         self._actions: dict[str, tuple[Any, Any, dict[str, Any]]] = {}
         self._goals: dict[str, str] = {}
@@ -229,7 +229,7 @@ class Bridge:
     def on_listen(self, asked: dict[str, Any]) -> None:
         """Subscribe a topic under a number."""
         self.on_leave(asked)
-        self._topics[asked["topic"]] = Topic(
+        self._topics[asked["topic"]] = RawSubscription(
             self._out, asked["topic"], asked["name"], asked.get("rate", 0.0), asked["deep"]
         )
 
@@ -241,7 +241,7 @@ class Bridge:
 
     def on_voice(self, asked: dict[str, Any]) -> None:
         """Advertise under a name."""
-        self._made(asked, lambda: self._voices.__setitem__(asked["id"], Voice(asked)))
+        self._made(asked, lambda: self._voices.__setitem__(asked["id"], ZeroEndedPublisher(asked)))
 
     def on_say(self, asked: dict[str, Any]) -> None:
         """Publish what was advertised, without an answer."""
@@ -474,7 +474,7 @@ def frames(pipe: BinaryIO) -> Any:
 
 def main() -> None:
     """Join ROS 1 as a node and do as the gateway says until stdin ends."""
-    out = Out(os.dup(1))
+    out = FrameWriter(os.dup(1))
     # Whatever prints must not spoil the frames.
     os.dup2(2, 1)
     pipe = os.fdopen(0, "rb")
@@ -483,7 +483,7 @@ def main() -> None:
     os.environ["ROS_NAMESPACE"] = first["namespace"]
     rospy.init_node(first["node"], disable_signals=True, disable_rosout=True)
     out.say(op="ready", node=rospy.get_name())
-    bridge = Bridge(out)
+    bridge = RospyBridge(out)
     threading.Thread(target=bridge.watch, daemon=True).start()
     try:
         for asked in asking:

@@ -16,7 +16,7 @@ from talaia.gateway.errors import AdapterLost
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["MAX_FRAME", "Heard", "Reader", "frame_of"]
+__all__ = ["MAX_FRAME", "FrameSplitter", "ReceivedMessage", "frame_of"]
 
 _HEAD = struct.Struct("<IB")
 _STAMP = struct.Struct("<Hq")
@@ -24,7 +24,7 @@ _JSON, _MESSAGE = 0, 1
 MAX_FRAME = 16 * 1024 * 1024
 
 
-class Heard(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """A message of a topic: its number, when it came (µs, UTC), and its bytes."""
 
     topic: int
@@ -38,14 +38,14 @@ def frame_of(said: dict[str, object]) -> bytes:
     return _HEAD.pack(len(body) + 1, _JSON) + body
 
 
-class Reader:
+class FrameSplitter:
     """Cuts what comes through a pipe into frames."""
 
     def __init__(self) -> None:
         """Start with nothing waiting."""
         self._waiting = bytearray()
 
-    def feed(self, data: bytes) -> Iterator[Heard | dict[str, Any]]:
+    def feed(self, data: bytes) -> Iterator[ReceivedMessage | dict[str, Any]]:
         """Take what came and give the frames that are whole.
 
         Raises:
@@ -69,10 +69,10 @@ class Reader:
             del self._waiting[:start]
 
 
-def _read(kind: int, body: bytes) -> Heard | dict[str, Any]:
+def _read(kind: int, body: bytes) -> ReceivedMessage | dict[str, Any]:
     if kind == _MESSAGE and len(body) >= _STAMP.size:
         topic, time_us = _STAMP.unpack_from(body)
-        return Heard(topic, time_us, body[_STAMP.size :])
+        return ReceivedMessage(topic, time_us, body[_STAMP.size :])
     if kind == _JSON:
         try:
             said = json.loads(body)

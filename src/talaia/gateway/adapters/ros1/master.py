@@ -19,7 +19,7 @@ from talaia.gateway.errors import AdapterLost
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Graph", "Master"]
+__all__ = ["GraphState", "RosMaster"]
 
 _WAIT_S = 1.0
 _MAX_HEADER = 64 * 1024
@@ -38,7 +38,7 @@ class _Transport(xmlrpc.client.Transport):
         return connection
 
 
-class Graph(NamedTuple):
+class GraphState(NamedTuple):
     """What is there, each with its nodes: topics published, topics heard, and services."""
 
     published: Mapping[str, frozenset[str]]
@@ -46,7 +46,7 @@ class Graph(NamedTuple):
     services: Mapping[str, frozenset[str]]
 
 
-class Master:
+class RosMaster:
     """A master at an address."""
 
     def __init__(self, uri: str) -> None:
@@ -102,7 +102,7 @@ class Master:
             return False
         return True
 
-    def graph(self) -> Graph:
+    def graph(self) -> GraphState:
         """Tell what is registered.
 
         Raises:
@@ -112,7 +112,7 @@ class Master:
         _, value = self._ask("getSystemState")
         try:
             parts = cast("list[list[tuple[str, list[str]]]]", value)
-            return Graph(
+            return GraphState(
                 *({str(name): frozenset(map(str, nodes)) for name, nodes in part} for part in parts)
             )
         except (TypeError, ValueError) as error:

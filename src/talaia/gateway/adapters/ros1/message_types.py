@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import TypesysError, get_types_from_msg
 
-from talaia.gateway.adapters.message_fields import Kind
+from talaia.gateway.adapters.message_fields import RosMessageType
 from talaia.gateway.adapters.ros2.definitions import comments_in
 from talaia.gateway.errors import FieldError
 
@@ -17,21 +17,21 @@ if TYPE_CHECKING:
 
     from rosbags.interfaces.typing import FieldDesc
 
-__all__ = ["Definition", "definition_of"]
+__all__ = ["MessageDefinition", "definition_of"]
 
 _MAX = 1_000_000
 _RULE = re.compile(r"^={40,}\s*$", re.MULTILINE)
 _NAMED = re.compile(r"\s*MSG:\s*(\S+)[^\n]*\n?")
 
 
-class Definition(NamedTuple):
+class MessageDefinition(NamedTuple):
     """A definition's types by ``package/Name``, and what stands beside their fields."""
 
-    kinds: dict[str, Kind]
+    kinds: dict[str, RosMessageType]
     comment_of: Callable[[str, str], str]
 
 
-def definition_of(text: str, type_name: str) -> Definition:
+def definition_of(text: str, type_name: str) -> MessageDefinition:
     """Read a definition with those of its parts, as a publisher tells it.
 
     Args:
@@ -49,7 +49,7 @@ def definition_of(text: str, type_name: str) -> Definition:
     except (TypesysError, ValueError, KeyError, RecursionError) as error:
         raise FieldError("", f"the definition of {type_name} is not understood") from error
     kinds = {
-        _short(name): Kind(
+        _short(name): RosMessageType(
             tuple((field, _declared(kind)) for field, kind in fields),
             {
                 name: value
@@ -60,7 +60,7 @@ def definition_of(text: str, type_name: str) -> Definition:
         for name, (constants, fields) in found.items()
     }
     comments = _comments(text, type_name)
-    return Definition(kinds, lambda kind, field: comments.get(kind, {}).get(field, ""))
+    return MessageDefinition(kinds, lambda kind, field: comments.get(kind, {}).get(field, ""))
 
 
 def _comments(text: str, type_name: str) -> dict[str, dict[str, str]]:

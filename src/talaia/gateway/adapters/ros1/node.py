@@ -11,13 +11,13 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from talaia.gateway.adapters.ros1.frames import Reader, frame_of
+from talaia.gateway.adapters.ros1.frames import FrameSplitter, frame_of
 from talaia.gateway.errors import AdapterLost
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from talaia.gateway.adapters.ros1.frames import Heard
+    from talaia.gateway.adapters.ros1.frames import ReceivedMessage
     from talaia.model.connection import Ros1Connection
 
 __all__ = ["NodeProcess", "environment_of"]
@@ -47,7 +47,7 @@ class NodeProcess:
         self,
         settings: Ros1Connection,
         uri: str,
-        heard: Callable[[Heard | dict[str, Any]], None],
+        heard: Callable[[ReceivedMessage | dict[str, Any]], None],
         turned: Callable[[], None],
         failed: Callable[[str], None],
     ) -> None:
@@ -123,7 +123,7 @@ class NodeProcess:
     # ── from it, on threads ──
 
     def _read(self) -> None:
-        reader, why = Reader(), ""
+        reader, why = FrameSplitter(), ""
         try:
             while True:
                 if select.select([self._out], [], [], _TURN_S)[0]:

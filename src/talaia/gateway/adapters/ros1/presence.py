@@ -11,7 +11,7 @@ import contextlib
 from functools import partial
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.presence import LOOK_S, Offer, Presence
+from talaia.gateway.adapters.presence import LOOK_S, DeviceEndpoints, DevicePresence
 from talaia.gateway.errors import AdapterLost
 from talaia.model.site import CommandKind
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.clock import Clock
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.adapters.ros1.master import Graph, Master
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.adapters.ros1.master import GraphState, RosMaster
 
 __all__ = ["Ros1Presence"]
 
@@ -36,9 +36,13 @@ class Ros1Presence:
     """
 
     def __init__(
-        self, share: Share, master: Master, clock: Clock, tell: Callable[[str, str, bool], None]
+        self,
+        share: ConnectionScope,
+        master: RosMaster,
+        clock: Clock,
+        tell: Callable[[str, str, bool], None],
     ) -> None:
-        """Take who is asked; ``tell`` as in `Presence`."""
+        """Take who is asked; ``tell`` as in `DevicePresence`."""
         self._master, self._clock = master, clock
         self.heard_ns: dict[str, int] = {}
         self._topics = {
@@ -51,8 +55,8 @@ class Ros1Presence:
             }
             for name, device in share.devices.items()
         }
-        self._offers: dict[str, Offer] = {}
-        self._presence = Presence(share.devices, tell)
+        self._offers: dict[str, DeviceEndpoints] = {}
+        self._presence = DevicePresence(share.devices, tell)
         self._asking: dict[str, asyncio.Future[bool]] = {}
 
     async def run(self) -> None:
@@ -87,11 +91,11 @@ class Ros1Presence:
         else:
             self._presence.gone(node)
 
-    def _offer(self, device: str, graph: Graph) -> Offer:
+    def _offer(self, device: str, graph: GraphState) -> DeviceEndpoints:
         places, names = (
             (graph.published, self._topics[device])
             if self._topics[device]
             else (graph.services, self._services[device])
         )
         nodes = frozenset(node for name in names for node in places.get(name, ()))
-        return Offer(bool(nodes), nodes, nodes)
+        return DeviceEndpoints(bool(nodes), nodes, nodes)

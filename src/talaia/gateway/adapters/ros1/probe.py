@@ -18,10 +18,10 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from talaia.gateway.adapters.cloudconnect import parse_metric
-from talaia.gateway.adapters.message_fields import Shape, shape_of
+from talaia.gateway.adapters.message_fields import ReadableFields, shape_of
 from talaia.gateway.adapters.ros1.decode import decoder_of, full_name
-from talaia.gateway.adapters.ros1.frames import Heard
-from talaia.gateway.adapters.ros1.master import Master
+from talaia.gateway.adapters.ros1.frames import ReceivedMessage
+from talaia.gateway.adapters.ros1.master import RosMaster
 from talaia.gateway.adapters.ros1.message_types import definition_of
 from talaia.gateway.adapters.ros1.node import NodeProcess
 from talaia.gateway.errors import AdapterLost, FieldError
@@ -31,7 +31,7 @@ from talaia.model.found import FORMAT, ActionFound, FieldFound, Found, ServiceFo
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from talaia.gateway.adapters.ros1.master import Graph
+    from talaia.gateway.adapters.ros1.master import GraphState
 
 __all__ = ["DEFAULT_MASTER", "look"]
 
@@ -67,7 +67,7 @@ class _Heard:
         except FieldError as error:
             self.problem = str(error)
 
-    def take(self, heard: Heard) -> None:
+    def take(self, heard: ReceivedMessage) -> None:
         self.first_us = self.first_us or heard.time_us
         self.last_us = heard.time_us
         self.count += 1
@@ -105,13 +105,13 @@ def look(uri: str, seconds: float, python: str = Ros1Connection().python) -> Fou
         AdapterLost: no master answers, or there is no rospy.
 
     """
-    return asyncio.run(_Look(Master(uri), seconds, python).found())
+    return asyncio.run(_Look(RosMaster(uri), seconds, python).found())
 
 
 class _Look:
     """One look at the graph."""
 
-    def __init__(self, master: Master, seconds: float, python: str) -> None:
+    def __init__(self, master: RosMaster, seconds: float, python: str) -> None:
         self._master, self._seconds = master, seconds
         self._settings = Ros1Connection(node=f"talaia_probe_{os.getpid()}", python=python)
         self._heard: list[_Heard] = []
@@ -129,8 +129,8 @@ class _Look:
             self._ended = self._ended or why
             loop.call_soon_threadsafe(self._changed.set)
 
-        def hear(frame: Heard | dict[str, Any]) -> None:
-            if isinstance(frame, Heard):
+        def hear(frame: ReceivedMessage | dict[str, Any]) -> None:
+            if isinstance(frame, ReceivedMessage):
                 self._heard[frame.topic].take(frame)
             else:
                 self._hear(frame)
@@ -215,7 +215,7 @@ class _Look:
 
     # ── telling ──
 
-    def _told(self, system: Graph, types: dict[str, str], kinds: dict[str, str]) -> Found:
+    def _told(self, system: GraphState, types: dict[str, str], kinds: dict[str, str]) -> Found:
         actions = _actions(types)
         parts = {f"{name}/{part}" for name in actions for part in ACTION_PARTS}
         return Found(
@@ -230,7 +230,7 @@ class _Look:
         )
 
     def _topics(
-        self, system: Graph, types: dict[str, str], parts: set[str]
+        self, system: GraphState, types: dict[str, str], parts: set[str]
     ) -> Iterator[TopicFound]:
         heard = {each.topic: each for each in self._heard}
         for topic in sorted({*system.published, *system.heard} - PLUMBING - parts):
@@ -240,7 +240,9 @@ class _Look:
             if not kind or not (publishers or subscribers):
                 continue
             one = heard.get(topic)
-            shape, problem = self._read(one, kind) if one is not None else (Shape((), ()), "")
+            shape, problem = (
+                self._read(one, kind) if one is not None else (ReadableFields((), ()), "")
+            )
             yield TopicFound(
                 topic=topic,
                 type=full_name(kind),
@@ -253,16 +255,18 @@ class _Look:
                 problem=problem,
             )
 
-    def _read(self, heard: _Heard, kind: str) -> tuple[Shape, str]:
+    def _read(self, heard: _Heard, kind: str) -> tuple[ReadableFields, str]:
         if heard.problem:
-            return Shape((), ()), heard.problem
+            return ReadableFields((), ()), heard.problem
         text = heard.definition if heard.type else self._described.get(("msg", kind))
         if text is None:
-            return Shape((), ()), f"nothing came, and the type {kind} is not installed here"
+            return ReadableFields(
+                (), ()
+            ), f"nothing came, and the type {kind} is not installed here"
         try:
             return _shape(text, kind, heard.message()), ""
         except FieldError as error:
-            return Shape((), ()), str(error)
+            return ReadableFields((), ()), str(error)
 
     def _service(self, name: str, kind: str) -> ServiceFound:
         if not kind:
@@ -291,7 +295,7 @@ class _Look:
         return fields, f"its request holds lists ({', '.join(lists)})" if lists else ""
 
 
-def _shape(text: str, kind: str, message: object) -> Shape:
+def _shape(text: str, kind: str, message: object) -> ReadableFields:
     definition = definition_of(text, kind)
     return shape_of(
         definition.kinds[kind], kind, definition.kinds.get, message, definition.comment_of

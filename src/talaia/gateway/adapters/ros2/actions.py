@@ -18,7 +18,7 @@ from rclpy.serialization import deserialize_message
 
 from talaia.gateway.adapters.ros2.requests import fill, outcome_of
 from talaia.gateway.errors import FieldError
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.samples.field_paths import getter
 from talaia.wire.frames import CommandPhase
 
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
 
-__all__ = ["Goal", "Ros2Action"]
+__all__ = ["ActionGoal", "Ros2Action"]
 
 FEEDBACK_DEPTH = 10
 # Goals whose end never came are forgotten beyond so many; their callers have long given up.
 MAX_GOALS = 1000
 
 
-class Goal:
+class ActionGoal:
     """One goal of ours."""
 
-    def __init__(self, done: Callable[[Outcome], None]) -> None:
+    def __init__(self, done: Callable[[CommandOutcome], None]) -> None:
         """Give it a name that nobody else has."""
         self.id = uuid.uuid4()
         self.done = done
@@ -86,7 +86,7 @@ class Ros2Action:
     def __init__(self, command: Command, kind: Any, node: Any, thread: WaitThread) -> None:  # noqa: ANN401
         """Make its clients and hear its feedback."""
         self._command, self._node, self._thread = command, node, thread
-        self._goals: dict[bytes, Goal] = {}
+        self._goals: dict[bytes, ActionGoal] = {}
         name = f"{command.target}/_action"
         self._send = _Calls(node, kind.Impl.SendGoalService, f"{name}/send_goal", thread)
         self._result = _Calls(node, kind.Impl.GetResultService, f"{name}/get_result", thread)
@@ -108,7 +108,7 @@ class Ros2Action:
         """Whether the robot offers it now."""
         return self._send.ready
 
-    def close(self, outcome: Outcome) -> None:
+    def close(self, outcome: CommandOutcome) -> None:
         """End its clients; goals under way end as ``outcome``."""
         for calls in (self._send, self._result, self._cancel):
             calls.close()
@@ -116,13 +116,13 @@ class Ros2Action:
         self._node.destroy_subscription(self._subscription)
         self.cut(outcome)
 
-    def cut(self, outcome: Outcome) -> None:
+    def cut(self, outcome: CommandOutcome) -> None:
         """End goals under way as ``outcome``; the clients stay."""
         goals, self._goals = list(self._goals.values()), {}
         for goal in goals:
             goal.done(outcome)
 
-    def act(self, goal: Goal, fields: dict[str, Scalar]) -> None:
+    def act(self, goal: ActionGoal, fields: dict[str, Scalar]) -> None:
         """Send a goal.
 
         Raises:
@@ -134,14 +134,16 @@ class Ros2Action:
         request.goal_id.uuid = list(goal.id.bytes)
         if not self._send.ready:
             target = self._command.target
-            goal.done(Outcome(CommandPhase.REFUSED, f"the robot does not offer {target} now"))
+            goal.done(
+                CommandOutcome(CommandPhase.REFUSED, f"the robot does not offer {target} now")
+            )
             return
         if len(self._goals) >= MAX_GOALS:
             self._goals.pop(next(iter(self._goals)))
         self._goals[goal.id.bytes] = goal
         self._send.send(request, lambda answer: self._answered(goal, answer))
 
-    def cancel(self, goal: Goal) -> None:
+    def cancel(self, goal: ActionGoal) -> None:
         """Ask the robot to end a goal; what becomes of it is told as its result."""
         goal.unwanted = True
         if not goal.accepted or goal.id.bytes not in self._goals:
@@ -152,17 +154,17 @@ class Ros2Action:
 
         def answered(answer: Any) -> None:  # noqa: ANN401
             if answer.return_code != CancelGoal.Response.ERROR_NONE:
-                goal.done(Outcome(CommandPhase.RUNNING, "the robot does not cancel it"))
+                goal.done(CommandOutcome(CommandPhase.RUNNING, "the robot does not cancel it"))
 
         self._cancel.send(request, answered)
 
-    def _answered(self, goal: Goal, answer: Any) -> None:  # noqa: ANN401
+    def _answered(self, goal: ActionGoal, answer: Any) -> None:  # noqa: ANN401
         if goal.id.bytes not in self._goals:
             # Its end was told already, as *unknown*.
             return
         if not answer.accepted:
             self._goals.pop(goal.id.bytes, None)
-            goal.done(Outcome(CommandPhase.REFUSED, "the robot does not accept it"))
+            goal.done(CommandOutcome(CommandPhase.REFUSED, "the robot does not accept it"))
             return
         goal.accepted = True
         request = self._result.request()
@@ -183,9 +185,9 @@ class Ros2Action:
             except (FieldError, TypeError, ValueError):
                 share = 0.0
         share = min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
-        goal.done(Outcome(CommandPhase.RUNNING, progress=share))
+        goal.done(CommandOutcome(CommandPhase.RUNNING, progress=share))
 
-    def _ended(self, goal: Goal, answer: Any) -> None:  # noqa: ANN401
+    def _ended(self, goal: ActionGoal, answer: Any) -> None:  # noqa: ANN401
         if self._goals.pop(goal.id.bytes, None) is None:
             return
         said = outcome_of(answer.result)
@@ -193,11 +195,13 @@ class Ros2Action:
             case GoalStatus.STATUS_SUCCEEDED:
                 goal.done(said)
             case GoalStatus.STATUS_CANCELED:
-                goal.done(Outcome(CommandPhase.CANCELLED, said.message))
+                goal.done(CommandOutcome(CommandPhase.CANCELLED, said.message))
             case GoalStatus.STATUS_ABORTED:
-                goal.done(Outcome(CommandPhase.FAILED, said.message or "the robot gave it up"))
+                goal.done(
+                    CommandOutcome(CommandPhase.FAILED, said.message or "the robot gave it up")
+                )
             case _:
-                goal.done(Outcome(CommandPhase.UNKNOWN, "the robot knows no more of it"))
+                goal.done(CommandOutcome(CommandPhase.UNKNOWN, "the robot knows no more of it"))
 
 
 def _never(_: object) -> None:

@@ -27,18 +27,18 @@ from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from talaia.gateway.adapters.arrivals import Arrivals
-from talaia.gateway.adapters.reconnection import Rejoining
+from talaia.gateway.adapters.reconnection import ReconnectionAttempts
 from talaia.gateway.adapters.ros2.decode import decoder_for
 from talaia.gateway.adapters.ros2.motion import Ros2Motion
 from talaia.gateway.adapters.ros2.parameters import Ros2Parameters
 from talaia.gateway.adapters.ros2.presence import Ros2Presence
-from talaia.gateway.adapters.ros2.qos import Quality, fits, quality_for
+from talaia.gateway.adapters.ros2.qos import QosProfile, fits, quality_for
 from talaia.gateway.adapters.ros2.requests import class_of
 from talaia.gateway.adapters.ros2.services import Ros2Commands
 from talaia.gateway.adapters.ros2.waitset import WaitThread
-from talaia.gateway.adapters.topic_readers import Gathered, TopicPlan, file_in, plans_of
+from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, file_in, plans_of
 from talaia.gateway.errors import AdapterLost, TypeMissing
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.worker import PictureWorker
 from talaia.model.connection import Ros2Connection
@@ -48,12 +48,18 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.ports import FileSink, Outlets, RawSink, Reading, Status
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.ports import (
+        AdapterContext,
+        AdapterStatus,
+        ChannelReading,
+        FileSink,
+        RawSink,
+    )
     from talaia.model.site import Source, Stream
     from talaia.wire.frames import Scalar
 
-__all__ = ["Ros2"]
+__all__ = ["Ros2Adapter"]
 
 log = logging.getLogger(__name__)
 # Far more than comes between two turns of the wait set: when a transport was stuck (after a crash
@@ -83,7 +89,7 @@ class _Listening:
         self.kind = kind
         self.depth = depth
         self.take = take
-        self.quality: Quality | None = None
+        self.quality: QosProfile | None = None
         self.subscription: Any = None
 
     def taken(self, raw: bytes, info: Any) -> None:  # noqa: ANN401
@@ -91,10 +97,12 @@ class _Listening:
         self.take(raw, info)
 
 
-class Ros2:
+class Ros2Adapter:
     """An `Adapter` for ROS 2. See `talaia.gateway.ports` for its promises."""
 
-    def __init__(self, share: Share, outlets: Outlets, status: Status) -> None:
+    def __init__(
+        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+    ) -> None:
         """Take what is to be served and where things go; `run` joins ROS."""
         settings = share.connection
         assert isinstance(settings, Ros2Connection)  # noqa: S101 - the catalog has seen to it
@@ -108,8 +116,8 @@ class Ros2:
         self._node_name = settings.node
         self._raw = outlets.raw
         self._files = outlets.files
-        self._latest: dict[str, Reading] = {}
-        self._gathered = Gathered()
+        self._latest: dict[str, ChannelReading] = {}
+        self._gathered = SampleBuffer()
         self._plans = plans_of(share, self._latest, self._complain)
         self._watched: frozenset[str] = frozenset()
         self._listening: dict[str, _Listening] = {}
@@ -122,7 +130,7 @@ class Ros2:
         self._worker: PictureWorker | None = None
         self._node: Any = None
         self._turn = 0
-        self._rejoining = Rejoining(self._clock)
+        self._rejoining = ReconnectionAttempts(self._clock)
         self._arrivals = Arrivals(self._clock.monotonic_ns())
 
     # ── Adapter ──
@@ -154,8 +162,8 @@ class Ros2:
         if self._thread is not None:
             self._thread.do(self._look)
 
-    def redescribe(self, share: Share) -> None:
-        """See `Flexible.redescribe`."""
+    def redescribe(self, share: ConnectionScope) -> None:
+        """See `ReconfigurableAdapter.redescribe`."""
         if self._thread is None:
             # It is joined with the next `run`.
             self._share = share
@@ -163,8 +171,8 @@ class Ros2:
         else:
             self._thread.do(lambda: self._redescribe(share))
 
-    def latest(self, address: str) -> Reading | None:
-        """See `Readings.latest`."""
+    def latest(self, address: str) -> ChannelReading | None:
+        """See `ReadingSource.latest`."""
         return self._latest.get(address)
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
@@ -178,7 +186,11 @@ class Ros2:
             self._motion.stop(device, stopped=stopped)
 
     def act(
-        self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Scalar],
+        done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
         thread, commands = self._thread, self._commands
@@ -187,11 +199,11 @@ class Ros2:
             return None
         return commands.begin(f"{device}/{command}", fields, done, thread.do)
 
-    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`."""
         thread = self._thread
         if thread is None:
-            done(Outcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
+            done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
         else:
             thread.do(lambda: self._rejoin(device, done))
 
@@ -250,7 +262,7 @@ class Ros2:
             self._node = None
         rclpy.try_shutdown(context=context)
 
-    def _redescribe(self, share: Share) -> None:
+    def _redescribe(self, share: ConnectionScope) -> None:
         """Bring all in line with another share; on the wait-set thread, between two turns."""
         before, self._share = self._share, share
         old = {_key(plan.topic, plan.type_name): plan for plan in self._plans}
@@ -353,14 +365,14 @@ class Ros2:
     def _on_presence(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001
         self._status.device(device, there=not why, why=why, sure=sure)
 
-    def _rejoin(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def _rejoin(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Make the subscriptions and clients of a device anew; its publishers of motion stay.
 
         Topics that it shares with other devices are taken anew for them, too.
         """
         commands = self._commands
         if commands is None or device not in self._share.devices:
-            done(Outcome(CommandPhase.FAILED, "there is no such device at the robot now"))
+            done(CommandOutcome(CommandPhase.FAILED, "there is no such device at the robot now"))
             return
         described = self._share.devices[device]
         sources = [each.source for each in described.signals.values()]
@@ -468,7 +480,7 @@ class Ros2:
 
     def _match(self, listening: _Listening) -> None:
         offers = [
-            Quality(
+            QosProfile(
                 info.qos_profile.reliability != ReliabilityPolicy.BEST_EFFORT,
                 info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,
             )
@@ -505,17 +517,17 @@ class Ros2:
         listening.subscription, listening.quality = None, None
 
 
-def _frames_of(share: Share, device: str) -> Source | None:
+def _frames_of(share: ConnectionScope, device: str) -> Source | None:
     described = share.devices.get(device)
     return None if described is None else described.frames
 
 
-def _stream_of(share: Share, device: str, stream: str) -> Stream | None:
+def _stream_of(share: ConnectionScope, device: str, stream: str) -> Stream | None:
     described = share.devices.get(device)
     return None if described is None else described.streams.get(stream)
 
 
-def _moved(before: Share, after: Share, address: str) -> bool:
+def _moved(before: ConnectionScope, after: ConnectionScope, address: str) -> bool:
     """Tell whether a signal's newest reading says nothing of what is described there now."""
     if address not in after.guarded:
         return True

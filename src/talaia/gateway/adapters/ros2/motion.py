@@ -14,7 +14,7 @@ from talaia.model.site import DriveMessage
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.model.site import Drive
 
 __all__ = ["Ros2Motion"]
@@ -28,7 +28,7 @@ class Ros2Motion:
 
     def __init__(
         self,
-        share: Share,
+        share: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         missing: Callable[[TypeMissing], None],
     ) -> None:
@@ -40,7 +40,7 @@ class Ros2Motion:
         self._broken = False
         self.redescribe(share)
 
-    def redescribe(self, share: Share) -> None:
+    def redescribe(self, share: ConnectionScope) -> None:
         """Make the publishers of devices whose driving is described anew; the others stay.
 
         Nobody drives those now: their zeros have been published.

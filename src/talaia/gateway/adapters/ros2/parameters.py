@@ -9,17 +9,17 @@ from rcl_interfaces.msg import Parameter, ParameterType
 from rcl_interfaces.srv import GetParameters
 
 from talaia.gateway.adapters.topic_readers import parameter_plans_of
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from talaia.clock import Clock
-    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros2.waitset import WaitThread
-    from talaia.gateway.adapters.topic_readers import Gathered, TopicPlan
-    from talaia.gateway.ports import Reading
+    from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan
+    from talaia.gateway.ports import ChannelReading
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros2Parameters", "as_set", "parameters_of"]
@@ -51,13 +51,13 @@ def parameters_of(fields: Mapping[str, Scalar]) -> list[Any]:
     return made
 
 
-def as_set(response: Any) -> Outcome:  # noqa: ANN401 - ROS's packages are untyped
+def as_set(response: Any) -> CommandOutcome:  # noqa: ANN401 - ROS's packages are untyped
     """Read the answer of ``set_parameters``: a node says for each whether it took it."""
     refused = [each.reason for each in response.results if not each.successful]
     if refused:
         reason = "; ".join(refused)[:2000]
-        return Outcome(CommandPhase.FAILED, reason or "the node does not take it")
-    return Outcome(CommandPhase.SUCCEEDED, "set")
+        return CommandOutcome(CommandPhase.FAILED, reason or "the node does not take it")
+    return CommandOutcome(CommandPhase.SUCCEEDED, "set")
 
 
 class _Node(NamedTuple):
@@ -76,12 +76,12 @@ class Ros2Parameters:
 
     def __init__(
         self,
-        share: Share,
+        share: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
         clock: Clock,
-        gathered: Gathered,
-        latest: dict[str, Reading],
+        gathered: SampleBuffer,
+        latest: dict[str, ChannelReading],
         complain: Callable[[str, str], None],
     ) -> None:
         """Make a client for each node that has any."""
@@ -92,7 +92,7 @@ class Ros2Parameters:
         self.plans: list[TopicPlan] = []
         self.redescribe(share)
 
-    def redescribe(self, share: Share) -> None:
+    def redescribe(self, share: ConnectionScope) -> None:
         """Ask for the parameters of this share; nodes that are asked already stay so."""
         before = {plan.channel: plan for plan in self.plans}
         self.plans = parameter_plans_of(share, self._latest, self._complain)

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces.srv import GetParameters
 
-from talaia.gateway.adapters.presence import Offer, Presence
+from talaia.gateway.adapters.presence import DeviceEndpoints, DevicePresence
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.clock import Clock
-    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros2.services import Ros2Commands
     from talaia.gateway.adapters.ros2.waitset import WaitThread
 
@@ -37,14 +37,14 @@ class Ros2Presence:
 
     def __init__(
         self,
-        share: Share,
+        share: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
         clock: Clock,
         commands: Ros2Commands,
         tell: Callable[[str, str, bool], None],
     ) -> None:
-        """Take who is asked; ``tell`` as in `Presence`."""
+        """Take who is asked; ``tell`` as in `DevicePresence`."""
         self._node, self._thread, self._clock, self._commands = node, thread, clock, commands
         self.heard_ns: dict[str, int] = {}
         self._topics = {
@@ -52,9 +52,9 @@ class Ros2Presence:
             for name, device in share.devices.items()
         }
         self._clients: dict[str, Any] = {}
-        self._offers: dict[str, Offer] = {}
+        self._offers: dict[str, DeviceEndpoints] = {}
         self._tell = tell
-        self._presence = Presence(share.devices, self._told)
+        self._presence = DevicePresence(share.devices, self._told)
         self._turn = 0
 
     def look(self) -> None:
@@ -69,22 +69,24 @@ class Ros2Presence:
         for name in self._presence.look(self._clock.monotonic_ns(), self._offers, heard):
             self._clients[name].handle.send_request(GetParameters.Request(names=[]))
 
-    def _told(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001 - as `Presence`
+    def _told(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001 - as `DevicePresence`
         # A node that does not answer may be busy with just that call; one that has left is not.
         if why and sure:
             self._commands.cut(device)
         self._tell(device, why, sure)
 
-    def _offer(self, device: str) -> Offer:
+    def _offer(self, device: str) -> DeviceEndpoints:
         topics = self._topics[device]
         if not topics:
-            return Offer(self._commands.offered(device))
+            return DeviceEndpoints(self._commands.offered(device))
         nodes = frozenset(
             f"{info.node_namespace.rstrip('/')}/{info.node_name}"
             for topic in topics
             for info in self._node.get_publishers_info_by_topic(topic)
         )
-        return Offer(bool(nodes), nodes, frozenset(each for each in nodes if self._askable(each)))
+        return DeviceEndpoints(
+            bool(nodes), nodes, frozenset(each for each in nodes if self._askable(each))
+        )
 
     def _askable(self, node: str) -> bool:
         if node.endswith(_UNKNOWN):

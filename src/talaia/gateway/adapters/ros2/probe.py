@@ -22,10 +22,10 @@ from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from talaia.gateway.adapters.cloudconnect import parse_metric
-from talaia.gateway.adapters.message_fields import Shape, shape_of
+from talaia.gateway.adapters.message_fields import ReadableFields, shape_of
 from talaia.gateway.adapters.ros2.definitions import comment_of
 from talaia.gateway.adapters.ros2.message_types import kind_named, kind_of
-from talaia.gateway.adapters.ros2.qos import Quality, quality_for
+from talaia.gateway.adapters.ros2.qos import QosProfile, quality_for
 from talaia.gateway.adapters.ros2.requests import class_of
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
 from talaia.model.found import FORMAT, ActionFound, Found, ServiceFound, TopicFound
@@ -172,7 +172,7 @@ class _Look:
             subscribers = len(self._node.get_subscriptions_info_by_topic(topic)) - own
             if not publishers and not subscribers:
                 continue
-            shape, problem = Shape((), ()), self._problems.get(topic, "")
+            shape, problem = ReadableFields((), ()), self._problems.get(topic, "")
             if heard is not None:
                 shape, problem = _read(heard)
             yield TopicFound(
@@ -207,7 +207,7 @@ def _is_plumbing(topic: str, types: list[str]) -> bool:
 def _profile(publishers: Iterable[Any]) -> QoSProfile:
     quality = quality_for(
         [
-            Quality(
+            QosProfile(
                 info.qos_profile.reliability != ReliabilityPolicy.BEST_EFFORT,
                 info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,
             )
@@ -226,7 +226,7 @@ def _profile(publishers: Iterable[Any]) -> QoSProfile:
     )
 
 
-def _read(heard: _Heard) -> tuple[Shape, str]:
+def _read(heard: _Heard) -> tuple[ReadableFields, str]:
     message, problem = None, ""
     if heard.raw:
         try:
@@ -239,14 +239,14 @@ def _read(heard: _Heard) -> tuple[Shape, str]:
     ), problem
 
 
-def _asked(type_name: str, used_by: str, part: str, kind: str) -> tuple[Shape, str]:
+def _asked(type_name: str, used_by: str, part: str, kind: str) -> tuple[ReadableFields, str]:
     """Read what a request or a goal holds; lists in it cannot be filled from a form."""
     try:
         asked = getattr(class_of(type_name, used_by), part)
     except TypeMissing as error:
-        return Shape((), ()), str(error)
+        return ReadableFields((), ()), str(error)
     shape = shape_of(kind_of(asked), f"{type_name}{kind}", kind_named, asked(), comment_of)
     lists = [each.split(":", 1)[0] for each in shape.left_out]
     fields = tuple(each for each in shape.fields if "[" not in each.path)
     problem = f"its request holds lists ({', '.join(lists)})" if lists else ""
-    return Shape(fields, shape.left_out), problem
+    return ReadableFields(fields, shape.left_out), problem

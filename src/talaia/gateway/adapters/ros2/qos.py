@@ -7,25 +7,25 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-__all__ = ["Quality", "fits", "quality_for"]
+__all__ = ["QosProfile", "fits", "quality_for"]
 
 
-class Quality(NamedTuple):
+class QosProfile(NamedTuple):
     """Of a publisher: what it offers. Of a subscription: what it asks for."""
 
     reliable: bool
     latched: bool
 
 
-def quality_for(offered: Collection[Quality]) -> Quality:
+def quality_for(offered: Collection[QosProfile]) -> QosProfile:
     """Ask for the most that every publisher offers; a subscription that asks more hears nothing."""
-    return Quality(
+    return QosProfile(
         reliable=all(each.reliable for each in offered),
         latched=all(each.latched for each in offered),
     )
 
 
-def fits(asked: Quality, offered: Collection[Quality]) -> bool:
+def fits(asked: QosProfile, offered: Collection[QosProfile]) -> bool:
     """Tell whether a subscription hears all publishers.
 
     One that asks for less than it could is left alone: changing it would lose messages.

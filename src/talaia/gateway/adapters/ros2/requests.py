@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from talaia.gateway.errors import FieldError, TypeMissing
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.samples.field_paths import parse_path
 from talaia.model.site import Drive, DriveMessage
 from talaia.wire.frames import CommandPhase, Scalar
@@ -88,7 +88,7 @@ def _as(now: object, value: Scalar, path: str) -> Scalar:
     return float(value)
 
 
-def outcome_of(response: object) -> Outcome:
+def outcome_of(response: object) -> CommandOutcome:
     """Read a service's answer: ``success`` and ``message`` where it has them.
 
     Setting parameters answers with a ``result`` (or with one for each) of ``successful`` and
@@ -104,8 +104,8 @@ def outcome_of(response: object) -> Outcome:
             message = message or reason
             good = good and getattr(result, "successful", True) is not False
     if not good:
-        return Outcome(CommandPhase.FAILED, message or "the robot says it did not succeed")
-    return Outcome(CommandPhase.SUCCEEDED, message)
+        return CommandOutcome(CommandPhase.FAILED, message or "the robot says it did not succeed")
+    return CommandOutcome(CommandPhase.SUCCEEDED, message)
 
 
 def velocity_message(

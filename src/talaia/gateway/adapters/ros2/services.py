@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from talaia.gateway.adapters.ros2.actions import Goal, Ros2Action
+from talaia.gateway.adapters.ros2.actions import ActionGoal, Ros2Action
 from talaia.gateway.adapters.ros2.parameters import as_set, parameters_of
 from talaia.gateway.adapters.ros2.requests import class_of, fill, outcome_of
 from talaia.gateway.errors import FieldError, TypeMissing
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.model.site import CommandKind
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.gateway.adapters.connection_scope import Share
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros2.waitset import WaitThread
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
@@ -34,7 +34,7 @@ class _Client(NamedTuple):
 
     entity: Any
     kind: Any
-    pending: dict[int, Callable[[Outcome], None]]
+    pending: dict[int, Callable[[CommandOutcome], None]]
 
 
 class Ros2Commands:
@@ -42,7 +42,7 @@ class Ros2Commands:
 
     def __init__(
         self,
-        share: Share,
+        share: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
         missing: Callable[[TypeMissing], None],
@@ -86,7 +86,7 @@ class Ros2Commands:
             self._close(address)
             self._make(address, command)
 
-    def redescribe(self, share: Share) -> None:
+    def redescribe(self, share: ConnectionScope) -> None:
         """Make what is new or other than it was; the rest stays, with its calls under way."""
         self._share = share
         wanted = {
@@ -109,25 +109,25 @@ class Ros2Commands:
             self._node.destroy_publisher(publisher)
         action = self._actions.pop(address, None)
         if action is not None:
-            action.close(Outcome(CommandPhase.UNKNOWN, _CUT))
+            action.close(CommandOutcome(CommandPhase.UNKNOWN, _CUT))
         client = self._clients.pop(address, None)
         if client is not None:
             self._thread.remove_client(client.entity.handle)
             self._node.destroy_client(client.entity)
             for done in client.pending.values():
-                done(Outcome(CommandPhase.UNKNOWN, _CUT))
+                done(CommandOutcome(CommandPhase.UNKNOWN, _CUT))
 
     def cut(self, device: str) -> None:
         """End a device's calls that are under way as *unknown*: nobody will answer them."""
         for command_id in self._share.devices[device].commands:
             address = f"{device}/{command_id}"
             if (action := self._actions.get(address)) is not None:
-                action.cut(Outcome(CommandPhase.UNKNOWN, _GONE))
+                action.cut(CommandOutcome(CommandPhase.UNKNOWN, _GONE))
             if (client := self._clients.get(address)) is not None:
                 waiting = list(client.pending.values())
                 client.pending.clear()
                 for done in waiting:
-                    done(Outcome(CommandPhase.UNKNOWN, _GONE))
+                    done(CommandOutcome(CommandPhase.UNKNOWN, _GONE))
 
     def offered(self, device: str) -> bool:
         """Tell whether anybody offers one of a device's services or actions now."""
@@ -153,20 +153,20 @@ class Ros2Commands:
         return absent
 
     @staticmethod
-    def away() -> Outcome:
+    def away() -> CommandOutcome:
         """Say that there is nobody to ask."""
-        return Outcome(CommandPhase.REFUSED, "the robot is not connected")
+        return CommandOutcome(CommandPhase.REFUSED, "the robot is not connected")
 
     def begin(
         self,
         address: str,
         fields: dict[str, Scalar],
-        done: Callable[[Outcome], None],
+        done: Callable[[CommandOutcome], None],
         on_thread: Callable[[Callable[[], None]], None],
     ) -> Callable[[], None] | None:
         """Begin from any thread; see `CommandTarget.act`. Jobs go to ``on_thread``."""
         action = self._actions.get(address)
-        goal = None if action is None else Goal(done)
+        goal = None if action is None else ActionGoal(done)
         on_thread(lambda: self._act(address, fields, done, goal))
         if action is None or goal is None:
             return None
@@ -176,14 +176,14 @@ class Ros2Commands:
         self,
         address: str,
         fields: dict[str, Scalar],
-        done: Callable[[Outcome], None],
-        goal: Goal | None,
+        done: Callable[[CommandOutcome], None],
+        goal: ActionGoal | None,
     ) -> None:
         problem = self._problems.get(address)
         if address not in self._commands:
             problem = "the command is not described any more"
         if problem is not None:
-            done(Outcome(CommandPhase.REFUSED, problem))
+            done(CommandOutcome(CommandPhase.REFUSED, problem))
             return
         try:
             if address in self._publishers:
@@ -193,20 +193,20 @@ class Ros2Commands:
             else:
                 self._call(address, fields, done)
         except FieldError as error:
-            done(Outcome(CommandPhase.REFUSED, str(error)))
+            done(CommandOutcome(CommandPhase.REFUSED, str(error)))
 
-    def _publish(self, address: str, fields: dict[str, Scalar]) -> Outcome:
+    def _publish(self, address: str, fields: dict[str, Scalar]) -> CommandOutcome:
         publisher, kind = self._publishers[address]
         message = kind()
         fill(message, fields)
         if publisher.get_subscription_count() == 0:
             target = self._commands[address].target
-            return Outcome(CommandPhase.REFUSED, f"nobody on the robot listens to {target}")
+            return CommandOutcome(CommandPhase.REFUSED, f"nobody on the robot listens to {target}")
         publisher.publish(message)
-        return Outcome(CommandPhase.SUCCEEDED, "published")
+        return CommandOutcome(CommandPhase.SUCCEEDED, "published")
 
     def _call(
-        self, address: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+        self, address: str, fields: dict[str, Scalar], done: Callable[[CommandOutcome], None]
     ) -> None:
         client = self._clients[address]
         request = client.kind.Request()
@@ -216,14 +216,14 @@ class Ros2Commands:
             fill(request, fields)
         if not client.entity.service_is_ready():
             target = self._commands[address].target
-            done(Outcome(CommandPhase.REFUSED, f"the robot does not offer {target} now"))
+            done(CommandOutcome(CommandPhase.REFUSED, f"the robot does not offer {target} now"))
             return
         if len(client.pending) >= MAX_PENDING:
             client.pending.pop(next(iter(client.pending)))
         client.pending[client.entity.handle.send_request(request)] = done
 
 
-def _taker(client: _Client, read: Callable[[Any], Outcome]) -> Callable[[int, Any], None]:
+def _taker(client: _Client, read: Callable[[Any], CommandOutcome]) -> Callable[[int, Any], None]:
     def take(number: int, response: object) -> None:
         done = client.pending.pop(number, None)
         if done is not None:

@@ -28,10 +28,10 @@ from talaia.gateway.adapters.rosbridge.protocol import (
     read,
     type_for,
 )
-from talaia.gateway.adapters.topic_readers import Gathered, plans_of
+from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import AdapterLost, FieldError, SettingsError
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.worker import PictureWorker
 from talaia.model.connection import RosbridgeConnection
@@ -42,13 +42,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
     from pathlib import Path
 
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.adapters.rosbridge.protocol import Said
-    from talaia.gateway.ports import Outlets, Reading, Status
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.adapters.rosbridge.protocol import ServerMessage
+    from talaia.gateway.ports import AdapterContext, AdapterStatus, ChannelReading
     from talaia.model.site import Command, Stream
     from talaia.wire.frames import Scalar
 
-__all__ = ["Rosbridge"]
+__all__ = ["RosbridgeAdapter"]
 
 log = logging.getLogger(__name__)
 BOOL = "std_msgs/msg/Bool"
@@ -66,15 +66,17 @@ _CUT = "the connection was lost; look at the device to see what it did"
 class _Call:
     """A command that waits for its end."""
 
-    def __init__(self, command: Command, done: Callable[[Outcome], None]) -> None:
+    def __init__(self, command: Command, done: Callable[[CommandOutcome], None]) -> None:
         self.command = command
         self.done = done
 
 
-class Rosbridge:
+class RosbridgeAdapter:
     """An `Adapter` for ROS behind a rosbridge server; see `talaia.gateway.ports`."""
 
-    def __init__(self, share: Share, outlets: Outlets, status: Status) -> None:
+    def __init__(
+        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+    ) -> None:
         """Take what is to be served and where things go; `run` connects.
 
         Raises:
@@ -89,8 +91,8 @@ class Rosbridge:
         self._samples, self._events = outlets.samples, outlets.events
         self._pictures = outlets.pictures
         self._headers, self._tls = _trust(settings, outlets.folder)
-        self._latest: dict[str, Reading] = {}
-        self._gathered = Gathered()
+        self._latest: dict[str, ChannelReading] = {}
+        self._gathered = SampleBuffer()
         self._plans = {
             (plan.topic, plan.type_name): plan
             for plan in plans_of(share, self._latest, self._complain)
@@ -230,8 +232,8 @@ class Rosbridge:
             else:
                 self._end_stream(address)
 
-    def latest(self, address: str) -> Reading | None:
-        """See `Readings.latest`."""
+    def latest(self, address: str) -> ChannelReading | None:
+        """See `ReadingSource.latest`."""
         return self._latest.get(address)
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
@@ -259,25 +261,29 @@ class Rosbridge:
                 self._wake.set()
 
     def act(
-        self, device: str, command: str, fields: dict[str, Scalar], done: Callable[[Outcome], None]
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Scalar],
+        done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
         if not self._connected:
-            done(Outcome(CommandPhase.REFUSED, "the robot is not connected"))
+            done(CommandOutcome(CommandPhase.REFUSED, "the robot is not connected"))
             return None
         described = self._share.devices[device].commands[command]
         try:
             body = nested(fields)
         except FieldError as error:
-            done(Outcome(CommandPhase.REFUSED, str(error)))
+            done(CommandOutcome(CommandPhase.REFUSED, str(error)))
             return None
         call, target = f"call {next(self._calls)}", described.target
         if described.kind is CommandKind.TOPIC:
             self._say("publish", topic=target, msg=body)
-            done(Outcome(CommandPhase.SUCCEEDED, "published"))
+            done(CommandOutcome(CommandPhase.SUCCEEDED, "published"))
             return None
         if described.kind is CommandKind.PARAMETER:
-            done(Outcome(CommandPhase.REFUSED, "a rosbridge sets no parameters"))
+            done(CommandOutcome(CommandPhase.REFUSED, "a rosbridge sets no parameters"))
             return None
         if len(self._pending) >= MAX_PENDING:
             self._pending.pop(next(iter(self._pending)))
@@ -291,11 +297,11 @@ class Rosbridge:
         )
         return lambda: self._say("cancel_action_goal", id=call, action=target)
 
-    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`. A server does not say who publishes, so nothing is absent."""
         described = self._share.devices.get(device)
         if not self._connected or described is None:
-            done(Outcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
+            done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
             return
         topics = {each.source.topic for each in described.signals.values()}
         for plan in self._plans.values():
@@ -371,7 +377,7 @@ class Rosbridge:
 
     # ── from the server ──
 
-    def _hear(self, said: Said) -> None:
+    def _hear(self, said: ServerMessage) -> None:
         match said.op:
             case "publish":
                 self._take(said)
@@ -388,7 +394,7 @@ class Rosbridge:
             case _:
                 log.debug("the server said %s", said.op)
 
-    def _take(self, said: Said) -> None:
+    def _take(self, said: ServerMessage) -> None:
         plan = self._by_topic.get(said.topic)
         if plan is not None:
             self._heard.add(said.topic)
@@ -404,11 +410,11 @@ class Rosbridge:
         if columns is not None:
             self._samples.put(columns)
 
-    def _on_status(self, said: Said) -> None:
+    def _on_status(self, said: ServerMessage) -> None:
         words = said.body if isinstance(said.body, str) else ""
         call = self._pending.pop(said.id, None) if said.level == "error" else None
         if call is not None:
-            call.done(Outcome(CommandPhase.FAILED, words[:2000]))
+            call.done(CommandOutcome(CommandPhase.FAILED, words[:2000]))
         elif said.level in {"error", "warning"}:
             self._complain_once(said.id or "rosbridge", words[:500])
 
@@ -425,7 +431,7 @@ class Rosbridge:
     def _fail_pending(self) -> None:
         pending, self._pending = self._pending, {}
         for call in pending.values():
-            call.done(Outcome(CommandPhase.UNKNOWN, _CUT))
+            call.done(CommandOutcome(CommandPhase.UNKNOWN, _CUT))
 
 
 def _trust(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.adapters.rosbridge.cbor import read_cbor
 from talaia.gateway.errors import FieldError
-from talaia.gateway.ports import Outcome
+from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.samples.field_paths import getter, number_of, parse_path
 from talaia.wire.frames import CommandPhase
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from talaia.wire.frames import Scalar
 
 __all__ = [
-    "Message",
-    "Said",
+    "MessageAttributes",
+    "ServerMessage",
     "bytes_of",
     "ended",
     "frame",
@@ -43,7 +43,7 @@ _GOALS = {
 }
 
 
-class Message:
+class MessageAttributes:
     """A map with its keys as attributes, so that a path is followed as in any message."""
 
     def __init__(self, fields: Mapping[str, object]) -> None:
@@ -54,7 +54,7 @@ class Message:
         return f"Message({self.__dict__})"
 
 
-class Said(NamedTuple):
+class ServerMessage(NamedTuple):
     """What a server said.
 
     Attributes:
@@ -119,7 +119,7 @@ def _below(at: object, step: str | int, fresh: object, path: str) -> object:
     raise FieldError(path, "goes through a value that is already set")
 
 
-def read(data: str | bytes) -> Said:
+def read(data: str | bytes) -> ServerMessage:
     """Read a frame of the server.
 
     Raises:
@@ -127,19 +127,19 @@ def read(data: str | bytes) -> Said:
 
     """
     if isinstance(data, bytes):
-        found = read_cbor(data, Message)
+        found = read_cbor(data, MessageAttributes)
     else:
         try:
             found = json.loads(data, object_hook=_made)
         except (ValueError, RecursionError) as error:
             raise FieldError("", f"the server sent no JSON: {error}") from error
-    said = getattr(found, "__dict__", {}) if isinstance(found, Message) else {}
+    said = getattr(found, "__dict__", {}) if isinstance(found, MessageAttributes) else {}
     op = said.get("op")
     if not isinstance(op, str):
         raise FieldError("", "the server sent a frame without op")
     body = said.get("msg", said.get("values"))
     status, result = said.get("status"), said.get("result")
-    return Said(
+    return ServerMessage(
         op,
         str(said.get("id") or ""),
         str(said.get("topic") or ""),
@@ -150,9 +150,11 @@ def read(data: str | bytes) -> Said:
     )
 
 
-def _made(fields: dict[str, object]) -> Message:
+def _made(fields: dict[str, object]) -> MessageAttributes:
     # JSON has no NaN, so the server writes null.
-    return Message({key: math.nan if value is None else value for key, value in fields.items()})
+    return MessageAttributes(
+        {key: math.nan if value is None else value for key, value in fields.items()}
+    )
 
 
 def bytes_of(message: object) -> object:
@@ -163,9 +165,9 @@ def bytes_of(message: object) -> object:
 
     """
     data = getattr(message, "data", None)
-    if isinstance(data, str) and isinstance(message, Message):
+    if isinstance(data, str) and isinstance(message, MessageAttributes):
         try:
-            return Message({**message.__dict__, "data": b64decode(data, validate=True)})
+            return MessageAttributes({**message.__dict__, "data": b64decode(data, validate=True)})
         except ValueError as error:
             raise FieldError("data", "is not base64") from error
     if data is None:
@@ -173,24 +175,24 @@ def bytes_of(message: object) -> object:
     return message
 
 
-def ended(said: Said) -> Outcome:
+def ended(said: ServerMessage) -> CommandOutcome:
     """Read the answer to a call or the result of an action."""
     body = said.body
     words = body if isinstance(body, str) else getattr(body, "message", "")
     message = words[:2000] if isinstance(words, str) else ""
     if said.op == "action_result" and said.result:
         phase = _GOALS.get(said.status, CommandPhase.UNKNOWN)
-        return Outcome(phase, message)
+        return CommandOutcome(phase, message)
     if not said.result:
         refused = "does not exist" in message or "unavailable" in message
         phase = CommandPhase.REFUSED if refused else CommandPhase.FAILED
-        return Outcome(phase, message or "the robot says it did not succeed")
+        return CommandOutcome(phase, message or "the robot says it did not succeed")
     if getattr(body, "success", True) is False:
-        return Outcome(CommandPhase.FAILED, message or "the robot says it did not succeed")
-    return Outcome(CommandPhase.SUCCEEDED, message)
+        return CommandOutcome(CommandPhase.FAILED, message or "the robot says it did not succeed")
+    return CommandOutcome(CommandPhase.SUCCEEDED, message)
 
 
-def progress_of(said: Said, command: Command) -> Outcome:
+def progress_of(said: ServerMessage, command: Command) -> CommandOutcome:
     """Read the feedback of an action."""
     progress = 0.0
     if command.progress:
@@ -199,4 +201,4 @@ def progress_of(said: Said, command: Command) -> Outcome:
             progress = value / command.progress_end
         except FieldError:
             progress = 0.0
-    return Outcome(CommandPhase.RUNNING, "", min(1.0, max(0.0, progress)))
+    return CommandOutcome(CommandPhase.RUNNING, "", min(1.0, max(0.0, progress)))

@@ -16,9 +16,9 @@ from urllib.parse import quote, urlsplit, urlunsplit
 import av
 import numpy as np
 
-from talaia.gateway.adapters.video.relay import CameraRefused, Relay
+from talaia.gateway.adapters.video.relay import CameraRefused, CameraRelay
 from talaia.gateway.errors import FieldError
-from talaia.gateway.ports import Outcome, Reading
+from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.pixels import Pixels
 from talaia.gateway.video.worker import PictureWorker
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 
     from av.container import InputContainer
 
-    from talaia.gateway.adapters.connection_scope import Share
-    from talaia.gateway.ports import Field, Outlets, Status
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.ports import AdapterContext, AdapterStatus, Field
     from talaia.model.site import Stream
 
-__all__ = ["Video", "address_of", "pixels_in"]
+__all__ = ["VideoAdapter", "address_of", "pixels_in"]
 
 log = logging.getLogger(__name__)
 # Opening may take so long, and so may a picture after the other (s).
@@ -45,10 +45,12 @@ AGAIN_S = 2.0
 _PROTOCOLS, _LOSSY_PROTOCOLS = "rtsp,tcp", "rtsp,tcp,rtp,udp"
 
 
-class Video:
+class VideoAdapter:
     """An `Adapter` for cameras only."""
 
-    def __init__(self, share: Share, outlets: Outlets, status: Status) -> None:
+    def __init__(
+        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+    ) -> None:
         """Take what is to be served and where pictures go."""
         assert isinstance(share.connection, VideoConnection)  # noqa: S101 - the catalog has seen to it
         self._settings = share.connection
@@ -93,7 +95,7 @@ class Video:
                     address, stream, self._settings, self._outlets, self._worker
                 )
 
-    def latest(self, address: str) -> Reading | None:
+    def latest(self, address: str) -> ChannelReading | None:
         """Have no signals."""
         return None
 
@@ -104,18 +106,22 @@ class Video:
         """Tell nobody."""
 
     def act(
-        self, device: str, command: str, fields: dict[str, Field], done: Callable[[Outcome], None]
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Field],
+        done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """Refuse: a camera has no commands."""
-        done(Outcome(CommandPhase.REFUSED, "a camera has no commands"))
+        done(CommandOutcome(CommandPhase.REFUSED, "a camera has no commands"))
         return None
 
-    def reconnect(self, device: str, done: Callable[[Outcome], None]) -> None:
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Open the device's cameras anew."""
         for address in [each for each in self._cameras if each.split("/", 1)[0] == device]:
             self._cameras.pop(address).end()
         self._look()
-        done(Outcome(CommandPhase.SUCCEEDED))
+        done(CommandOutcome(CommandPhase.SUCCEEDED))
 
 
 class _Camera:
@@ -126,7 +132,7 @@ class _Camera:
         address: str,
         stream: Stream,
         settings: VideoConnection,
-        outlets: Outlets,
+        outlets: AdapterContext,
         worker: PictureWorker,
     ) -> None:
         self._address = address
@@ -175,7 +181,7 @@ class _Camera:
             "analyzeduration": "500000",
             "protocol_whitelist": _LOSSY_PROTOCOLS if self._settings.udp else _PROTOCOLS,
         }
-        with Relay(source.url, here=self._settings.here, timeout=OPEN_S) as relay:
+        with CameraRelay(source.url, here=self._settings.here, timeout=OPEN_S) as relay:
             url = address_of(relay.url, self._settings, self._outlets.folder)
             try:
                 with av.open(url, format="rtsp", options=options, timeout=timeout) as container:

@@ -25,7 +25,7 @@ from talaia.model.camera_places import remedy_for, why_no_camera
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["Answers", "CameraRefused", "Relay", "addresses_of"]
+__all__ = ["CameraRefused", "CameraRelay", "CameraResponseFilter", "addresses_of"]
 
 _PORTS = {"rtsp": 554, "rtsps": 322}
 _PIECE = 65_536
@@ -57,7 +57,7 @@ def addresses_of(host: str, port: int, *, here: bool) -> list[str]:
     return addresses
 
 
-class Answers:
+class CameraResponseFilter:
     """What a camera's server answers before the film plays, let through one by one. Pure.
 
     Lines end here as they do for the client behind, and are written anew, so that both read the
@@ -123,7 +123,7 @@ class Answers:
         return f"{_SOURCE.sub('', line)};source={self._address}"
 
 
-class Relay:
+class CameraRelay:
     """A connection to one camera, and a port of this computer that leads to it, for one client.
 
     A context manager, and a thread while it lasts.
@@ -144,7 +144,7 @@ class Relay:
             if parts.scheme == "rtsps":
                 self._far = _encrypted(self._far, host)
             address, *_ = self._far.getpeername()
-            self._answers = Answers(address)
+            self._answers = CameraResponseFilter(address)
             v6 = self._far.family == socket.AF_INET6
             near = "::1" if v6 else "127.0.0.1"
             self._door = socket.create_server((near, 0), family=self._far.family, backlog=1)
