@@ -38,7 +38,7 @@ from talaia.hub.anomaly.kinds import KINDS
 from talaia.hub.live.fanout import Fanout
 from talaia.hub.live.sites import Sites
 from talaia.hub.live.watching import Watching
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:

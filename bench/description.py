@@ -6,8 +6,8 @@ import json
 import sys
 import time
 
-from talaia.model.check import check
-from talaia.model.load import load_site
+from talaia.model.checks.site_checks import check
+from talaia.model.yaml_text.load import load_site
 
 A_DEVICE = 50
 

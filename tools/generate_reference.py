@@ -23,9 +23,9 @@ from talaia.clock import SystemClock
 from talaia.hub.api.openapi import describe_api, needs_in_words
 from talaia.hub.app import build
 from talaia.hub.settings import Settings
-from talaia.model import connection, services, site
+from talaia.model import ai_services, connection, site
 from talaia.model.schema import site_schema
-from talaia.model.unit import UNITS
+from talaia.model.units.unit import UNITS
 from talaia.wire import browser, frames
 
 CODECS = {
@@ -81,7 +81,7 @@ def site_page() -> str:
     shapes = [
         site.Site, site.Ros2Settings, *get_args(connection.Connection),
         site.Device, site.Signal, site.Source, site.Stream, site.Command,
-        site.Argument, site.Drive, site.Stop, services.AiServices,
+        site.Argument, site.Drive, site.Stop, ai_services.AiServices,
     ]  # fmt: skip
     parts = [
         NOTE + "# Site description\n",

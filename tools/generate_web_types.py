@@ -33,7 +33,7 @@ from talaia.hub.api import (
 )
 from talaia.hub.auth.permissions import Right
 from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
-from talaia.model.unit import UNITS
+from talaia.model.units.unit import UNITS
 from talaia.wire import browser, shape
 
 if TYPE_CHECKING:
@@ -293,7 +293,7 @@ def units_text() -> str:
         *rows,
         "};",
     ]
-    return FIRST_LINE.format(source="model.unit") + "\n" + "\n".join(lines) + "\n"
+    return FIRST_LINE.format(source="model.units.unit") + "\n" + "\n".join(lines) + "\n"
 
 
 def main() -> int:

@@ -4,7 +4,7 @@ TalaiaError
 ├── DescriptionError      model.errors      the site description is wrong
 │   ├── UnknownWord       model.errors      a word that is not in a closed list
 │   └── NotReadable       model.errors      the file is missing or is not YAML
-├── NotAProbe             model.found       what was read is not what a probe writes
+├── NotAProbe             model.discovery   what was read is not what a probe writes
 ├── PeerError             wire.errors       the other side broke the protocol
 ├── GatewayError          gateway.errors    a robot, a device or the spool failed
 ├── HubError              hub.errors        the hub cannot start or go on

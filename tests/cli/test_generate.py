@@ -19,7 +19,7 @@ from talaia.cli.main import main
 from talaia.deploy.containers import DatabaseKind
 from talaia.deploy.project import Choice, File, project
 from talaia.deploy.systemd import argument, gateway_unit
-from talaia.model.load import load_site, read_site
+from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
 HOSTILE = [

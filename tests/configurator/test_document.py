@@ -12,7 +12,7 @@ from talaia.configurator.document import MAX_STEPS, Document
 from talaia.configurator.edits import new_site
 from talaia.configurator.errors import NoSuchPlace
 from talaia.configurator.places import at, put, spot_of, take_out
-from talaia.model.load import load_site, read_site
+from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
 AGV = next(each for each in EXAMPLES if each.parent.name == "agv").read_text()

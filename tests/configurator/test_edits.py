@@ -10,11 +10,11 @@ from hypothesis import given, strategies as st
 from talaia.configurator import edits
 from talaia.configurator.errors import ConfiguratorError, WordTaken
 from talaia.configurator.presets import OTHERS, SENSORS
-from talaia.model.check import check
-from talaia.model.load import load_site, read_site
-from talaia.model.services import AiServices
+from talaia.model.ai_services import AiServices
+from talaia.model.checks.site_checks import check
 from talaia.model.site import DriveMessage, Site
-from talaia.model.write import written
+from talaia.model.yaml_text.load import load_site, read_site
+from talaia.model.yaml_text.write import written
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 EMPTY = edits.new_site("robot", "Robot", "UTC")

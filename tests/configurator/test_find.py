@@ -12,8 +12,8 @@ import msgspec
 import pytest
 
 from talaia.configurator.looking import LookPhase
-from talaia.model.check import check
-from talaia.model.found import FieldFound, Found, TopicFound
+from talaia.model.checks.site_checks import check
+from talaia.model.discovery.probe_report import FieldFound, Found, TopicFound
 
 from .conftest import wait
 

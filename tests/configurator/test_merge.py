@@ -8,8 +8,8 @@ from talaia.configurator import edits
 from talaia.configurator.merge import merged
 from talaia.configurator.places import put
 from talaia.configurator.presets import SENSORS
-from talaia.model.check import check
-from talaia.model.found import FieldFound, Found, ServiceFound, TopicFound
+from talaia.model.checks.site_checks import check
+from talaia.model.discovery.probe_report import FieldFound, Found, ServiceFound, TopicFound
 
 DATA = (FieldFound("data", "number"),)
 FOUND = Found(

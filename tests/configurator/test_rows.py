@@ -11,8 +11,8 @@ from talaia.configurator.errors import BadValue
 from talaia.configurator.places import at, put
 from talaia.configurator.rows import Row, RowKind, kept, read, rows_at, rows_of, shown, value_of
 from talaia.model.detection import Detect
-from talaia.model.load import read_site
 from talaia.model.site import Argument, Command, Device, Drive, Signal, Site, Stream
+from talaia.model.yaml_text.load import read_site
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
 

@@ -21,7 +21,7 @@ pytest.importorskip("playwright.sync_api")
 from playwright.sync_api import expect, sync_playwright
 
 from talaia.configurator.running import RunPhase
-from talaia.model.load import read_site
+from talaia.model.yaml_text.load import read_site
 from talaia.sim import domain
 
 from .conftest import answer, type_file, wait

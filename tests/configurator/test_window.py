@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from talaia.configurator.places import at
-from talaia.model.check import check
-from talaia.model.load import load_site, read_site
-from talaia.model.services import AiServices
+from talaia.model.ai_services import AiServices
+from talaia.model.checks.site_checks import check
+from talaia.model.yaml_text.load import load_site, read_site
 
 from .conftest import answer, choose, settle, type_file
 

@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 from talaia.configurator.errors import BadHost, ImpossibleStep
 from talaia.configurator.looking import Look, LookPhase, probe_command
 from talaia.configurator.running import MAX_LINES, Run, RunPhase, deploy_command, up_command
-from talaia.model.found import Found, TopicFound
+from talaia.model.discovery.probe_report import Found, TopicFound
 
 HERE = ["python", "-m", "talaia"]
 TOPIC = TopicFound("/a", "std_msgs/msg/Float64", 1)

@@ -17,8 +17,8 @@ from talaia.gateway.app import Gateway
 from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.reload.description_file import DescriptionFile
 from talaia.gateway.settings import GatewaySettings, HubAddress
-from talaia.model.check import raise_first
-from talaia.model.load import load_site
+from talaia.model.checks.site_checks import raise_first
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import (
     CommandAsk,
     CommandPhase,

@@ -9,9 +9,9 @@ from talaia.clock import SECOND
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.safety.sensor_agreement import Sensor, closed_by
-from talaia.model.capabilities import Capabilities, capabilities_of
-from talaia.model.check import check
-from talaia.model.load import dump_site, load_site
+from talaia.model.checks.site_checks import check
+from talaia.model.interlocks.capabilities import Capabilities, capabilities_of
+from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire.frames import EnclosureState
 
 DESCRIPTION = """

@@ -14,8 +14,8 @@ from talaia.gateway.samples.channel_numbering import ChannelNumbering
 from talaia.gateway.spool.files import SegmentHead
 from talaia.gateway.spool.journal import Spool, SpoolPosition
 from talaia.gateway.uplink.catchup import as_old
-from talaia.model.change import renames
-from talaia.model.load import load_site
+from talaia.model.renames import renames
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.columns import Columns, renumbered
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, Samples

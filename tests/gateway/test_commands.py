@@ -18,10 +18,10 @@ from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.safety.enclosure_guard import Hold
 from talaia.model.arguments import fields_of
-from talaia.model.enclosure import Enclosure
-from talaia.model.interlock import Step
-from talaia.model.load import load_site
+from talaia.model.interlocks.enclosure import Enclosure
+from talaia.model.interlocks.interlock import Step
 from talaia.model.site import Argument, ArgumentType, Command
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import CommandAsk, CommandCancel, CommandPhase, CommandState
 
 if TYPE_CHECKING:

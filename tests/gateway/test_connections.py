@@ -19,8 +19,8 @@ from talaia.gateway.adapters.null_adapter import NullAdapter
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.reload.discovered_devices import joined, keep_found, with_kept
-from talaia.model.load import load_site
 from talaia.model.site import Device, Signal, Source
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, DeviceState
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from talaia.clock import MS, SECOND, HandClock
 from talaia.gateway.driving.drive_service import DriveService, TickClock
 from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
 from talaia.gateway.ports import ChannelReading
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import (
     Drive,
     DriveState,

@@ -11,9 +11,9 @@ from hypothesis import given, strategies as st
 from talaia.clock import SECOND
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.model.check import check
-from talaia.model.dew_point import dew_point
-from talaia.model.load import dump_site, load_site
+from talaia.model.checks.site_checks import check
+from talaia.model.units.dew_point import dew_point
+from talaia.model.yaml_text.load import dump_site, load_site
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -16,7 +16,7 @@ from talaia.gateway.commands.command_service import CommandService
 from talaia.gateway.commands.device_holders import DeviceHolder, DeviceHolders
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.safety.enclosure_guard import Hold
-from talaia.model.load import read_site
+from talaia.model.yaml_text.load import read_site
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState
 
 if TYPE_CHECKING:

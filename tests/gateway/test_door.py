@@ -22,7 +22,7 @@ from talaia.gateway.app import Gateway
 from talaia.gateway.command_line import parsed
 from talaia.gateway.legacy.messages import LegacyRequestError, read_message
 from talaia.gateway.settings import GatewaySettings, HubAddress, LegacySettings
-from talaia.model.classic import site_of
+from talaia.model.discovery.command_file import site_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

@@ -13,10 +13,16 @@ from hypothesis import given, settings, strategies as st
 
 from talaia.clock import SECOND
 from talaia.gateway.safety.enclosure_guard import Act, EnclosureGuard, Follower, Said, Seen, hold_of
-from talaia.model.enclosure import ClosingOrder, Enclosure, Follow, PastDeadline, Sighting
-from talaia.model.interlock import Step
-from talaia.model.load import load_site
-from talaia.model.opening import opening_of
+from talaia.model.interlocks.enclosure import (
+    ClosingOrder,
+    Enclosure,
+    Follow,
+    PastDeadline,
+    Sighting,
+)
+from talaia.model.interlocks.interlock import Step
+from talaia.model.interlocks.opening import opening_of
+from talaia.model.yaml_text.load import load_site
 
 pytestmark = pytest.mark.pure
 

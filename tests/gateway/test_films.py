@@ -28,9 +28,9 @@ from talaia.gateway.recording.film_file import recover_film
 from talaia.gateway.recording.film_recorder import FilmRecorder
 from talaia.gateway.recording.film_ring import FilmRing
 from talaia.gateway.recording.recording_store import FILM, RecordingStore
-from talaia.model.check import check
-from talaia.model.load import load_site
+from talaia.model.checks.site_checks import check
 from talaia.model.recording import Recording, Trigger
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import FileOffer, FilmOffer, Form, Picture, RecordAsk, RecordState, StopAsk
 
 from .pictures.scenes import number_in, numbered, packed, psnr, scene

@@ -21,16 +21,16 @@ from talaia.gateway.safety.interlock_state import (
     InterlockVerdict,
 )
 from talaia.gateway.safety.interlocks import Interlocks, judged, together
-from talaia.model.interlock import Condition, Interlock, Overriding
-from talaia.model.load import load_site
-from talaia.model.overriding import longest_override, never_overridden
+from talaia.model.interlocks.interlock import Condition, Interlock, Overriding
+from talaia.model.interlocks.override_rules import longest_override, never_overridden
 from talaia.model.site import Signal, SignalType, Source
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import DriveState, InterlockState, LeaseOp, OverrideAsk
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from talaia.model.interlock import Step
+    from talaia.model.interlocks.interlock import Step
 
 pytestmark = pytest.mark.pure
 

@@ -13,8 +13,8 @@ from test_interlocks import SITE, World
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.freeze_watchdog import FreezeCredit
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.model.enclosure import Enclosure, Sighting
-from talaia.model.interlock import LinkLossPolicy, Step
+from talaia.model.interlocks.enclosure import Enclosure, Sighting
+from talaia.model.interlocks.interlock import LinkLossPolicy, Step
 from talaia.model.site import Signal, SignalType, Source
 
 if TYPE_CHECKING:

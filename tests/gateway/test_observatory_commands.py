@@ -28,9 +28,9 @@ from patience import PATIENCE_S, Stopwatch
 from ports import free_port
 
 import talaia
-from talaia.model.classic import site_of
-from talaia.model.load import dump_site, read_site
+from talaia.model.discovery.command_file import site_of
 from talaia.model.site import Argument, ArgumentType, Command, CommandKind
+from talaia.model.yaml_text.load import dump_site, read_site
 from talaia.sim import domain
 from talaia.wire.frames import (
     CommandAsk,

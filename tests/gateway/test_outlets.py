@@ -14,9 +14,9 @@ from talaia.gateway.commands.command_journal import CommandJournal
 from talaia.gateway.commands.command_service import CommandService
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.model.check import check
-from talaia.model.load import dump_site, load_site, read_site
-from talaia.model.outlet import Outlet, OutletCommand
+from talaia.model.checks.site_checks import check
+from talaia.model.interlocks.outlet import Outlet, OutletCommand
+from talaia.model.yaml_text.load import dump_site, load_site, read_site
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
 from talaia.gateway.safety.pointing_limits import misdirected
-from talaia.model import sky
-from talaia.model.enclosure import Place, Pointing, PointingArguments
+from talaia.model.interlocks.enclosure import Place, Pointing, PointingArguments
+from talaia.model.units import astronomy
 
 pytestmark = pytest.mark.pure
 
@@ -25,8 +25,10 @@ def test_a_target_below_the_limit_is_refused_with_its_altitude() -> None:
 
 
 def test_the_sun_is_refused_by_day_and_where_it_was_is_free_by_night() -> None:
-    here = sky.Place(PLACE.latitude, PLACE.longitude)
-    sun = sky.altaz(*sky.sun(sky.julian_day(NOON)), here, sky.julian_day(NOON))
+    here = astronomy.Place(PLACE.latitude, PLACE.longitude)
+    sun = astronomy.altaz(
+        *astronomy.sun(astronomy.julian_day(NOON)), here, astronomy.julian_day(NOON)
+    )
     args = {"alt": sun.alt + 5, "az": sun.az}
     assert "from the Sun; the limit is 30 °" in misdirected(
         RULE, HORIZON, args, PLACE, NOON * SECOND
@@ -55,7 +57,7 @@ def test_what_is_let_through_is_above_the_limit_and_away_from_the_sun(
     now = NOON + hour * 3600
     if misdirected(RULE, SKY, {"ra": ra, "dec": dec}, PLACE, now * SECOND):
         return
-    here, jd = sky.Place(PLACE.latitude, PLACE.longitude), sky.julian_day(now)
-    at, sun = sky.altaz(ra, dec, here, jd), sky.altaz(*sky.sun(jd), here, jd)
+    here, jd = astronomy.Place(PLACE.latitude, PLACE.longitude), astronomy.julian_day(now)
+    at, sun = astronomy.altaz(ra, dec, here, jd), astronomy.altaz(*astronomy.sun(jd), here, jd)
     assert at.alt >= 15
-    assert sun.alt <= -6 or sky.separation(at, sun) >= 30
+    assert sun.alt <= -6 or astronomy.separation(at, sun) >= 30

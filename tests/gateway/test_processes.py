@@ -20,9 +20,8 @@ from hypothesis import given, strategies as st
 from patience import PATIENCE_S
 
 from talaia.gateway.adapters.process import filled, number_in, run_words
-from talaia.model.check import check
-from talaia.model.classic import site_of
-from talaia.model.load import dump_site
+from talaia.model.checks.site_checks import check
+from talaia.model.discovery.command_file import site_of
 from talaia.model.site import (
     Argument,
     ArgumentType,
@@ -32,6 +31,7 @@ from talaia.model.site import (
     SignalType,
     Source,
 )
+from talaia.model.yaml_text.load import dump_site
 from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, DeviceState
 
 if TYPE_CHECKING:

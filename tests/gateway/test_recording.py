@@ -26,9 +26,9 @@ from talaia.gateway.recording.mcap_file import recover
 from talaia.gateway.recording.message_ring import OVERHEAD, MessageRing, RawMessage
 from talaia.gateway.recording.recorder import Recorder
 from talaia.gateway.recording.recording_store import NoRoom, RecordingStore, StoredRecording
-from talaia.model.check import check
-from talaia.model.load import load_site
+from talaia.model.checks.site_checks import check
 from talaia.model.recording import Recording, Trigger
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import FileOffer, RecordAsk, RecordState, StopAsk
 
 if TYPE_CHECKING:

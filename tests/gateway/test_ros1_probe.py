@@ -19,11 +19,11 @@ from talaia.gateway.adapters.ros1.master import fields_of, header_of
 from talaia.gateway.adapters.ros1.message_types import definition_of
 from talaia.gateway.adapters.ros1.probe import look
 from talaia.gateway.errors import AdapterLost, FieldError
-from talaia.model.check import check
-from talaia.model.found import Found
-from talaia.model.load import load_site
-from talaia.model.propose import propose
-from talaia.model.write import written
+from talaia.model.checks.site_checks import check
+from talaia.model.discovery.generate_description import propose
+from talaia.model.discovery.probe_report import Found
+from talaia.model.yaml_text.load import load_site
+from talaia.model.yaml_text.write import written
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

@@ -13,7 +13,7 @@ from detector_files import red_detector, require_runtime
 from fake_hub import FakeHub, fake_hub
 from gateway_bench import Peer, addresses_of, drive, filled, running, take_lease
 
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import (
     Described,
     DriveState,

@@ -20,8 +20,8 @@ from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.samples.channel_numbering import ChannelNumbering
 from talaia.gateway.uplink.lanes import SendLanes
-from talaia.model.load import load_site
-from talaia.model.seen import with_counts
+from talaia.model.derived_signals import with_counts
+from talaia.model.yaml_text.load import load_site
 from talaia.objects.eyes import Told
 from talaia.objects.sightings import Sighting
 from talaia.wire.frames import LINK_FROM_GATEWAY, InterlockState, Seen

@@ -10,7 +10,7 @@ from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.debounced_condition import BadTimeWindow, DebouncedCondition
 from talaia.gateway.safety.interlock_state import InterlockStateMachine, InterlockVerdict
 from talaia.gateway.safety.interlocks import judged
-from talaia.model.interlock import Condition, Interlock
+from talaia.model.interlocks.interlock import Condition, Interlock
 from talaia.model.site import Signal, Source
 
 pytestmark = pytest.mark.pure

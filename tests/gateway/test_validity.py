@@ -17,9 +17,9 @@ from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.safety.value_validity import range_problem
 from talaia.gateway.samples.source_stamps import StampAge, iso_stamp_ns, stamp_ns_of
-from talaia.model.check import check
-from talaia.model.load import load_site
+from talaia.model.checks.site_checks import check
 from talaia.model.site import Signal, Source
+from talaia.model.yaml_text.load import load_site
 
 DESCRIPTION = """
 talaia: 1

@@ -20,10 +20,10 @@ from talaia.gateway.adapters.connection_scope import shares_of
 from talaia.gateway.adapters.video.adapter import VideoAdapter, address_of
 from talaia.gateway.legacy.self_signed import self_signed
 from talaia.gateway.ports import AdapterContext
-from talaia.model.check import raise_first
+from talaia.model.checks.site_checks import raise_first
 from talaia.model.connection import VideoConnection
 from talaia.model.errors import DescriptionError
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import Form
 
 from .pictures.scenes import psnr, scene

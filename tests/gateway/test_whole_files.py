@@ -17,7 +17,7 @@ from talaia.gateway.adapters.topic_readers import file_in
 from talaia.gateway.errors import FieldError
 from talaia.gateway.fits.outbox import ArchiveOutbox
 from talaia.gateway.fits.whole_files import MOST_WAITING, WholeFiles
-from talaia.model.enclosure import Place
+from talaia.model.interlocks.enclosure import Place
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -28,7 +28,7 @@ from talaia.hub.run import server_of
 from talaia.hub.settings import Settings
 from talaia.hub.store.people import People
 from talaia.hub.store.sites import SiteRegistry
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.browser import FROM_BROWSER, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
 from talaia.wire.columns import Columns, pack
 from talaia.wire.frames import (

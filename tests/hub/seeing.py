@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import msgspec
 
+from talaia.model.derived_signals import with_counts
 from talaia.model.detection import Detect
-from talaia.model.load import load_site
-from talaia.model.seen import with_counts
-from talaia.model.write import written
+from talaia.model.yaml_text.load import load_site
+from talaia.model.yaml_text.write import written
 
 from .conftest import DESCRIPTION
 

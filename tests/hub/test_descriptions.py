@@ -9,7 +9,7 @@ from itertools import count
 import numpy as np
 from patience import PATIENCE_S
 
-from talaia.model.load import dump_site, load_site
+from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire.browser import EventNews, SiteNews
 from talaia.wire.columns import Columns, pack
 from talaia.wire.frames import (

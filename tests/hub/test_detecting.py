@@ -13,9 +13,9 @@ import simplejpeg
 from msgspec import structs
 from patience import PATIENCE_S
 
+from talaia.model.derived_signals import with_counts
 from talaia.model.detection import Detect, DetectAt, ModelKind, ObjectModel
-from talaia.model.load import dump_site, load_site
-from talaia.model.seen import with_counts
+from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire import frames
 from talaia.wire.browser import BoxesAsk, EventNews, ShotBoxes, SightingNews, Subscribe, Values
 from talaia.wire.columns import unpack

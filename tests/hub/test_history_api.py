@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 from talaia.hub.history.errors import HistoryError
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import Ack
 
 from .conftest import DESCRIPTION

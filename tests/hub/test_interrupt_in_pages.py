@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 from playwright.async_api import expect
 
-from talaia.model.load import dump_site, read_site
+from talaia.model.yaml_text.load import dump_site, read_site
 from talaia.wire import frames
 from talaia.wire.frames import CommandPhase
 

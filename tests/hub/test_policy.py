@@ -18,7 +18,7 @@ from talaia.hub.policy import (
     need_of_message,
     need_of_route,
 )
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser, frames
 
 SITE = load_site(

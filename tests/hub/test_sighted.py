@@ -7,7 +7,7 @@ from msgspec import structs
 
 from talaia.hub.live.sighted import SiteSightings, merged, said_of
 from talaia.hub.store.sightings import Sighted
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 
 from .conftest import DESCRIPTION
 

@@ -18,7 +18,7 @@ from talaia.hub.errors import StoreDown
 from talaia.hub.live.sightings import KIND, OWN
 from talaia.hub.live.thumbnails import NotAPicture, bare_jpeg
 from talaia.hub.store.sightings import Sighted
-from talaia.model.load import dump_site, load_site
+from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire import browser as page_wire, frames
 from talaia.wire.browser import EventNews, SightingNews
 

@@ -3,9 +3,9 @@
 import pytest
 
 from talaia.hub.anomaly.kinds import KINDS
-from talaia.model.anomaly import DetectorKind
-from talaia.model.check import check
-from talaia.model.load import load_site
+from talaia.model.alarms.anomaly import DetectorKind
+from talaia.model.checks.site_checks import check
+from talaia.model.yaml_text.load import load_site
 
 HEAD = """
 talaia: 1

@@ -14,11 +14,11 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings, strategies as st
 from msgspec import inspect
 
-from talaia.model.check import check
-from talaia.model.load import dump_site, load_site
-from talaia.model.save import saved
+from talaia.model.checks.site_checks import check
 from talaia.model.site import Site
-from talaia.model.write import written
+from talaia.model.yaml_text.load import dump_site, load_site
+from talaia.model.yaml_text.save import saved
+from talaia.model.yaml_text.write import written
 
 from .test_detection import MODEL, TEXT as SEEING
 from .test_load import GUARDED, SEVERAL

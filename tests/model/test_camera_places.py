@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from talaia.model.camera_places import remedy_for, why_no_camera
+from talaia.model.camera_addresses import remedy_for, why_no_camera
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import msgspec
 
-from talaia.model.change import formers, renames, touched
-from talaia.model.check import check
-from talaia.model.difference import Difference, Kind, difference, unified
-from talaia.model.load import load_site
-from talaia.model.places import Places
+from talaia.model.checks.site_checks import check
+from talaia.model.renames import formers, renames, touched
 from talaia.model.schema import site_schema
+from talaia.model.yaml_text.diff import Difference, Kind, difference, unified
+from talaia.model.yaml_text.load import load_site
+from talaia.model.yaml_text.source_lines import Places
 
 TEXT = """talaia: 1
 site: agv

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.model.check import check
-from talaia.model.classic import read_classic, site_of
+from talaia.model.checks.site_checks import check
 from talaia.model.connection import ProcessConnection
+from talaia.model.discovery.command_file import read_classic, site_of
 from talaia.model.errors import DescriptionError
-from talaia.model.load import dump_site, load_site, read_site
 from talaia.model.site import DeviceKind, SignalType
+from talaia.model.yaml_text.load import dump_site, load_site, read_site
 
 RECORDED = Path(__file__).parents[1] / "wire" / "recorded" / "observatory_commands.json"
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from talaia.model.check import check
-from talaia.model.load import dump_site, load_site
-from talaia.model.save import saved
-from talaia.model.seen import counts_of, with_counts
+from talaia.model.checks.site_checks import check
+from talaia.model.derived_signals import counts_of, with_counts
 from talaia.model.site import Visibility
+from talaia.model.yaml_text.load import dump_site, load_site
+from talaia.model.yaml_text.save import saved
 
 TEXT = """\
 talaia: 1

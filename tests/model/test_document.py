@@ -6,7 +6,7 @@ import pytest
 import yaml
 from hypothesis import given, settings, strategies as st
 
-from talaia.model.document import document_of
+from talaia.model.yaml_text.document import document_of
 
 plain = (
     st.none()

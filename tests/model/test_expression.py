@@ -8,7 +8,7 @@ from contextlib import suppress
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.model.expression import MAX_LENGTH, ExpressionError, Kind, parse
+from talaia.model.alarms.expression import MAX_LENGTH, ExpressionError, Kind, parse
 
 KINDS = {"a/b": Kind.NUMBER, "a/c": Kind.NUMBER, "a/s": Kind.TEXT}
 

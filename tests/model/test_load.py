@@ -9,11 +9,11 @@ import msgspec
 import pytest
 from hypothesis import assume, given, strategies as st
 
-from talaia.model.check import check, raise_first
+from talaia.model.checks.site_checks import check, raise_first
 from talaia.model.errors import DescriptionError, NotReadable
-from talaia.model.load import dump_site, load_site, read_site
 from talaia.model.site import Device, Ros2Settings, Signal, SignalType, Site, Source
-from talaia.model.zones import known_zones
+from talaia.model.units.time_zones import known_zones
+from talaia.model.yaml_text.load import dump_site, load_site, read_site
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
 AGV = (Path(__file__).parents[2] / "examples/agv/site.yaml").read_text()

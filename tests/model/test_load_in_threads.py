@@ -11,7 +11,7 @@ SOURCE = Path(talaia.__file__).resolve().parent.parent
 READ_AT_ONCE = """
 import sys, threading
 from pathlib import Path
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 sys.setswitchinterval(1e-6)
 text = Path(sys.argv[1]).read_text()
 barrier = threading.Barrier(4)

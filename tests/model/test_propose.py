@@ -5,14 +5,20 @@ from __future__ import annotations
 import msgspec
 from hypothesis import given, settings, strategies as st
 
-from talaia.model.check import check
-from talaia.model.found import ActionFound, FieldFound, Found, ServiceFound, TopicFound
-from talaia.model.load import load_site
-from talaia.model.meaning import human, unit_in_comment, unit_in_name, word_of
-from talaia.model.propose import MAX_PRIMARY, propose
+from talaia.model.checks.site_checks import check
+from talaia.model.discovery.generate_description import MAX_PRIMARY, propose
+from talaia.model.discovery.probe_report import (
+    ActionFound,
+    FieldFound,
+    Found,
+    ServiceFound,
+    TopicFound,
+)
+from talaia.model.discovery.ros_units import human, unit_in_comment, unit_in_name, word_of
 from talaia.model.site import Signal, SignalType
-from talaia.model.unit import UNITS
-from talaia.model.write import written
+from talaia.model.units.unit import UNITS
+from talaia.model.yaml_text.load import load_site
+from talaia.model.yaml_text.write import written
 
 ODOMETRY = TopicFound(
     topic="/odom",

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from talaia.model.errors import DescriptionError
-from talaia.model.load import dump_site, load_site
-from talaia.model.save import saved
 from talaia.model.site import Device, Drive, Ros2Settings, Signal, SignalType, Site, Source
-from talaia.model.write import written
+from talaia.model.yaml_text.load import dump_site, load_site
+from talaia.model.yaml_text.save import saved
+from talaia.model.yaml_text.write import written
 
 AGV = (Path(__file__).parents[2] / "examples/agv/site.yaml").read_text()
 replace = msgspec.structs.replace

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from talaia.model.check import check
-from talaia.model.load import dump_site, load_site
+from talaia.model.checks.site_checks import check
+from talaia.model.yaml_text.load import dump_site, load_site
 
 SITE = """
 talaia: 1

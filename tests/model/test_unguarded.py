@@ -10,10 +10,10 @@ from msgspec.structs import replace
 from talaia.cli.check import main
 from talaia.cli.init import _tell as tell_made
 from talaia.cli.up import _greet as greet_up, _Up
-from talaia.model.classic import site_of
-from talaia.model.load import dump_site, read_site
-from talaia.model.propose import Proposal
-from talaia.model.unguarded import unguarded_devices, unguarded_notice
+from talaia.model.discovery.command_file import site_of
+from talaia.model.discovery.generate_description import Proposal
+from talaia.model.interlocks.unguarded import unguarded_devices, unguarded_notice
+from talaia.model.yaml_text.load import dump_site, read_site
 
 ROOT = Path(__file__).parents[2]
 CLASSIC = (ROOT / "tests" / "wire" / "recorded" / "observatory_commands.json").read_text()

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from talaia.model.errors import DescriptionError
-from talaia.model.load import load_site
 from talaia.model.site import LinkLoss
-from talaia.model.upgrade import STEPS, Step, Tree, upgraded
-from talaia.model.version import FORMAT
+from talaia.model.yaml_text.load import load_site
+from talaia.model.yaml_text.upgrade import STEPS, Step, Tree, upgraded
+from talaia.model.yaml_text.version import FORMAT
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
 OLD = """\

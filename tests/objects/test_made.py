@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from talaia.model.coco import COCO
+from talaia.model.coco_classes import COCO
 from talaia.objects.detector import NANODET, Detector
 
 ROOT = Path(__file__).parents[2]

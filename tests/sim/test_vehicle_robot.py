@@ -14,8 +14,8 @@ import pytest
 from patience import PATIENCE_S
 from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
-from talaia.model.load import read_site
-from talaia.model.seen import is_seen
+from talaia.model.derived_signals import is_seen
+from talaia.model.yaml_text.load import read_site
 from talaia.sim.domain import reserve
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from patience import PATIENCE_S
 from ports import free_port
 
 from talaia.gateway.watchdog.feeding import dismiss
-from talaia.model.load import dump_site, load_site
+from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.sim import domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
 

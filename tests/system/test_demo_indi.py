@@ -15,8 +15,8 @@ from patience import PATIENCE_S
 from websockets.asyncio.client import connect
 
 from talaia.cli.demo_indi import DRIVERS
-from talaia.model import sky
-from talaia.model.load import read_site
+from talaia.model.units import astronomy
+from talaia.model.yaml_text.load import read_site
 from talaia.wire import browser
 
 from .conftest import Demo, begin_demo, need_indi, stop_demo
@@ -76,9 +76,9 @@ async def test_the_demo_starts_turns_a_dome_and_ends_with_everything_it_started(
         # It stands where it is night, so that its roof may be opened; and its mount stands there.
         place = read_site(demo.data / "site.yaml").place
         assert place is not None
-        jd = sky.julian_day(time.time())
-        here = sky.Place(place.latitude, place.longitude, place.elevation)
-        assert sky.altaz(*sky.sun(jd), here, jd).alt < -8
+        jd = astronomy.julian_day(time.time())
+        here = astronomy.Place(place.latitude, place.longitude, place.elevation)
+        assert astronomy.altaz(*astronomy.sun(jd), here, jd).alt < -8
         longitude = simulator(demo, "Telescope Simulator.GEOGRAPHIC_COORD.LONG")
         assert longitude == pytest.approx(place.longitude % 360.0, abs=0.01)
     finally:

@@ -19,9 +19,9 @@ from ports import free_port
 
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
-from talaia.model.alarm import Alarm, AlarmKind, Escalation, Severity
-from talaia.model.enclosure import ClosingOrder
-from talaia.model.load import dump_site, load_site
+from talaia.model.alarms.alarm import Alarm, AlarmKind, Escalation, Severity
+from talaia.model.interlocks.enclosure import ClosingOrder
+from talaia.model.yaml_text.load import dump_site, load_site
 
 from .conftest import need_ros2
 from .observatory import EXAMPLE, Observatory

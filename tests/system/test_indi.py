@@ -27,8 +27,8 @@ from talaia.hub import accounts
 from talaia.hub.app import build
 from talaia.hub.run import server_of as hub_server_of
 from talaia.hub.settings import Settings
-from talaia.model.check import raise_first
-from talaia.model.load import load_site
+from talaia.model.checks.site_checks import raise_first
+from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from talaia.model.load import dump_site, load_site
+from talaia.model.yaml_text.load import dump_site, load_site
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
 from observatory_site import as_ros1

@@ -24,8 +24,8 @@ from ports import free_port
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
 from observatory_site import as_ros1
 
-from talaia.model.load import dump_site, read_site
 from talaia.model.site import Site
+from talaia.model.yaml_text.load import dump_site, read_site
 
 from .conftest import need_indi, need_ros1, need_ros2
 from .pages import picture, visit

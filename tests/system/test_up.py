@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from talaia.model.check import check
-from talaia.model.load import read_site
+from talaia.model.checks.site_checks import check
 from talaia.model.site import Source
+from talaia.model.yaml_text.load import read_site
 from talaia.sim import domain
 
 from .conftest import missing

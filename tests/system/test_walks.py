@@ -22,8 +22,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "gateway" / "indi"))
 import ros1_bench
 from indi_server import server_of
 
-from talaia.model.check import check
-from talaia.model.load import read_site
+from talaia.model.checks.site_checks import check
+from talaia.model.yaml_text.load import read_site
 from talaia.sim import domain
 
 from .conftest import missing

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import httpx
 from patience import PATIENCE_S
 
-from talaia.model.load import read_site
 from talaia.model.site import Site
+from talaia.model.yaml_text.load import read_site
 
 PASSWORD = "a long enough password 7"  # noqa: S105 - of a hub that lives for one test
 

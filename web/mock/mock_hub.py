@@ -26,7 +26,7 @@ from seen_side import router as seen_router
 from socket_side import Browser, media
 from world import World, anomalies, events, history, outliers, statistics
 
-from talaia.model.load import read_site
+from talaia.model.yaml_text.load import read_site
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable

@@ -11,10 +11,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.model.check import check
+from talaia.model.checks.site_checks import check
 from talaia.model.errors import DescriptionError
-from talaia.model.load import read_site
-from talaia.model.unguarded import unguarded_notice
+from talaia.model.interlocks.unguarded import unguarded_notice
+from talaia.model.yaml_text.load import read_site
 from talaia.objects.here import sight_here
 
 if TYPE_CHECKING:

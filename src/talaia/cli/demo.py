@@ -25,9 +25,9 @@ from talaia.cli.parts import Part, run_together, start
 from talaia.cli.places import DEFAULT_PORT, free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
-from talaia.model.load import dump_site, load_site, read_site
-from talaia.model.save import saved
-from talaia.model.seen import is_seen
+from talaia.model.derived_signals import is_seen
+from talaia.model.yaml_text.load import dump_site, load_site, read_site
+from talaia.model.yaml_text.save import saved
 from talaia.objects.here import sight_here
 from talaia.sim import domain
 from talaia.sim.observatory.night import at_night, longitude_of_night

@@ -18,7 +18,7 @@ from talaia.cli.parts import Part, run_together, start, start_program
 from talaia.cli.places import free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
-from talaia.model.load import dump_site, read_site
+from talaia.model.yaml_text.load import dump_site, read_site
 from talaia.sim.observatory.night import at_night
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from talaia import __version__
 from talaia.cli.errors import CliError
 from talaia.deploy.containers import DatabaseKind
 from talaia.deploy.project import Choice, File, project
-from talaia.model.check import raise_first
-from talaia.model.load import read_site
+from talaia.model.checks.site_checks import raise_first
+from talaia.model.yaml_text.load import read_site
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

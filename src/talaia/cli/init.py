@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING
 from talaia.cli.errors import CliError
 from talaia.cli.places import zone_here
 from talaia.cli.probe import add_options, look
-from talaia.model.check import check
-from talaia.model.found import Found, found_from
-from talaia.model.meaning import word_of
-from talaia.model.propose import propose
-from talaia.model.unguarded import unguarded_notice
-from talaia.model.write import written
+from talaia.model.checks.site_checks import check
+from talaia.model.discovery.generate_description import propose
+from talaia.model.discovery.probe_report import Found, found_from
+from talaia.model.discovery.ros_units import word_of
+from talaia.model.interlocks.unguarded import unguarded_notice
+from talaia.model.yaml_text.write import written
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.model.propose import Proposal
+    from talaia.model.discovery.generate_description import Proposal
 
 __all__ = ["main"]
 

@@ -9,7 +9,7 @@ import webbrowser
 from pathlib import Path
 
 from talaia.cli.errors import CliError
-from talaia.model.zones import known_zones
+from talaia.model.units.time_zones import known_zones
 
 __all__ = ["DEFAULT_PORT", "data_folder", "free_port", "has_screen", "open_page", "zone_here"]
 

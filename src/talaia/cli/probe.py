@@ -15,7 +15,7 @@ from talaia.cli.errors import CliError, PartMissing
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.model.found import Found, PropertyFound, TopicFound
+    from talaia.model.discovery.probe_report import Found, PropertyFound, TopicFound
 
 __all__ = ["add_options", "look", "main"]
 

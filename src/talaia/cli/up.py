@@ -17,9 +17,9 @@ from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.key_file import KeyFile
 from talaia.hub.settings import Settings, is_loopback
-from talaia.model.check import raise_first
-from talaia.model.load import read_site
-from talaia.model.unguarded import unguarded_notice
+from talaia.model.checks.site_checks import raise_first
+from talaia.model.interlocks.unguarded import unguarded_notice
+from talaia.model.yaml_text.load import read_site
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
-from talaia.model.check import check
+from talaia.model.checks.site_checks import check
 from talaia.model.errors import DescriptionError
-from talaia.model.load import load_site, text_of
-from talaia.model.upgrade import upgraded
-from talaia.model.version import FORMAT
+from talaia.model.yaml_text.load import load_site, text_of
+from talaia.model.yaml_text.upgrade import upgraded
+from talaia.model.yaml_text.version import FORMAT
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

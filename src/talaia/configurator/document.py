@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.configurator.places import Spot, spot_of
-from talaia.model.check import check
-from talaia.model.load import load_site
-from talaia.model.save import saved
-from talaia.model.write import written
+from talaia.model.checks.site_checks import check
+from talaia.model.yaml_text.load import load_site
+from talaia.model.yaml_text.save import saved
+from talaia.model.yaml_text.write import written
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -14,9 +14,9 @@ import msgspec
 
 from talaia.configurator.errors import ConfiguratorError, WordTaken
 from talaia.configurator.places import Path, at, put, take_out
+from talaia.model.ai_services import AiServices
 from talaia.model.connection import ROS_KINDS, kind_of
-from talaia.model.meaning import word_of
-from talaia.model.services import AiServices
+from talaia.model.discovery.ros_units import word_of
 from talaia.model.site import (
     Argument,
     ArgumentType,
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from talaia.configurator.presets import SensorKind
-    from talaia.model.shape import Shape
+    from talaia.model.base import Shape
 
 __all__ = [
     "Group",
@@ -77,7 +77,7 @@ FIX_AGE_S = 10.0
 class NewSensor(NamedTuple):
     """What a person chose: the kind, the number, for *Others* a name, and a unit.
 
-    ``unit`` is a symbol of `model.unit`; empty takes the kind's own.
+    ``unit`` is a symbol of `model.units.unit`; empty takes the kind's own.
     """
 
     kind: SensorKind

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from talaia.configurator.document import Document
 from talaia.configurator.errors import FileChanged, NotWritten
-from talaia.model.load import read_site
+from talaia.model.yaml_text.load import read_site
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,12 +11,12 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from talaia.configurator.errors import BadHost, ImpossibleStep
-from talaia.model.found import NotAProbe, found_from
+from talaia.model.discovery.probe_report import NotAProbe, found_from
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.model.found import Found
+    from talaia.model.discovery.probe_report import Found
 
 __all__ = ["Look", "LookPhase", "probe_command"]
 

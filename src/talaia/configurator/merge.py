@@ -12,12 +12,12 @@ import msgspec
 
 from talaia.configurator.edits import free_word
 from talaia.configurator.places import Path, at, put
-from talaia.model.check import check
+from talaia.model.checks.site_checks import check
 from talaia.model.connection import kind_of
-from talaia.model.propose import propose
+from talaia.model.discovery.generate_description import propose
 
 if TYPE_CHECKING:
-    from talaia.model.found import Found
+    from talaia.model.discovery.probe_report import Found
     from talaia.model.site import Command, Device, Site, Source
 
 __all__ = ["Merged", "merged"]

@@ -17,7 +17,7 @@ class SensorKind(NamedTuple):
     Attributes:
         word: of its address.
         name: what people call it.
-        unit: a symbol of `model.unit`.
+        unit: a symbol of `model.units.unit`.
         minimum: lowest value that makes sense, in ``unit``; none where it depends.
         maximum: highest value that makes sense.
 

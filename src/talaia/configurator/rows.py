@@ -20,9 +20,9 @@ import yaml
 from talaia.configurator.errors import BadValue
 from talaia.configurator.places import Path, at
 from talaia.model.connection import ROS_KINDS, ConnectionKind, kind_of
-from talaia.model.meaning import human
+from talaia.model.discovery.ros_units import human
 from talaia.model.site import Command, CommandKind, Signal, SignalType, Stream
-from talaia.model.unit import UNITS
+from talaia.model.units.unit import UNITS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -56,9 +56,9 @@ from talaia.gateway.uplink.pictures import PictureUplink
 from talaia.gateway.uplink.tls import HubTrust
 from talaia.gateway.video.frame_source import FrameSource
 from talaia.gateway.watchdog.feeding import Watchdog
-from talaia.model.load import dump_site
-from talaia.model.seen import with_counts
-from talaia.model.unguarded import unguarded_notice
+from talaia.model.derived_signals import with_counts
+from talaia.model.interlocks.unguarded import unguarded_notice
+from talaia.model.yaml_text.load import dump_site
 from talaia.objects.worker import Worker
 from talaia.service_manager import ServiceManager
 from talaia.wire.frames import Event

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.model.checks.identifiers import Finding
 from talaia.model.connection import ProcessConnection
-from talaia.model.seen import eye_of
-from talaia.model.words import Finding
+from talaia.model.derived_signals import eye_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

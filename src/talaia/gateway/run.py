@@ -19,8 +19,8 @@ from talaia.gateway.command_line import parsed, settings_of
 from talaia.gateway.notices import own_notices
 from talaia.gateway.reload.description_file import DescriptionFile
 from talaia.gateway.reload.discovered_devices import with_kept
-from talaia.model.check import raise_first
-from talaia.model.load import site_in
+from talaia.model.checks.site_checks import raise_first
+from talaia.model.yaml_text.load import site_in
 from talaia.resource_usage import report_usage_on_signal
 from talaia.service_manager import own_service_manager
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from talaia.model.shape import Shape
+from talaia.model.base import Shape
 
 __all__ = ["Detect", "DetectAt", "ModelKind", "ObjectModel"]
 

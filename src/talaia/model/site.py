@@ -14,18 +14,18 @@ from enum import StrEnum
 
 import msgspec
 
-from talaia.model.alarm import Alarm  # noqa: TC001 - msgspec reads it
+from talaia.model.ai_services import AiServices  # noqa: TC001 - msgspec reads it
+from talaia.model.alarms.alarm import Alarm  # noqa: TC001 - msgspec reads it
 
 # These stand beside: what they need of a site is its addresses only.
-from talaia.model.anomaly import Watch  # noqa: TC001 - msgspec reads it
+from talaia.model.alarms.anomaly import Watch  # noqa: TC001 - msgspec reads it
+from talaia.model.base import Shape
 from talaia.model.connection import Connection, Ros1Connection, Ros2Connection, Ros2Settings
 from talaia.model.detection import Detect, ObjectModel  # noqa: TC001 - msgspec reads them
-from talaia.model.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
-from talaia.model.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
-from talaia.model.outlet import Outlet  # noqa: TC001 - msgspec reads it
+from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
+from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
+from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads it
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
-from talaia.model.services import AiServices  # noqa: TC001 - msgspec reads it
-from talaia.model.shape import Shape
 
 __all__ = [
     "Argument",
@@ -202,7 +202,7 @@ class Signal(Shape, frozen=True, kw_only=True):
     """Something that can be read.
 
     Attributes:
-        unit: a symbol of `model.unit`; numbers only.
+        unit: a symbol of `model.units.unit`; numbers only.
         minimum: lowest value that makes sense, in ``unit``; the chart's lower end. Interlocks and
             enclosures take what is below it for an error code: unknown.
         maximum: highest value that makes sense, in ``unit``; what is above it is unknown, too.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.model.seen import detecting
+from talaia.model.derived_signals import detecting
 from talaia.objects.worker import OWN_FILE, OWN_REMEDY
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from talaia.model.coco import COCO
+from talaia.model.coco_classes import COCO
 from talaia.objects.child import HEAD, LONGEST_LOAD_S, LONGEST_LOOK_S
 from talaia.objects.detector import NANODET
 from talaia.objects.errors import DetectorError

@@ -10,7 +10,7 @@ from talaia.wire.errors import PeerError
 
 __all__ = ["MAX_TEXT", "deflated", "digest_of", "inflated", "seal_of"]
 
-# Bytes of a description's text: what `model.load` reads.
+# Bytes of a description's text: what `model.yaml_text.load` reads.
 MAX_TEXT = 4 * 1024 * 1024
 
 

@@ -12,9 +12,9 @@ from talaia.gateway.adapters.indi.protocol import BlobEnd, BlobHead, BlobPart, I
 from talaia.gateway.adapters.indi.standard_properties import read_number, read_state, read_text
 from talaia.gateway.adapters.indi.state import IndiDeviceTree
 from talaia.gateway.ports import CommandOutcome
-from talaia.model.check import check
-from talaia.model.load import dump_site, load_site
+from talaia.model.checks.site_checks import check
 from talaia.model.site import Site
+from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire.frames import CommandPhase
 
 RECORDED = Path(__file__).parent / "recorded"

@@ -11,11 +11,11 @@ import pytest
 
 from talaia.gateway.adapters.indi.probe import look
 from talaia.gateway.errors import AdapterLost
-from talaia.model.check import check
-from talaia.model.found import Found
-from talaia.model.load import load_site
-from talaia.model.propose import propose
-from talaia.model.write import written
+from talaia.model.checks.site_checks import check
+from talaia.model.discovery.generate_description import propose
+from talaia.model.discovery.probe_report import Found
+from talaia.model.yaml_text.load import load_site
+from talaia.model.yaml_text.write import written
 
 pytestmark = pytest.mark.robot
 DRIVERS = tuple(f"indi_simulator_{each}" for each in ("telescope", "dome", "weather"))

@@ -18,8 +18,8 @@ from patience import PATIENCE_S
 
 from talaia.gateway.run import serve
 from talaia.gateway.settings import GatewaySettings, HubAddress
-from talaia.model.check import raise_first
-from talaia.model.load import load_site
+from talaia.model.checks.site_checks import raise_first
+from talaia.model.yaml_text.load import load_site
 from talaia.sim.observatory.night import at_night
 from talaia.wire.frames import CommandAsk, CommandCancel, CommandPhase, CommandState, DeviceState
 

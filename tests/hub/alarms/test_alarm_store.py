@@ -14,7 +14,7 @@ from talaia.hub.store.audit import Audit, Filter
 from talaia.hub.store.notices import About, Notices
 from talaia.hub.store.notify import NotifyStore, WayKind
 from talaia.hub.store.people import People
-from talaia.model.alarm import Severity
+from talaia.model.alarms.alarm import Severity
 
 LOW = About("agv", "low", "base", Severity.CRITICAL, "Low ⚡", "AGV", "Bring it home.")
 

@@ -24,7 +24,7 @@ from talaia.hub.store.database import Database
 from talaia.hub.store.notices import About, Notices
 from talaia.hub.store.notify import NotifyStore, Way, WayKind
 from talaia.hub.store.people import People
-from talaia.model.alarm import Severity
+from talaia.model.alarms.alarm import Severity
 
 from .peers import Peer, certified, served
 

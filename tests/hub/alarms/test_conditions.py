@@ -31,10 +31,10 @@ from talaia.hub.alarms.preview import Track, preview
 from talaia.hub.alarms.rules import Rule, due_us, wants
 from talaia.hub.alarms.watch import Turn, Watch
 from talaia.hub.notify.addresses import may_reach
-from talaia.model.alarm import Alarm, AlarmKind, Severity
-from talaia.model.check import check
-from talaia.model.check_alarms import Addresses
-from talaia.model.load import load_site
+from talaia.model.alarms.alarm import Alarm, AlarmKind, Severity
+from talaia.model.checks.alarm_checks import Addresses
+from talaia.model.checks.site_checks import check
+from talaia.model.yaml_text.load import load_site
 
 pytestmark = pytest.mark.pure
 

@@ -11,8 +11,8 @@ import pytest
 from talaia.clock import SECOND
 from talaia.hub.alarms.conditions import Condition, Reading
 from talaia.hub.alarms.watch import Turn, Watch
-from talaia.model.check_alarms import Addresses
-from talaia.model.load import read_site
+from talaia.model.checks.alarm_checks import Addresses
+from talaia.model.yaml_text.load import read_site
 from talaia.sim.observatory.weather import Weather
 from talaia.sim.vehicle.sensors import Battery, temperature
 

@@ -43,8 +43,8 @@ from talaia.hub.store.database import Database
 from talaia.hub.store.notices import Notices
 from talaia.hub.store.notify import NotifyStore, WayKind
 from talaia.hub.store.people import People
-from talaia.model.alarm import Severity
-from talaia.model.load import load_site
+from talaia.model.alarms.alarm import Severity
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.columns import Columns
 
 SITE = load_site("""

@@ -36,11 +36,11 @@ from talaia.hub.store.database import Database
 from talaia.hub.store.notices import Notices
 from talaia.hub.store.notify import NotifyStore, WayKind
 from talaia.hub.store.people import People
-from talaia.model.alarm import Alarm, AlarmKind, Escalation, Severity
-from talaia.model.check import check
-from talaia.model.check_alarms import Addresses
-from talaia.model.load import load_site, read_site
-from talaia.model.standard_alarms import standard_alarms
+from talaia.model.alarms.alarm import Alarm, AlarmKind, Escalation, Severity
+from talaia.model.alarms.standard_alarms import standard_alarms
+from talaia.model.checks.alarm_checks import Addresses
+from talaia.model.checks.site_checks import check
+from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLE = read_site(Path(__file__).parents[3] / "examples/observatory/site.yaml")
 ROOF = Alarm(name="Roof", kind=AlarmKind.ENCLOSURE, repeat=300.0, remind=1800.0)

@@ -16,7 +16,7 @@ from talaia.hub.anomaly.rarity import Rarity
 from talaia.hub.anomaly.season import Season
 from talaia.hub.anomaly.together import Together
 from talaia.hub.anomaly.watched import Began, Watched
-from talaia.model.anomaly import Watch
+from talaia.model.alarms.anomaly import Watch
 
 SECOND = 1_000_000
 STEP = 60 * SECOND

@@ -17,7 +17,7 @@ from talaia.gateway.enrolment import enrol
 from talaia.gateway.errors import EnrolRefused, HubUnreachable, LinkLost, SettingsError
 from talaia.gateway.key_file import KeyFile, KeyPlace, read_key_file
 from talaia.gateway.uplink.tls import HubTrust
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.enrolment import EnrolmentCode, pin_of, secret_of
 
 from .secure_hub import browsing, secure

@@ -7,7 +7,7 @@ import asyncio
 from sqlalchemy import insert
 
 from talaia.hub.store.tables import permissions, role_permissions, roles
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser, frames
 from talaia.wire.columns import unpack
 

@@ -10,9 +10,9 @@ import pytest
 import yaml
 
 import talaia
-from talaia.model.check import raise_first
+from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 
 SOURCE = Path(talaia.__file__).parent
 # Calls that turn text into code, or bytes into objects.

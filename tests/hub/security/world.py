@@ -17,7 +17,7 @@ from sqlalchemy import insert, select
 
 from talaia.hub.store.sightings import Sighted, SightingsAsked
 from talaia.hub.store.tables import metadata, permissions, role_permissions, roles
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import ArchiveOffer
 
 if TYPE_CHECKING:

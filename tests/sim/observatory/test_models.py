@@ -9,7 +9,7 @@ import warnings
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from talaia.model import sky
+from talaia.model.units import astronomy
 from talaia.sim.observatory import cctv
 from talaia.sim.observatory.camera import Camera, Scene
 from talaia.sim.observatory.enclosure import Capabilities, Enclosure
@@ -144,7 +144,7 @@ def test_a_slew_ends_tracking_its_target_within_the_axes_rate() -> None:
     telescope = scope()
     telescope.unpark()
     ticket = telescope.goto(2.5, 60)
-    far = max(abs(sky.altaz(2.5, 60, MONTSEC, telescope.jd).alt - 10), 1)
+    far = max(abs(astronomy.altaz(2.5, 60, MONTSEC, telescope.jd).alt - 10), 1)
     unix = run(telescope, NIGHT, far / 5 * 0.5)
     assert not ticket.ended
     unix = run(telescope, unix, 60)
@@ -195,12 +195,12 @@ def test_no_slew_by_day_comes_near_the_sun(alt: float, az: float, hour: int) -> 
     telescope = scope(unix)
     telescope.unpark()
     ticket = telescope.goto_altaz(alt, az)
-    began_near = sky.separation(telescope.at, telescope.sun) < 30
+    began_near = astronomy.separation(telescope.at, telescope.sun) < 30
     while not ticket.ended:
         unix += 0.2
         telescope.step(0.2, unix)
         if telescope.sun.alt > -6 and not began_near:
-            assert sky.separation(telescope.at, telescope.sun) > 28
+            assert astronomy.separation(telescope.at, telescope.sun) > 28
 
 
 def test_tracking_ends_at_the_horizon_limit() -> None:

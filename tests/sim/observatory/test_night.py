@@ -9,9 +9,9 @@ from zoneinfo import ZoneInfo
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.model.check import check
-from talaia.model.load import read_site
-from talaia.model.sky import Place, altaz, julian_day, sun
+from talaia.model.checks.site_checks import check
+from talaia.model.units.astronomy import Place, altaz, julian_day, sun
+from talaia.model.yaml_text.load import read_site
 from talaia.sim.observatory.night import at_night, longitude_of_night
 
 pytestmark = pytest.mark.pure

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from talaia.model.load import dump_site, load_site
+from talaia.model.yaml_text.load import dump_site, load_site
 
 from ..observatory import EXAMPLE
 

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import msgspec
 
-from talaia.model.load import dump_site, load_site
 from talaia.model.site import Site
+from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.sim.observatory.night import longitude_of_night
 
 from .description import (

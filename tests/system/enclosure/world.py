@@ -27,7 +27,7 @@ from websockets.asyncio.server import Server, serve
 from websockets.exceptions import ConnectionClosed
 
 from talaia.gateway.watchdog.feeding import dismiss
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.sim.observatory.night import longitude_of_night
 from talaia.wire.columns import unpack
 from talaia.wire.frames import (

@@ -24,7 +24,7 @@ from talaia.gateway.reload.apply import catalogue_of
 from talaia.gateway.spool.journal import SegmentHead, Spool
 from talaia.gateway.spool.segment import SampleRecord
 from talaia.hub import accounts
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser, frames
 from talaia.wire.columns import Columns, pack
 

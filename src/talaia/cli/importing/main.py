@@ -20,8 +20,8 @@ from talaia.cli.importing.table import Table
 from talaia.cli.importing.times import TimeReader, TimeUnit
 from talaia.hub.history.parcel import FOLDER, Head, ParcelWriter, sweep
 from talaia.hub.settings import Settings
-from talaia.model.check import raise_first
-from talaia.model.load import dump_site, load_site, read_site
+from talaia.model.checks.site_checks import raise_first
+from talaia.model.yaml_text.load import dump_site, load_site, read_site
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

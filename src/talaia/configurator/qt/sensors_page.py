@@ -26,7 +26,7 @@ from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.signals_table import REMOVE, SignalsTable
 from talaia.configurator.qt.widgets import Card, Choice, Inner, Number, Page, button, label, row
 from talaia.configurator.rows import Row, rows_at
-from talaia.model.unit import UNITS
+from talaia.model.units.unit import UNITS
 
 if TYPE_CHECKING:
     from talaia.configurator.places import Path

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 import msgspec
 
 from talaia.gateway.samples.channel_numbering import ChannelNumbering
-from talaia.model.seen import is_seen
+from talaia.model.derived_signals import is_seen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -11,8 +11,14 @@ import re
 from numbers import Real
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.model.found import FieldFound
-from talaia.model.meaning import Meaning, human, meaning_of, unit_in_comment, unit_in_name
+from talaia.model.discovery.probe_report import FieldFound
+from talaia.model.discovery.ros_units import (
+    Meaning,
+    human,
+    meaning_of,
+    unit_in_comment,
+    unit_in_name,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping

@@ -23,7 +23,7 @@ from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
-from talaia.model.check_connections import PLACEHOLDER
+from talaia.model.checks.connection_checks import PLACEHOLDER
 from talaia.model.connection import ProcessConnection
 from talaia.model.site import CommandKind, SignalType
 from talaia.wire.frames import CommandPhase

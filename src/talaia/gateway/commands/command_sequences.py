@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.commands.command_service import CommandService
     from talaia.gateway.ports import ControlOutput
-    from talaia.model.interlock import Step
+    from talaia.model.interlocks.interlock import Step
 
 __all__ = ["SequenceRunner"]
 

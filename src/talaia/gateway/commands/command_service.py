@@ -21,7 +21,7 @@ from talaia.gateway.commands.command_journal import CommandJournal
 from talaia.gateway.commands.device_holders import DeviceHolder, DeviceHolders
 from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.model.arguments import args_of, fields_of, unit_problem
-from talaia.model.safe_commands import never_asks, safe_commands
+from talaia.model.interlocks.safe_commands import never_asks, safe_commands
 from talaia.model.site import DeviceKind
 from talaia.wire.frames import CommandPhase, CommandState
 

@@ -19,8 +19,8 @@ import numpy as np
 
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.samples.rate_limit import Sampler, SamplingRule
+from talaia.model.derived_signals import counts_of, detecting, eye_of, is_seen
 from talaia.model.detection import DetectAt
-from talaia.model.seen import counts_of, detecting, eye_of, is_seen
 from talaia.objects.errors import DetectorError
 from talaia.objects.eyes import Eyes, least_of
 from talaia.objects.steady import SteadyCounts

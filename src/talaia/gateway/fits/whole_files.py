@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.fits.outbox import ArchiveOutbox
     from talaia.gateway.ports import EventSink
-    from talaia.model.enclosure import Place
+    from talaia.model.interlocks.enclosure import Place
 
 __all__ = ["MOST_WAITING", "WholeFiles", "completed"]
 

@@ -11,8 +11,8 @@ from talaia.gateway.adapters.connection_scope import ReconfigurableAdapter, shar
 from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.errors import ChannelNumbersFull
 from talaia.gateway.spool.files import SegmentHead
-from talaia.model.change import renames, touched
-from talaia.model.load import dump_site
+from talaia.model.renames import renames, touched
+from talaia.model.yaml_text.load import dump_site
 from talaia.wire.frames import Described, Hello
 from talaia.wire.sealing import deflated
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.persistence import write_whole
 from talaia.model.errors import NotReadable
-from talaia.model.load import beside_of, text_of
+from talaia.model.yaml_text.load import beside_of, text_of
 from talaia.wire.sealing import digest_of
 
 if TYPE_CHECKING:

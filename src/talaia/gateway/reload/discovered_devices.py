@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.gateway.persistence import write_whole
-from talaia.model.check import check
+from talaia.model.checks.site_checks import check
 from talaia.model.site import Device
 
 if TYPE_CHECKING:

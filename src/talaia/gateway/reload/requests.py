@@ -15,11 +15,11 @@ from talaia.errors import TalaiaError
 from talaia.gateway.change_policy import AcceptedChanges, forbidden
 from talaia.gateway.reload.apply import prepared
 from talaia.gateway.reload.discovered_devices import with_kept
-from talaia.model.check import check
+from talaia.model.checks.identifiers import Finding
+from talaia.model.checks.site_checks import check
+from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError
-from talaia.model.load import site_in
-from talaia.model.seen import with_counts
-from talaia.model.words import Finding
+from talaia.model.yaml_text.load import site_in
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import ChangePhase, ChangeState, Problem
 from talaia.wire.sealing import inflated, seal_of

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
-from talaia.model.overriding import (
+from talaia.model.interlocks.override_rules import (
     condition_id,
     condition_label,
     longest_override,
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from talaia.gateway.safety.interlock_state import InterlockVerdict
-    from talaia.model.interlock import Interlock
+    from talaia.model.interlocks.interlock import Interlock
     from talaia.model.site import Site
 
 __all__ = ["ConditionHolds"]

@@ -22,7 +22,7 @@ from talaia.gateway.safety.interlock_state import InterlockVerdict
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.model.interlock import Condition
+    from talaia.model.interlocks.interlock import Condition
 
 __all__ = ["DebouncedCondition"]
 

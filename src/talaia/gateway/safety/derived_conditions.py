@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
 from talaia.gateway.safety.interlock_state import InterlockVerdict
-from talaia.model import sky
-from talaia.model.dew_point import dew_point
+from talaia.model.units import astronomy
+from talaia.model.units.dew_point import dew_point
 
 if TYPE_CHECKING:
-    from talaia.model.enclosure import Place
-    from talaia.model.interlock import Condition
+    from talaia.model.interlocks.enclosure import Place
+    from talaia.model.interlocks.interlock import Condition
 
 __all__ = ["judge_dew_point", "judge_difference", "judge_sun"]
 
@@ -37,9 +37,9 @@ def judge_dew_point(
 
 def judge_sun(condition: Condition, place: Place, wall_ns: int) -> InterlockVerdict:
     """Say whether the Sun is too high, or too low, at a place."""
-    jd = sky.julian_day(wall_ns / SECOND)
-    here = sky.Place(place.latitude, place.longitude, place.elevation)
-    altitude = sky.altaz(*sky.sun(jd), here, jd).alt
+    jd = astronomy.julian_day(wall_ns / SECOND)
+    here = astronomy.Place(place.latitude, place.longitude, place.elevation)
+    altitude = astronomy.altaz(*astronomy.sun(jd), here, jd).alt
     return _judge_limits(condition, "The Sun's altitude", altitude, "°")
 
 

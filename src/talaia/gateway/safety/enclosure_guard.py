@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.clock import SECOND
-from talaia.model.enclosure import ClosingOrder, PastDeadline
-from talaia.model.interlock import Step
+from talaia.model.interlocks.enclosure import ClosingOrder, PastDeadline
+from talaia.model.interlocks.interlock import Step
 
 if TYPE_CHECKING:
-    from talaia.model.enclosure import Enclosure, Follow
+    from talaia.model.interlocks.enclosure import Enclosure, Follow
 
 __all__ = ["Act", "EnclosureGuard", "Follower", "Hold", "Said", "Seen", "apart_of", "hold_of"]
 

@@ -6,11 +6,11 @@ from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import MS, SECOND
-from talaia.model.overriding import longest_override
+from talaia.model.interlocks.override_rules import longest_override
 from talaia.wire.frames import InterlockState
 
 if TYPE_CHECKING:
-    from talaia.model.interlock import Interlock
+    from talaia.model.interlocks.interlock import Interlock
 
 __all__ = ["InterlockChange", "InterlockOverride", "InterlockStateMachine", "InterlockVerdict"]
 

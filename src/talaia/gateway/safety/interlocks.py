@@ -39,10 +39,10 @@ from talaia.gateway.safety.outlet_guard import refuse_power_cut
 from talaia.gateway.safety.pointing_limits import misdirected
 from talaia.gateway.safety.sensor_agreement import Agreement, Closed, Sensor, SensorTurns, closed_by
 from talaia.gateway.safety.value_validity import ValueValidity, within_sighting, word_of
-from talaia.model.interlock import Condition
-from talaia.model.opening import opening_of
-from talaia.model.overriding import condition_id
-from talaia.model.seen import eye_of
+from talaia.model.derived_signals import eye_of
+from talaia.model.interlocks.interlock import Condition
+from talaia.model.interlocks.opening import opening_of
+from talaia.model.interlocks.override_rules import condition_id
 from talaia.model.site import SignalType
 from talaia.wire.frames import EnclosureState
 
@@ -50,8 +50,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from talaia.gateway.ports import ChannelReading, ControlOutput, Field, ReadingSource
-    from talaia.model.enclosure import Enclosure, Sighting
-    from talaia.model.interlock import Interlock, Step
+    from talaia.model.interlocks.enclosure import Enclosure, Sighting
+    from talaia.model.interlocks.interlock import Interlock, Step
     from talaia.model.site import Signal, Site
     from talaia.wire.frames import InterlockState, OverrideAsk
 

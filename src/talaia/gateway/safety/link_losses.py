@@ -16,7 +16,7 @@ from talaia.clock import SECOND
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.model.interlock import LinkLossPolicy
+    from talaia.model.interlocks.interlock import LinkLossPolicy
     from talaia.model.site import Site
 
 __all__ = ["LinkLosses"]

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.model.outlet_needs import needs_of, outlets_cut
+from talaia.model.interlocks.outlet_needs import needs_of, outlets_cut
 from talaia.model.site import DeviceKind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from talaia.gateway.ports import Field
-    from talaia.model.enclosure import Enclosure, Sighting
-    from talaia.model.outlet_needs import Need
+    from talaia.model.interlocks.enclosure import Enclosure, Sighting
+    from talaia.model.interlocks.outlet_needs import Need
     from talaia.model.site import Site
 
     Sighted = Callable[[Sighting], bool | None]

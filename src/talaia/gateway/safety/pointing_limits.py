@@ -6,13 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
-from talaia.model import sky
+from talaia.model.units import astronomy
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from talaia.gateway.ports import Field
-    from talaia.model.enclosure import Place, Pointing, PointingArguments
+    from talaia.model.interlocks.enclosure import Place, Pointing, PointingArguments
 
 __all__ = ["misdirected"]
 
@@ -37,8 +37,8 @@ def misdirected(
         wall_ns: now, UTC.
 
     """
-    jd = sky.julian_day(wall_ns / SECOND)
-    here = sky.Place(place.latitude, place.longitude, place.elevation)
+    jd = astronomy.julian_day(wall_ns / SECOND)
+    here = astronomy.Place(place.latitude, place.longitude, place.elevation)
     numbers: list[float] = []
     for name in (names.ra, names.dec) if names.ra else (names.alt, names.az):
         value = args.get(name)
@@ -55,15 +55,15 @@ def misdirected(
             return f"RA {ra:g} h: expected 0 to 24 h"
         if not -90.0 <= dec <= 90.0:
             return f"Dec {dec:g} °: expected -90 to 90 °"
-        to = sky.altaz(ra, dec, here, jd)
+        to = astronomy.altaz(ra, dec, here, jd)
     else:
-        to = sky.Horizontal(*numbers)
+        to = astronomy.Horizontal(*numbers)
         if not -90.0 <= to.alt <= 90.0 or not 0.0 <= to.az <= 360.0:
             return f"Alt {to.alt:g} °, Az {to.az:g} °: expected -90 to 90 ° and 0 to 360 °"
     if to.alt < rule.horizon:
         return f"the target stands at {to.alt:.1f} °; the horizon limit is {rule.horizon:g} °"
-    sun = sky.altaz(*sky.sun(jd), here, jd)
-    away = sky.separation(to, sun)
+    sun = astronomy.altaz(*astronomy.sun(jd), here, jd)
+    away = astronomy.separation(to, sun)
     if sun.alt > SUN_DOWN and away < rule.sun:
         return f"the target is {away:.0f} ° from the Sun; the limit is {rule.sun:g} °"
     return ""

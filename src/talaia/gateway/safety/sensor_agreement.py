@@ -18,7 +18,7 @@ from talaia.gateway.safety.enclosure_guard import Said
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from talaia.model.enclosure import Enclosure, Sighting
+    from talaia.model.interlocks.enclosure import Enclosure, Sighting
 
 __all__ = ["SETTLE_NS", "Agreement", "Closed", "Sensor", "SensorTurns", "closed_by"]
 

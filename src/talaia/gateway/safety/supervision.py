@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.ports import CommandOutcome, CommandTarget, ControlOutput
     from talaia.gateway.safety.interlocks import Interlocks
-    from talaia.model.enclosure import Heartbeat
+    from talaia.model.interlocks.enclosure import Heartbeat
     from talaia.model.site import Site
 
 __all__ = ["Heartbeats", "Supervision", "SupervisionListener"]

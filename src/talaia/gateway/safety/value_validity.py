@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.ports import ChannelReading, ReadingSource
-    from talaia.model.enclosure import Sighting
+    from talaia.model.interlocks.enclosure import Sighting
     from talaia.model.site import Signal, Site
 
 __all__ = ["ValueValidity", "range_problem", "span_of", "within_sighting", "word_of"]

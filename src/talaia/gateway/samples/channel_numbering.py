@@ -41,7 +41,7 @@ class ChannelNumbering:
 
         Args:
             site: the description.
-            renamed: channels by their former addresses, see `model.change.renames`.
+            renamed: channels by their former addresses, see `model.renames.renames`.
 
         Raises:
             RosterFull: there are no numbers left; nothing has changed then.

@@ -28,7 +28,7 @@ from talaia.gateway.ports import AdapterContext, Filming
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.watchdog.needed import closing_site
 from talaia.model.arguments import fields_of
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.ports import Adapter, CommandOutcome
-    from talaia.model.interlock import Step
+    from talaia.model.interlocks.interlock import Step
     from talaia.wire.columns import Columns
     from talaia.wire.frames import FromGateway, Picture
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.model.connection import Ros1Connection, Ros2Connection
-from talaia.model.interlock import Condition, Interlock
+from talaia.model.interlocks.interlock import Condition, Interlock
 
 if TYPE_CHECKING:
     from talaia.model.connection import Connection
-    from talaia.model.enclosure import Enclosure
-    from talaia.model.interlock import Step
+    from talaia.model.interlocks.enclosure import Enclosure
+    from talaia.model.interlocks.interlock import Step
     from talaia.model.site import Site
 
 __all__ = ["closing_site"]

@@ -6,16 +6,16 @@ import math
 from enum import Enum, auto
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.model.alarm import Alarm, AlarmKind
-from talaia.model.check_alarms import signals_of
-from talaia.model.expression import Expression, parse
+from talaia.model.alarms.alarm import Alarm, AlarmKind
+from talaia.model.alarms.expression import Expression, parse
+from talaia.model.checks.alarm_checks import signals_of
 from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from talaia.model.check_alarms import Addresses
-    from talaia.model.expression import Value
+    from talaia.model.alarms.expression import Value
+    from talaia.model.checks.alarm_checks import Addresses
 
 __all__ = ["Condition", "Reading", "Seen", "Truth", "Verdict", "told"]
 

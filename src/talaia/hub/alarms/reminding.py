@@ -9,7 +9,7 @@ from talaia.hub.alarms.machine import Phase, Remind
 
 if TYPE_CHECKING:
     from talaia.hub.alarms.machine import State
-    from talaia.model.alarm import Alarm
+    from talaia.model.alarms.alarm import Alarm
 
 __all__ = ["Reminding", "first_told"]
 

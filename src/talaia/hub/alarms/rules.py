@@ -14,7 +14,7 @@ from talaia.hub.alarms.machine import What
 
 if TYPE_CHECKING:
     from talaia.hub.alarms.machine import Happened
-    from talaia.model.alarm import Severity
+    from talaia.model.alarms.alarm import Severity
 
 __all__ = ["DAY_MIN", "Rule", "due_us", "wants"]
 

@@ -10,7 +10,7 @@ from talaia.hub.alarms.conditions import Truth
 
 if TYPE_CHECKING:
     from talaia.hub.alarms.conditions import Verdict
-    from talaia.model.alarm import Alarm
+    from talaia.model.alarms.alarm import Alarm
 
 __all__ = ["Edge", "Turn", "Watch"]
 

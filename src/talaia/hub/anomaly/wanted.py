@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.anomaly.watched import score_address
-from talaia.model.anomaly import DetectorKind, Watch
+from talaia.model.alarms.anomaly import DetectorKind, Watch
 from talaia.model.site import Channel, SignalType
 
 if TYPE_CHECKING:

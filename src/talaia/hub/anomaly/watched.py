@@ -15,7 +15,7 @@ from talaia.hub.anomaly.plain import Limits, Missing, RateOfChange, Still
 
 if TYPE_CHECKING:
     from talaia.hub.anomaly.kept import Detector
-    from talaia.model.anomaly import Watch
+    from talaia.model.alarms.anomaly import Watch
 
 __all__ = ["SCORES", "Began", "Ended", "Watched", "detector_of", "score_address", "signal_of"]
 

@@ -34,8 +34,8 @@ from talaia.hub.api.alarm_shapes import (
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.auth.permissions import ANY, Right, sees_device
 from talaia.hub.store.alarms import Made
-from talaia.model.alarm import Alarm, AlarmKind
-from talaia.model.check_alarms import Addresses, alarm_findings
+from talaia.model.alarms.alarm import Alarm, AlarmKind
+from talaia.model.checks.alarm_checks import Addresses, alarm_findings
 
 if TYPE_CHECKING:
     from talaia.clock import Clock

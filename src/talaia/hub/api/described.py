@@ -25,10 +25,10 @@ from talaia.hub.api.shapes import (
     StreamShape,
 )
 from talaia.hub.auth.permissions import Grants, Right, sees_device, sees_signal, sees_stream
-from talaia.model.seen import detect_of
+from talaia.model.derived_signals import detect_of
+from talaia.model.interlocks.unguarded import unguarded_devices
 from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, parts_of
-from talaia.model.unguarded import unguarded_devices
-from talaia.model.unit import unit_of
+from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite

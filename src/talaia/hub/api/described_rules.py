@@ -17,14 +17,14 @@ from talaia.hub.api.observatory_shapes import (
     SlewShape,
 )
 from talaia.hub.auth.permissions import Right, sees_device, sees_signal
-from talaia.model.capabilities import capabilities_of
+from talaia.model.interlocks.capabilities import capabilities_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from talaia.hub.auth.permissions import Grants
-    from talaia.model.enclosure import Enclosure, EnclosurePart, Pointing, Sighting
-    from talaia.model.interlock import Condition
+    from talaia.model.interlocks.enclosure import Enclosure, EnclosurePart, Pointing, Sighting
+    from talaia.model.interlocks.interlock import Condition
     from talaia.model.site import Site
 
 __all__ = ["describe_enclosures", "describe_place", "describe_pointing", "describe_rules"]

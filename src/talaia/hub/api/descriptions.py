@@ -25,14 +25,14 @@ from talaia.hub.api.description_shapes import (
     VersionShape,
 )
 from talaia.hub.api.problems import ApiProblem
-from talaia.model.check import check
-from talaia.model.difference import difference, unified
+from talaia.model.checks.identifiers import Finding
+from talaia.model.checks.site_checks import check
 from talaia.model.errors import DescriptionError
-from talaia.model.load import load_site, site_of_plain
-from talaia.model.places import Places
-from talaia.model.save import saved
 from talaia.model.schema import site_schema
-from talaia.model.words import Finding
+from talaia.model.yaml_text.diff import difference, unified
+from talaia.model.yaml_text.load import load_site, site_of_plain
+from talaia.model.yaml_text.save import saved
+from talaia.model.yaml_text.source_lines import Places
 from talaia.wire.frames import ChangePhase
 from talaia.wire.sealing import MAX_TEXT, digest_of
 

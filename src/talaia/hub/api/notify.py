@@ -32,7 +32,7 @@ from talaia.hub.errors import NameTaken
 from talaia.hub.notify.message import trial
 from talaia.hub.notify.sending import Outcome
 from talaia.hub.store.notify import WayKind
-from talaia.model.alarm import Severity
+from talaia.model.alarms.alarm import Severity
 
 if TYPE_CHECKING:
     from talaia.clock import Clock

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, StringConstraints, model_validator
 
 from talaia.hub.api.shapes import Shape
-from talaia.model.zones import known_zones
+from talaia.model.units.time_zones import known_zones
 
 __all__ = [
     "NoticeRuleShape",

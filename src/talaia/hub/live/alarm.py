@@ -9,15 +9,15 @@ from talaia.hub.alarms.machine import Phase, State, What
 from talaia.hub.alarms.reminding import Reminding
 from talaia.hub.alarms.watch import Watch
 from talaia.hub.store.notices import About
-from talaia.model.alarm import Alarm, AlarmKind
-from talaia.model.check_alarms import signals_of
+from talaia.model.alarms.alarm import Alarm, AlarmKind
+from talaia.model.checks.alarm_checks import signals_of
 from talaia.wire import browser as page
 
 if TYPE_CHECKING:
     from talaia.hub.alarms.conditions import Condition
     from talaia.hub.alarms.machine import Happened
     from talaia.hub.live.sites import LiveSite
-    from talaia.model.check_alarms import Addresses
+    from talaia.model.checks.alarm_checks import Addresses
 
 __all__ = ["LiveAlarm", "alarm_news", "device_of", "event_news", "ghost"]
 

@@ -18,7 +18,7 @@ from talaia.hub.alarms.watch import Turn, Watch
 from talaia.hub.live.alarm import LiveAlarm, device_of
 from talaia.hub.live.conflate import conflate, pick
 from talaia.hub.store.notices import About
-from talaia.model.check_alarms import Addresses, alarm_findings
+from talaia.model.checks.alarm_checks import Addresses, alarm_findings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.alarms.machine import Event
     from talaia.hub.live.sites import LiveSite
-    from talaia.model.alarm import Alarm
+    from talaia.model.alarms.alarm import Alarm
     from talaia.wire.columns import Columns
 
 __all__ = ["SiteAlarms"]

@@ -25,8 +25,8 @@ from talaia.hub.errors import StoreDown
 from talaia.hub.live.alarm import LiveAlarm, alarm_news, event_news, ghost
 from talaia.hub.live.alarm_watching import SiteAlarms
 from talaia.hub.store.alarms import Change, Made
-from talaia.model.alarm import Alarm
-from talaia.model.standard_alarms import standard_alarms
+from talaia.model.alarms.alarm import Alarm
+from talaia.model.alarms.standard_alarms import standard_alarms
 from talaia.wire.frames import RecordAsk
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.live.sites import Pending
 from talaia.model.arguments import fields_of, unit_problem
-from talaia.model.overriding import longest_override
+from talaia.model.interlocks.override_rules import longest_override
 from talaia.wire import browser as page, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.browsers import Browser
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.store.audit import Audit
-    from talaia.model.interlock import Interlock
+    from talaia.model.interlocks.interlock import Interlock
 
 __all__ = ["Commanding"]
 

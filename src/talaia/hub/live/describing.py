@@ -11,10 +11,10 @@ from sqlalchemy.exc import SQLAlchemyError
 from talaia.errors import TalaiaError
 from talaia.hub.live.reporting import site_news
 from talaia.hub.live.told import told_by
-from talaia.model.change import renames
-from talaia.model.check import raise_first
+from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
-from talaia.model.load import load_site
+from talaia.model.renames import renames
+from talaia.model.yaml_text.load import load_site
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
 from talaia.wire.sealing import inflated

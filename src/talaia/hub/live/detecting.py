@@ -26,8 +26,8 @@ from talaia.hub.live.ingest import Batch, Ingest
 from talaia.hub.live.looking import Looking
 from talaia.hub.live.pixels import pixels_of
 from talaia.hub.live.sightings import OWN
+from talaia.model.derived_signals import counts_of, detecting, eye_of
 from talaia.model.detection import DetectAt
-from talaia.model.seen import counts_of, detecting, eye_of
 from talaia.objects.eyes import least_of
 from talaia.wire.columns import Columns
 from talaia.wire.frames import Boxes, Form, Seen, Thing
@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.live.watching import Watching
     from talaia.hub.ports import History
+    from talaia.model.derived_signals import Eye
     from talaia.model.detection import Detect, ObjectModel
-    from talaia.model.seen import Eye
     from talaia.model.site import Signal
     from talaia.objects.eyes import Told
     from talaia.objects.things import Thing as Found

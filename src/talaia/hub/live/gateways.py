@@ -24,10 +24,10 @@ from talaia.hub.live.recordings import GatewayFiles
 from talaia.hub.live.reporting import site_news
 from talaia.hub.live.rivals import KEPT_OUT, Rivals
 from talaia.hub.live.told import told_by
-from talaia.model.change import formers, renames
-from talaia.model.check import raise_first
+from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
-from talaia.model.load import load_site
+from talaia.model.renames import formers, renames
+from talaia.model.yaml_text.load import load_site
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
 from talaia.wire.newest import chosen_newest, runs_of

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import MS
 from talaia.hub.auth.permissions import Right, sees_device
-from talaia.model.overriding import longest_override
+from talaia.model.interlocks.override_rules import longest_override
 from talaia.wire.browser import InterlockNews
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.live.told import told_by
 from talaia.model.errors import DescriptionError
-from talaia.model.load import load_site
+from talaia.model.yaml_text.load import load_site
 
 if TYPE_CHECKING:
     from talaia.clock import Clock

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalySink, DetectorSink, History
     from talaia.hub.store.learned import Learned
-    from talaia.model.anomaly import Watch
+    from talaia.model.alarms.anomaly import Watch
     from talaia.model.site import Site
 
 __all__ = ["Watching"]

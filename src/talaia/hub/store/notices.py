@@ -23,7 +23,7 @@ from talaia.hub.store.alarm_tables import notices, notify_rules
 from talaia.hub.store.grants import OF_ROLES, grants_of
 from talaia.hub.store.tables import users
 from talaia.hub.store.visible import visible
-from talaia.model.alarm import Severity
+from talaia.model.alarms.alarm import Severity
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence

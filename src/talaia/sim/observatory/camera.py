@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-from talaia.model.sky import J2000, Place, altaz, julian_day, precess, sun
+from talaia.model.units.astronomy import J2000, Place, altaz, julian_day, precess, sun
 from talaia.sim.observatory.fits import Card, fits_file
 from talaia.sim.observatory.stars import Chip, Shot, draw
 from talaia.sim.observatory.ticket import Ticket

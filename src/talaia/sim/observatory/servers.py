@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from talaia.model.sky import Place, altaz, julian_day, sun
+from talaia.model.units.astronomy import Place, altaz, julian_day, sun
 from talaia.sim.observatory import camera, cctv, enclosure, telescope
 from talaia.sim.observatory.camera import Camera, Scene
 from talaia.sim.observatory.clamshell import Clamshell

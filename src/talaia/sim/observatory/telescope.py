@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from talaia.model.sky import (
+from talaia.model.units.astronomy import (
     Horizontal,
     Place,
     altaz,

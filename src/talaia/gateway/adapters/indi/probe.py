@@ -26,7 +26,13 @@ from talaia.gateway.adapters.indi.protocol import (
 )
 from talaia.gateway.adapters.indi.state import IndiDeviceTree
 from talaia.gateway.errors import AdapterLost
-from talaia.model.found import FORMAT, DeviceFound, ElementFound, Found, PropertyFound
+from talaia.model.discovery.probe_report import (
+    FORMAT,
+    DeviceFound,
+    ElementFound,
+    Found,
+    PropertyFound,
+)
 
 if TYPE_CHECKING:
     from talaia.gateway.adapters.indi.protocol import Element

@@ -26,7 +26,14 @@ from talaia.gateway.adapters.ros1.message_types import definition_of
 from talaia.gateway.adapters.ros1.node import NodeProcess
 from talaia.gateway.errors import AdapterLost, FieldError
 from talaia.model.connection import Ros1Connection
-from talaia.model.found import FORMAT, ActionFound, FieldFound, Found, ServiceFound, TopicFound
+from talaia.model.discovery.probe_report import (
+    FORMAT,
+    ActionFound,
+    FieldFound,
+    Found,
+    ServiceFound,
+    TopicFound,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -28,7 +28,7 @@ from talaia.gateway.adapters.ros2.message_types import kind_named, kind_of
 from talaia.gateway.adapters.ros2.qos import QosProfile, quality_for
 from talaia.gateway.adapters.ros2.requests import class_of
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
-from talaia.model.found import FORMAT, ActionFound, Found, ServiceFound, TopicFound
+from talaia.model.discovery.probe_report import FORMAT, ActionFound, Found, ServiceFound, TopicFound
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

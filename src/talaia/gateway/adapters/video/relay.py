@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Self
 from urllib.parse import urlsplit, urlunsplit
 
 from talaia.gateway.errors import GatewayError
-from talaia.model.camera_places import remedy_for, why_no_camera
+from talaia.model.camera_addresses import remedy_for, why_no_camera
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -1,0 +1,1 @@
+"""Alarms and anomaly detection as values."""

@@ -1,0 +1,1 @@
+"""Cross-checks of a description: findings, each with its place and remedy."""

@@ -1,0 +1,220 @@
+"""Cross-checks of alarms, of a description and of those made in the page; part of `check`."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from talaia.model.alarms.alarm import Alarm, AlarmKind
+from talaia.model.alarms.expression import ExpressionError, Kind, parse
+from talaia.model.checks.identifiers import Finding, above, at_least, id_fits, name_fits
+from talaia.model.errors import UnknownWord
+from talaia.model.site import SignalType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.site import Signal, Site
+
+__all__ = ["Addresses", "alarm_findings", "alarms_findings", "signals_of"]
+
+_DAY = 86_400.0
+_SHORTEST = 10.0
+_MOST = 1000
+_MOST_ADVICE = 1000
+# Which keys belong to which kind; those of none belong to all.
+_OWN = {
+    AlarmKind.LIMIT: {"signal", "above", "below", "hysteresis", "max_age"},
+    AlarmKind.STATE: {"signal", "is_one_of", "is_not", "max_age"},
+    AlarmKind.STALE: {"signal", "max_age"},
+    AlarmKind.ANOMALY: {"signal", "score", "max_age"},
+    AlarmKind.DETECTION: {"stream", "label", "count", "confidence"},
+    AlarmKind.EXPRESSION: {"expression", "max_age"},
+    AlarmKind.ENCLOSURE: {"enclosure"},
+    AlarmKind.GATEWAY: set(),
+}
+_WRITTEN = {"is_one_of": "is"}
+
+
+class Addresses:
+    """What a description has, by address; made once for all of its alarms.
+
+    Attributes:
+        signals: the signal of each channel.
+        streams: every camera.
+        enclosures: their short names.
+        kinds: what each channel is in an expression: a state compares as the text of its name.
+
+    """
+
+    def __init__(self, site: Site) -> None:
+        """Look through ``site``."""
+        self.signals = {
+            channel.address: site.devices[channel.device].signals[channel.signal]
+            for channel in site.channels()
+        }
+        self.kinds = {
+            address: Kind.NUMBER
+            if signal.type in {SignalType.NUMBER, SignalType.POSITION}
+            else Kind.TEXT
+            for address, signal in self.signals.items()
+        }
+        self.enclosures = list(site.enclosures)
+        self.streams = [
+            f"{device_id}/{stream_id}"
+            for device_id, device in site.devices.items()
+            for stream_id in device.streams
+        ]
+
+
+def alarms_findings(site: Site) -> Iterator[Finding]:
+    """List what does not fit in a description's alarms."""
+    addresses = Addresses(site)
+    if len(site.alarms) > _MOST:
+        yield Finding("$.alarms", f"more than {_MOST} alarms")
+    for alarm_id, alarm in site.alarms.items():
+        where = f"$.alarms.{alarm_id}"
+        yield from id_fits(where, alarm_id)
+        yield from alarm_findings(addresses, where, alarm)
+
+
+def alarm_findings(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+    """List what does not fit in one alarm."""
+    yield from name_fits(f"{where}.name", alarm.name)
+    for key in ("delay", "clear_delay"):
+        found = getattr(alarm, key)
+        if not 0 <= found <= _DAY:
+            yield Finding(f"{where}.{key}", f"expected 0 to {_DAY:g} s, found {found}")
+    if alarm.unknown_after is not None and not 0 <= alarm.unknown_after <= _DAY:
+        at = f"{where}.unknown_after"
+        yield Finding(at, f"expected 0 to {_DAY:g} s, found {alarm.unknown_after}")
+    if alarm.max_age is not None:
+        yield from above(f"{where}.max_age", alarm.max_age, 0)
+    if len(alarm.advice) > _MOST_ADVICE:
+        yield Finding(f"{where}.advice", f"longer than {_MOST_ADVICE} letters")
+    yield from _told_again(where, alarm)
+    yield from _strangers(where, alarm)
+    match alarm.kind:
+        case AlarmKind.DETECTION:
+            yield from _detection(addresses, where, alarm)
+        case AlarmKind.EXPRESSION:
+            yield from _expression(addresses, where, alarm)
+        case AlarmKind.ENCLOSURE:
+            if alarm.enclosure and alarm.enclosure not in addresses.enclosures:
+                at = f"{where}.enclosure"
+                yield _of(UnknownWord(at, "enclosure", alarm.enclosure, addresses.enclosures))
+        case AlarmKind.GATEWAY:
+            pass
+        case _:
+            yield from _of_signal(addresses, where, alarm)
+
+
+def signals_of(addresses: Addresses, alarm: Alarm) -> tuple[str, ...]:
+    """Name the channels that an alarm looks at; none for what a camera sees."""
+    if alarm.kind is AlarmKind.EXPRESSION:
+        try:
+            return parse(alarm.expression, addresses.kinds).signals
+        except ExpressionError:
+            return ()
+    return (alarm.signal,) if alarm.signal else ()
+
+
+def _told_again(where: str, alarm: Alarm) -> Iterator[Finding]:
+    for key in ("repeat", "remind"):
+        every = getattr(alarm, key)
+        if every is not None and not _SHORTEST <= every <= _DAY:
+            yield Finding(f"{where}.{key}", f"expected {_SHORTEST:g} to {_DAY:g} s, found {every}")
+    before = 0.0
+    for index, each in enumerate(alarm.escalate):
+        at = f"{where}.escalate[{index}]"
+        yield from name_fits(f"{at}.who", each.who)
+        if not before <= each.after <= _DAY:
+            problem = f"expected {before:g} to {_DAY:g} s, found {each.after}"
+            yield Finding(f"{at}.after", problem, "list people in the order in which they are told")
+            return
+        before = each.after
+    if alarm.escalate and alarm.repeat is None:
+        yield Finding(f"{where}.repeat", "with escalate it is told again", "write repeat: 300")
+
+
+def _strangers(where: str, alarm: Alarm) -> Iterator[Finding]:
+    plain = Alarm(name="", kind=alarm.kind)
+    others = set().union(*_OWN.values()) - _OWN[alarm.kind]
+    for key in sorted(others):
+        if getattr(alarm, key) != getattr(plain, key):
+            written = _WRITTEN.get(key, key)
+            yield Finding(
+                f"{where}.{written}", f"an alarm of kind {alarm.kind} has none", "leave it out"
+            )
+
+
+def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+    described = addresses.signals
+    fitting = {
+        AlarmKind.LIMIT: {SignalType.NUMBER, SignalType.POSITION},
+        AlarmKind.ANOMALY: {SignalType.NUMBER, SignalType.POSITION},
+        AlarmKind.STATE: {SignalType.STATE, SignalType.TEXT},
+    }.get(alarm.kind, set(SignalType))
+    known = [address for address, signal in described.items() if signal.type in fitting]
+    if alarm.signal not in known:
+        yield _of(UnknownWord(f"{where}.signal", "signal", alarm.signal, known))
+        return
+    if alarm.kind is AlarmKind.LIMIT:
+        yield from _limits(where, alarm)
+    elif alarm.kind is AlarmKind.STATE:
+        yield from _states(where, alarm, described[alarm.signal])
+    elif alarm.kind is AlarmKind.ANOMALY:
+        yield from at_least(f"{where}.score", alarm.score, 0)
+
+
+def _limits(where: str, alarm: Alarm) -> Iterator[Finding]:
+    if alarm.above is None and alarm.below is None:
+        yield Finding(where, "there is no limit", "write above or below")
+    for key in ("above", "below"):
+        value = getattr(alarm, key)
+        if value is not None and not math.isfinite(value):
+            yield Finding(f"{where}.{key}", f"expected a finite number, found {value}")
+    yield from at_least(f"{where}.hysteresis", alarm.hysteresis, 0)
+    if alarm.above is not None and alarm.below is not None and alarm.below >= alarm.above:
+        yield Finding(
+            f"{where}.below",
+            f"below {alarm.below:g} or above {alarm.above:g} is nearly always true",
+            "swap the two",
+        )
+
+
+def _states(where: str, alarm: Alarm, signal: Signal) -> Iterator[Finding]:
+    if not alarm.is_one_of and not alarm.is_not:
+        yield Finding(where, "there is no state", "write is or is_not")
+    if signal.type is not SignalType.STATE:
+        return
+    for key, words in (("is", alarm.is_one_of), ("is_not", alarm.is_not)):
+        for index, word in enumerate(words):
+            if word not in signal.states:
+                at = f"{where}.{key}[{index}]"
+                yield _of(UnknownWord(at, "state", word, signal.states))
+
+
+def _detection(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+    streams = addresses.streams
+    if alarm.stream not in streams:
+        yield _of(UnknownWord(f"{where}.stream", "stream", alarm.stream, streams))
+    yield from name_fits(f"{where}.label", alarm.label)
+    if not 1 <= alarm.count <= _MOST:
+        yield Finding(f"{where}.count", f"expected 1 to {_MOST}, found {alarm.count}")
+    if not 0 <= alarm.confidence <= 1:
+        yield Finding(f"{where}.confidence", f"expected 0 to 1, found {alarm.confidence}")
+
+
+def _expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+    try:
+        found = parse(alarm.expression, addresses.kinds)
+    except ExpressionError as error:
+        yield Finding(f"{where}.expression", str(error))
+        return
+    if not found.signals:
+        yield Finding(f"{where}.expression", "there is no signal in it", "write {device/signal}")
+
+
+def _of(error: UnknownWord) -> Finding:
+    return Finding(error.where, error.problem, error.remedy)

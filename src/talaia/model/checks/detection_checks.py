@@ -1,0 +1,154 @@
+"""Cross-checks of object detection: cameras that see, their models, and what counts; of `check`."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.model.checks.identifiers import Finding, above, id_fits, name_fits
+from talaia.model.derived_signals import classes_of, counts_of, detect_of
+from talaia.model.detection import DetectAt
+from talaia.model.errors import UnknownWord
+from talaia.model.site import SignalType, Source
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.detection import ObjectModel
+    from talaia.model.interlocks.interlock import Condition
+    from talaia.model.site import Device, Signal, Site, Stream
+
+__all__ = ["count_fits", "detect_fits", "hub_sight_findings", "models_findings"]
+
+_MOST_RATE = 60.0
+_LONGEST_HOLD_S = 60.0
+_MOST_CLASSES = 1000
+_SIDES = (32, 2048)
+
+
+def models_findings(site: Site) -> Iterator[Finding]:
+    """List what is wrong with a site's own detectors."""
+    for name, model in site.object_models.items():
+        where = f"$.object_models.{name}"
+        yield from id_fits(where, name)
+        yield from _model(where, model)
+
+
+def _model(where: str, model: ObjectModel) -> Iterator[Finding]:
+    if not model.file.strip() or "\0" in model.file:
+        yield Finding(f"{where}.file", "there is no file", "write: file: models/ours.onnx")
+    if not 1 <= len(model.classes) <= _MOST_CLASSES:
+        problem = f"expected 1 to {_MOST_CLASSES} classes, found {len(model.classes)}"
+        remedy = "write their names in the order in which the file numbers them"
+        yield Finding(f"{where}.classes", problem, remedy)
+    for index, label in enumerate(model.classes):
+        yield from name_fits(f"{where}.classes[{index}]", label)
+        if label in model.classes[:index]:
+            yield Finding(f"{where}.classes[{index}]", f"{label!r} is there twice", "rename one")
+    low, high = _SIDES
+    if not low <= model.side <= high or model.side % 32:
+        problem = f"expected {low} to {high} pixels, a multiple of 32, found {model.side}"
+        yield Finding(f"{where}.side", problem, "640 is usual")
+    for index, each in enumerate(model.mean):
+        if not math.isfinite(each):
+            yield Finding(f"{where}.mean[{index}]", f"expected a finite number, found {each}")
+    for index, each in enumerate(model.spread):
+        yield from above(f"{where}.spread[{index}]", each, 0)
+
+
+def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
+    """List what is wrong with what is to be seen on a camera."""
+    detect = stream.detect
+    if detect is None:
+        return
+    if not 0 <= detect.confidence <= 1:
+        yield Finding(f"{where}.confidence", f"expected 0 to 1, found {detect.confidence}")
+    if not 0 < detect.max_rate <= _MOST_RATE:
+        problem = f"expected more than 0 to {_MOST_RATE:g} Hz, found {detect.max_rate}"
+        yield Finding(f"{where}.max_rate", problem)
+    if not 0 <= detect.hold <= _LONGEST_HOLD_S:
+        problem = f"expected 0 to {_LONGEST_HOLD_S:g} s, found {detect.hold}"
+        yield Finding(f"{where}.hold", problem, "the interlock's own dwell may be longer")
+    if detect.model and detect.model not in site.object_models:
+        if not site.object_models:
+            problem = f"there is no model {detect.model!r}"
+            yield Finding(f"{where}.model", problem, "describe it in object_models")
+            return
+        yield _of(UnknownWord(f"{where}.model", "model", detect.model, site.object_models))
+        return
+    known = classes_of(site, detect.model)
+    for index, label in enumerate(detect.classes):
+        if label not in known:
+            yield _of(UnknownWord(f"{where}.classes[{index}]", "class", label, known))
+        elif label in detect.classes[:index]:
+            yield Finding(f"{where}.classes[{index}]", f"{label!r} is there twice", "leave it out")
+
+
+def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterator[Finding]:
+    """List what is wrong with where a signal that counts what a camera sees comes from."""
+    source = signal.source
+    if signal.type is not SignalType.NUMBER:
+        yield Finding(where, f"a {signal.type} counts nothing", "write: type: number")
+    plain = Source(stream=source.stream, sees=source.sees, within=source.within)
+    for field in msgspec.structs.fields(Source):
+        if getattr(source, field.name) != getattr(plain, field.name):
+            at = f"{where}.{field.encode_name}"
+            yield Finding(at, "what a camera sees comes from nowhere else", "leave it out")
+    if source.within is not None:
+        yield from _within(f"{where}.within", source.within)
+    if not source.stream:
+        remedy = "write: stream: front_camera"
+        yield Finding(f"{where}.stream", "on which camera is it to be seen?", remedy)
+        return
+    if not source.sees:
+        yield Finding(f"{where}.sees", "what is to be counted?", "write: sees: person")
+        return
+    stream = device.streams.get(source.stream)
+    if stream is None:
+        yield _of(UnknownWord(f"{where}.stream", "stream", source.stream, device.streams))
+        return
+    detect = detect_of(site, stream)
+    if detect is None:
+        problem = f"nothing is detected on {source.stream}"
+        yield Finding(f"{where}.stream", problem, "write at the stream: detect: {}")
+        return
+    known = classes_of(site, detect.model)
+    if known and source.sees not in known:
+        yield _of(UnknownWord(f"{where}.sees", "class", source.sees, known))
+
+
+def _within(where: str, within: tuple[float, float, float, float]) -> Iterator[Finding]:
+    if not all(0 <= each <= 1 for each in within):
+        yield Finding(where, "expected four parts of the picture, 0 to 1", "as [0.3, 0.5, 0.7, 1]")
+    elif within[0] >= within[2] or within[1] >= within[3]:
+        problem = "expected left, top, right, bottom in this order, from the upper left"
+        yield Finding(where, problem, "as [0.3, 0.5, 0.7, 1]")
+
+
+def hub_sight_findings(site: Site) -> Iterator[Finding]:
+    """List what the gateway is to guard by, and only the hub sees; ``site`` has its counts."""
+    far = {address for address, (_, detect) in counts_of(site).items() if detect.at is DetectAt.HUB}
+    problem = "it is seen at the hub, and the gateway guards by what it knows itself"
+    remedy = "write at the stream's detect: at: gateway"
+    told = set()
+    for name, interlock in site.interlocks.items():
+        for where, address in _conditions(f"$.interlocks.{name}.when", interlock.when):
+            if address in far:
+                told.add(address)
+                yield Finding(where, problem, remedy)
+    for address in sorted((site.guarded() & far) - told):
+        device, _, signal = address.partition("/")
+        yield Finding(f"$.devices.{device}.signals.{signal}", problem, remedy)
+
+
+def _conditions(where: str, conditions: tuple[Condition, ...]) -> Iterator[tuple[str, str]]:
+    for index, each in enumerate(conditions):
+        if each.signal:
+            yield f"{where}[{index}].signal", each.signal
+        yield from _conditions(f"{where}[{index}].all", each.all_of)
+
+
+def _of(error: UnknownWord) -> Finding:
+    return Finding(error.where, error.problem, error.remedy)

@@ -1,0 +1,327 @@
+"""Cross-checks of a description that has the right shape; returns findings, raises nothing.
+
+Long, because what must fit together is listed in one place.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from talaia.model.checks.alarm_checks import alarms_findings
+from talaia.model.checks.anomaly_checks import anomaly_findings
+from talaia.model.checks.connection_checks import (
+    command_fits,
+    connection_findings,
+    frames_fit,
+    link_of,
+    signal_source_fits,
+    stream_source_fits,
+)
+from talaia.model.checks.detection_checks import (
+    count_fits,
+    detect_fits,
+    hub_sight_findings,
+    models_findings,
+)
+from talaia.model.checks.enclosure_checks import enclosure_findings
+from talaia.model.checks.identifiers import (
+    FIELD,
+    Finding,
+    above,
+    at_least,
+    field_fits,
+    id_fits,
+    name_fits,
+    range_fits,
+    topic_fits,
+)
+from talaia.model.checks.interlock_checks import interlock_findings
+from talaia.model.checks.validity_checks import validity_fits
+from talaia.model.connection import Ros1Connection, Ros2Connection
+from talaia.model.derived_signals import is_seen, with_counts
+from talaia.model.errors import DescriptionError, UnknownWord
+from talaia.model.renames import former_findings
+from talaia.model.site import ArgumentType, CommandKind, DriveMessage, Keys, SignalType, Site
+from talaia.model.units.time_zones import known_zones
+from talaia.model.units.unit import unit_of
+from talaia.model.yaml_text.version import FORMAT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from talaia.model.recording import Recording
+    from talaia.model.site import Argument, Command, Device, Drive, Signal, Stream
+
+__all__ = ["Finding", "check", "raise_first"]
+
+_MAX_CHANNELS = 60_000
+
+
+def check(site: Site) -> list[Finding]:
+    """List all that does not fit together in ``site``; an empty list means it can run."""
+    return [*_site(site, with_counts(site))]
+
+
+def raise_first(site: Site) -> Site:
+    """Give ``site`` back when it can run.
+
+    Raises:
+        DescriptionError: the first finding, with the number of the others.
+
+    """
+    findings = check(site)
+    if not findings:
+        return site
+    first = findings[0]
+    more = f" (and {len(findings) - 1} more: run talaia check)" if len(findings) > 1 else ""
+    raise DescriptionError(first.where, first.problem, first.remedy + more)
+
+
+def _site(site: Site, whole: Site) -> Iterator[Finding]:
+    """Check ``site``; what may refer to the signals of what is seen has them from ``whole``."""
+    if site.talaia != FORMAT:
+        problem = f"expected the format version {FORMAT}, found {site.talaia}"
+        yield Finding("$.talaia", problem, f"write: talaia: {FORMAT}")
+    yield from id_fits("$.site", site.site)
+    yield from name_fits("$.name", site.name)
+    if site.zone not in known_zones():
+        yield _of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
+    yield from connection_findings(site)
+    if not site.devices and not any(
+        getattr(each, "discover", False) for each in site.links().values()
+    ):
+        yield Finding("$.devices", "there is no device", "describe at least one")
+    if len(whole.channels()) > _MAX_CHANNELS:
+        yield Finding("$.devices", f"more than {_MAX_CHANNELS} channels at one site", "split it")
+    for device_id, device in site.devices.items():
+        where = f"$.devices.{device_id}"
+        yield from id_fits(where, device_id)
+        yield from _device(whole, where, device)
+    yield from models_findings(site)
+    yield from interlock_findings(whole)
+    yield from enclosure_findings(whole)
+    yield from hub_sight_findings(whole)
+    yield from former_findings(whole)
+    yield from alarms_findings(whole)
+    if site.recording is not None:
+        yield from _recording(site, site.recording)
+
+
+def _recording(site: Site, recording: Recording) -> Iterator[Finding]:
+    where = "$.recording"
+    ros = Ros2Connection | Ros1Connection
+    streams = {f"{name}/{key}" for name, device in site.devices.items() for key in device.streams}
+    if not streams and not any(isinstance(each, ros) for each in site.links().values()):
+        yield Finding(where, "only topics of ROS and cameras are recorded", "add: ros2: {}")
+    for index, camera in enumerate(recording.cameras):
+        if camera not in streams:
+            known = ", ".join(sorted(streams)[:5]) or "none is described"
+            yield Finding(
+                f"{where}.cameras[{index}]", f"there is no camera {camera!r}", f"one of: {known}"
+            )
+    for index, topic in enumerate(recording.topics):
+        yield from topic_fits(f"{where}.topics[{index}]", topic)
+    for key, low, high, unit in (
+        ("before", 0, 600, "s"),
+        ("after", 1, 3600, "s"),
+        ("longest", 1, 86_400, "s"),
+        ("ring_mb", 1, 4_000, "MB"),
+        ("file_mb", 1, 100_000, "MB"),
+        ("disk_mb", 1, 1_000_000, "MB"),
+        ("upload", 1, 1_000_000, "kB/s"),
+    ):
+        found = getattr(recording, key)
+        if not low <= found <= high:
+            yield Finding(f"{where}.{key}", f"expected {low} to {high} {unit}, found {found}")
+    if recording.file_mb > recording.disk_mb:
+        yield Finding(
+            f"{where}.file_mb",
+            f"a file of {recording.file_mb:g} MB does not fit {recording.disk_mb:g} MB",
+            "make disk_mb larger",
+        )
+
+
+def _near_zones(zone: str) -> Iterable[str]:
+    """Zones of the same region, so that the message does not list six hundred."""
+    region = zone.split("/", 1)[0].lower()
+    near = [each for each in known_zones() if each.lower().startswith(region)]
+    return near or ["UTC", "Europe/Madrid", "America/New_York"]
+
+
+def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
+    yield from name_fits(f"{where}.name", device.name)
+    link, problems = link_of(site, where, device)
+    yield from problems
+    for signal_id, signal in device.signals.items():
+        yield from id_fits(f"{where}.signals.{signal_id}", signal_id)
+        yield from _signal(f"{where}.signals.{signal_id}", signal)
+        at = f"{where}.signals.{signal_id}.source"
+        if is_seen(signal.source):
+            yield from count_fits(site, at, device, signal)
+        elif link is not None:
+            yield from signal_source_fits(at, signal, link)
+    for stream_id, stream in device.streams.items():
+        yield from id_fits(f"{where}.streams.{stream_id}", stream_id)
+        yield from _stream(f"{where}.streams.{stream_id}", stream)
+        yield from detect_fits(site, f"{where}.streams.{stream_id}.detect", stream)
+        if link is not None:
+            yield from stream_source_fits(f"{where}.streams.{stream_id}.source", stream, link)
+    for command_id, command in device.commands.items():
+        yield from id_fits(f"{where}.commands.{command_id}", command_id)
+        yield from _command(f"{where}.commands.{command_id}", command)
+        if link is not None:
+            yield from command_fits(f"{where}.commands.{command_id}", command, link)
+    if link is not None:
+        yield from frames_fit(f"{where}.frames", device, link)
+    if device.drive is not None:
+        yield from _drive(site, f"{where}.drive", device.drive)
+
+
+def _signal(where: str, signal: Signal) -> Iterator[Finding]:
+    yield from name_fits(f"{where}.name", signal.name)
+    number = signal.type is SignalType.NUMBER
+    yield from anomaly_findings(where, signal.anomalies, number=number)
+    try:
+        unit_of(f"{where}.unit", signal.unit)
+    except UnknownWord as error:
+        yield _of(error)
+    yield from validity_fits(where, signal)
+    for key in ("max_rate", "deadband", "keep"):
+        yield from at_least(f"{where}.{key}", getattr(signal, key), 0)
+    yield from above(f"{where}.max_age", signal.max_age, 0)
+    if not math.isfinite(signal.scale) or signal.scale == 0:
+        yield Finding(f"{where}.scale", f"expected a number other than 0, found {signal.scale}")
+    if not -1 <= signal.decimals <= 9:
+        yield Finding(f"{where}.decimals", f"expected 0 to 9, found {signal.decimals}")
+    if signal.type is SignalType.STATE and not signal.states:
+        yield Finding(
+            f"{where}.states", "a state needs its list of states", 'write: states: ["off", "on"]'
+        )
+    if signal.type is not SignalType.STATE and signal.states:
+        yield Finding(f"{where}.states", f"a {signal.type} has no states", "write: type: state")
+    if signal.type is not SignalType.NUMBER and signal.unit:
+        yield Finding(f"{where}.unit", f"a {signal.type} has no unit", "leave the unit out")
+    if signal.yaw_from and not FIELD.match(signal.yaw_from):
+        yield Finding(f"{where}.yaw_from", f"{signal.yaw_from!r} is not the path of a field")
+
+
+def _stream(where: str, stream: Stream) -> Iterator[Finding]:
+    yield from name_fits(f"{where}.name", stream.name)
+    yield from above(f"{where}.max_rate", stream.max_rate, 0)
+    if not 1 <= stream.quality <= 95:
+        yield Finding(f"{where}.quality", f"expected 1 to 95, found {stream.quality}")
+    if not 0 <= stream.kbits <= 100_000:
+        yield Finding(f"{where}.kbits", f"expected 0 to 100000, found {stream.kbits}")
+    if stream.width < 0:
+        yield Finding(f"{where}.width", f"expected 0 or more pixels, found {stream.width}")
+
+
+def _command(where: str, command: Command) -> Iterator[Finding]:
+    yield from name_fits(f"{where}.name", command.name)
+    yield from above(f"{where}.progress_end", command.progress_end, 0)
+    if command.progress:
+        yield from field_fits(f"{where}.progress", command.progress)
+        if command.kind is not CommandKind.ACTION:
+            yield Finding(f"{where}.progress", "only an action tells its progress", "leave it out")
+    yield from above(f"{where}.ttl", command.ttl, 0)
+    yield from above(f"{where}.timeout", command.timeout, 0)
+    for argument_id, argument in command.arguments.items():
+        yield from id_fits(f"{where}.arguments.{argument_id}", argument_id)
+        yield from _argument(f"{where}.arguments.{argument_id}", argument)
+
+
+def _argument(where: str, argument: Argument) -> Iterator[Finding]:
+    yield from range_fits(where, argument.minimum, argument.maximum)
+    try:
+        unit_of(f"{where}.unit", argument.unit)
+    except UnknownWord as error:
+        yield _of(error)
+    if argument.default is None:
+        return
+    expected: dict[ArgumentType, type | tuple[type, ...]] = {
+        ArgumentType.NUMBER: (int, float),
+        ArgumentType.INTEGER: int,
+        ArgumentType.BOOLEAN: bool,
+        ArgumentType.TEXT: str,
+    }
+    fits = isinstance(argument.default, expected[argument.type])
+    if isinstance(argument.default, bool) and argument.type is not ArgumentType.BOOLEAN:
+        fits = False
+    if not fits:
+        yield Finding(f"{where}.default", f"expected {argument.type}, found {argument.default!r}")
+
+
+def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
+    yield from topic_fits(f"{where}.topic", drive.topic)
+    for key in ("max_speed", "max_turn", "max_acceleration", "max_turn_acceleration"):
+        yield from above(f"{where}.{key}", getattr(drive, key), 0)
+    if drive.max_reverse is not None:
+        yield from at_least(f"{where}.max_reverse", drive.max_reverse, 0)
+    # The limits of the safety rules: a description may be stricter, and looser only within these.
+    for key, low, high, unit in (
+        ("rate", 5, 100, "Hz"),
+        ("ttl", 0.05, 0.5, "s"),
+        ("zeros_for", 0.5, 10, "s"),
+        ("lease", 1, 10, "s"),
+    ):
+        found = getattr(drive, key)
+        if not low <= found <= high:
+            yield Finding(
+                f"{where}.{key}",
+                f"expected {low} to {high} {unit}, found {found}",
+                "the safety rules allow no more",
+            )
+    if drive.stop.topic:
+        yield from topic_fits(f"{where}.stop.topic", drive.stop.topic)
+    numbers = {
+        f"{device_id}/{signal_id}": signal.type
+        for device_id, device in site.devices.items()
+        for signal_id, signal in device.signals.items()
+    }
+    streams = [
+        f"{device_id}/{stream_id}"
+        for device_id, device in site.devices.items()
+        for stream_id in device.streams
+    ]
+    yield from above(f"{where}.stop.below", drive.stop.below, 0)
+    for index, address in enumerate(drive.stop.confirmed_by):
+        at = f"{where}.stop.confirmed_by[{index}]"
+        if numbers.get(address) is not SignalType.NUMBER:
+            known = [each for each, kind in numbers.items() if kind is SignalType.NUMBER]
+            yield _of(UnknownWord(at, "number signal", address, known))
+    if drive.picture and drive.picture not in streams:
+        yield _of(UnknownWord(f"{where}.picture", "stream", drive.picture, streams))
+    if drive.position and numbers.get(drive.position) is not SignalType.POSITION:
+        known = [each for each, kind in numbers.items() if kind is SignalType.POSITION]
+        yield _of(UnknownWord(f"{where}.position", "position signal", drive.position, known))
+    if drive.message is DriveMessage.KEYS and drive.max_reverse == 0:
+        yield Finding(f"{where}.max_reverse", "the key x drives backward", "leave it out")
+    yield from _keys(f"{where}.keys", drive, numbers)
+
+
+def _keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> Iterator[Finding]:
+    keys = drive.keys
+    if keys != Keys() and drive.message is not DriveMessage.KEYS:
+        yield Finding(where, f"{drive.message} takes no characters", "leave it out")
+    for name, step, limit in (
+        ("speed_step", keys.speed_step, drive.max_speed),
+        ("turn_step", keys.turn_step, drive.max_turn),
+    ):
+        if step is None:
+            continue
+        yield from above(f"{where}.{name}", step, 0)
+        if step > limit:
+            yield Finding(
+                f"{where}.{name}",
+                f"one character is {step:g}, more than the limit of {limit:g}",
+                "no character could be sent; raise the limit if the robot may go as fast",
+            )
+    for name, address in (("speed", keys.speed), ("turn", keys.turn)):
+        if address and numbers.get(address) is not SignalType.NUMBER:
+            known = [each for each, kind in numbers.items() if kind is SignalType.NUMBER]
+            yield _of(UnknownWord(f"{where}.{name}", "number signal", address, known))
+
+
+def _of(error: DescriptionError) -> Finding:
+    return Finding(error.where, error.problem, error.remedy)

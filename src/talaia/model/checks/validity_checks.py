@@ -1,0 +1,51 @@
+"""Cross-checks of what makes a value unknown although it arrives; part of `check`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.model.checks.identifiers import Finding, at_least, field_fits, range_fits
+from talaia.model.connection import ROS_KINDS, ConnectionKind
+from talaia.model.site import SignalType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.site import Signal
+
+__all__ = ["stamp_fits", "validity_fits"]
+
+_INDI_STAMP = "timestamp"
+
+
+def validity_fits(where: str, signal: Signal) -> Iterator[Finding]:
+    """List what is wrong with a signal's range, and with when it counts as frozen."""
+    yield from range_fits(where, signal.minimum, signal.maximum)
+    yield from at_least(f"{where}.frozen_after", signal.frozen_after, 0)
+    if signal.frozen_after and signal.type is not SignalType.NUMBER:
+        problem = f"a {signal.type} may stay the same for as long as it likes"
+        yield Finding(f"{where}.frozen_after", problem, "leave it out")
+    elif 0 < signal.frozen_after <= signal.max_age:
+        problem = f"within {signal.max_age:g} s (max_age) one value may come but once"
+        yield Finding(f"{where}.frozen_after", problem, "take a longer time")
+
+
+def stamp_fits(where: str, signal: Signal, kind: ConnectionKind) -> Iterator[Finding]:
+    """List what is wrong with where a value's own time comes from."""
+    source = signal.source
+    if source.synchronized and not source.stamp:
+        problem = "there is no stamp whose clock could agree"
+        yield Finding(f"{where}.synchronized", problem, "write: stamp: header.stamp")
+    if not source.stamp:
+        return
+    if signal.type not in (SignalType.NUMBER, SignalType.STATE):
+        problem = f"a {signal.type} is judged by no interlock"
+        yield Finding(f"{where}.stamp", problem, "leave the stamp out")
+    elif kind is ConnectionKind.INDI and source.stamp != _INDI_STAMP:
+        problem = f"INDI has one stamp for each property, found {source.stamp!r}"
+        yield Finding(f"{where}.stamp", problem, f"write: stamp: {_INDI_STAMP}")
+    elif kind in ROS_KINDS and (source.parameter or source.name):
+        what = "a parameter" if source.parameter else "a sensor by name"
+        yield Finding(f"{where}.stamp", f"{what} has no stamp", "leave the stamp out")
+    elif kind in ROS_KINDS:
+        yield from field_fits(f"{where}.stamp", source.stamp)

@@ -1,0 +1,152 @@
+"""What a description implies where a camera detects: a signal that counts for each class. Pure.
+
+These signals are never in a person's file. Whoever runs or checks a description puts them in.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.model.coco_classes import COCO
+from talaia.model.detection import Detect
+from talaia.model.site import Signal, Source
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.detection import ObjectModel
+    from talaia.model.site import Device, Site, Stream
+
+__all__ = [
+    "Eye",
+    "classes_of",
+    "counts_of",
+    "detect_of",
+    "detecting",
+    "eye_of",
+    "is_seen",
+    "with_counts",
+]
+
+_LONGEST_ID, _LONGEST_NAME = 63, 100
+_NO_WORD = re.compile(r"[^a-z0-9_]+")
+# A count is told at least once a second, or with each picture where they are rarer.
+_MAX_AGE_S, _PICTURES = 5.0, 3.0
+
+
+def is_seen(source: Source) -> bool:
+    """Tell whether a signal counts what a camera sees, and does not come from the robot."""
+    return bool(source.stream or source.sees)
+
+
+def detect_of(site: Site, stream: Stream) -> Detect | None:
+    """Say what is to be seen on a camera's pictures; none when nothing is."""
+    if stream.detect is not None:
+        return stream.detect
+    wanted = site.services is not None and site.services.object_detection
+    return Detect() if wanted else None
+
+
+def classes_of(site: Site, model: str) -> tuple[str, ...]:
+    """Name the classes of a detector; none of one that is not described."""
+    if not model:
+        return COCO
+    described = site.object_models.get(model)
+    return () if described is None else described.classes
+
+
+def detecting(site: Site) -> Iterator[tuple[str, Detect]]:
+    """Give every camera that detects, as ``device/stream``, and what."""
+    for device_id, device in site.devices.items():
+        for stream_id, stream in device.streams.items():
+            detect = detect_of(site, stream)
+            if detect is not None:
+                yield f"{device_id}/{stream_id}", detect
+
+
+def counts_of(site: Site) -> dict[str, tuple[str, Detect]]:
+    """Give by the address of each signal that counts: its camera, and what is to be seen there."""
+    cameras = dict(detecting(site))
+    counts = {}
+    for device_id, device in site.devices.items():
+        for signal_id, signal in device.signals.items():
+            camera = f"{device_id}/{signal.source.stream}"
+            if is_seen(signal.source) and camera in cameras:
+                counts[f"{device_id}/{signal_id}"] = (camera, cameras[camera])
+    return counts
+
+
+class Eye(NamedTuple):
+    """All that decides what is seen on a camera."""
+
+    source: Source
+    max_rate: float
+    detect: Detect
+    model: ObjectModel | None
+
+
+def eye_of(site: Site, device: str, stream: str) -> Eye | None:
+    """Give what sees on a camera of a device; none where there is none, or nothing is seen."""
+    described = site.devices[device].streams.get(stream)
+    detect = None if described is None else detect_of(site, described)
+    if described is None or detect is None:
+        return None
+    return Eye(described.source, described.max_rate, detect, site.object_models.get(detect.model))
+
+
+def with_counts(site: Site) -> Site:
+    """Give ``site`` with all that its cameras imply; once or twice is the same.
+
+    A camera that has no `Detect` of its own gets the default one where the site asks for it, and
+    each of its classes a signal, unless one with the same source is there already.
+    """
+    devices = {name: _with_counts(site, device) for name, device in site.devices.items()}
+    if devices == site.devices:
+        return site
+    return msgspec.structs.replace(site, devices=devices)
+
+
+def _with_counts(site: Site, device: Device) -> Device:
+    signals, streams = dict(device.signals), dict(device.streams)
+    has = {
+        (each.source.stream, each.source.sees)
+        for each in signals.values()
+        if each.source.within is None
+    }
+    for stream_id, stream in device.streams.items():
+        detect = detect_of(site, stream)
+        if detect is None:
+            continue
+        streams[stream_id] = msgspec.structs.replace(stream, detect=detect)
+        for label in dict.fromkeys(detect.classes):
+            if (stream_id, label) not in has:
+                word = _free(f"{stream_id}_{_NO_WORD.sub('_', label.lower())}", signals)
+                signals[word] = _count(stream_id, stream, label, detect)
+    if signals == device.signals and streams == device.streams:
+        return device
+    return msgspec.structs.replace(device, signals=signals, streams=streams)
+
+
+def _free(word: str, taken: dict[str, Signal]) -> str:
+    """Give a word that no other signal has."""
+    found, number = word[:_LONGEST_ID], 2
+    while found in taken:
+        tail = f"_{number}"
+        found, number = word[: _LONGEST_ID - len(tail)] + tail, number + 1
+    return found
+
+
+def _count(stream_id: str, stream: Stream, label: str, detect: Detect) -> Signal:
+    rare = _PICTURES / detect.max_rate if detect.max_rate > 0 else 0.0
+    return Signal(
+        name=f"{label[:1].upper()}{label[1:]}, {stream.name}"[:_LONGEST_NAME],
+        source=Source(stream=stream_id, sees=label),
+        minimum=0,
+        decimals=0,
+        max_age=max(_MAX_AGE_S, rare),
+        primary=False,
+        visibility=stream.visibility,
+    )

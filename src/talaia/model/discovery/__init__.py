@@ -1,0 +1,1 @@
+"""From what a probe found, or a founding command file, to a description that runs."""

@@ -1,0 +1,208 @@
+"""What is out there, as `talaia probe` writes it down and `talaia init` reads it.
+
+Values only: who looked (ROS 2, ROS 1, INDI) fills them, `propose` makes a description of them.
+The JSON form is the contract between a probe on the robot and a configurator on a laptop.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from talaia.errors import TalaiaError
+from talaia.model.site import Device  # noqa: TC001 - msgspec reads it
+
+__all__ = [
+    "ActionFound",
+    "DeviceFound",
+    "ElementFound",
+    "FieldFound",
+    "Found",
+    "NotAProbe",
+    "PropertyFound",
+    "ServiceFound",
+    "TopicFound",
+    "found_from",
+]
+
+FORMAT = 1
+
+
+class NotAProbe(TalaiaError):
+    """What was read is not what a probe writes."""
+
+
+class FieldFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """One number, truth or text inside a message.
+
+    Attributes:
+        path: as in `Source.field`: ``pose.position.x``, ``position[0]``.
+        type: ``number``, ``integer``, ``boolean`` or ``text``.
+        unit: a symbol of `model.units.unit` after ``scale``; empty where nothing tells it.
+        scale: what the robot's number is multiplied by to be in ``unit``.
+        words: for a whole number that counts states: what 0, 1, 2 … mean.
+        name: what the robot calls it (a joint's name); empty where the path says enough.
+        empty: every value seen was NaN, so there is probably no such sensor.
+
+    """
+
+    path: str
+    type: str
+    unit: str = ""
+    scale: float = 1.0
+    words: tuple[str, ...] = ()
+    name: str = ""
+    empty: bool = False
+
+
+class TopicFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A topic that somebody publishes or listens to.
+
+    Attributes:
+        type: ``package/msg/Name``.
+        publishers: how many publish it.
+        subscribers: how many listen to it, without the probe.
+        rate: messages a second, as counted while looking (Hz).
+        fields: what can be read of one message.
+        names: for CloudConnect's ``/metric``: the sensor names that were heard.
+        left_out: what was left out of ``fields`` and why, in words.
+        problem: why it cannot be read at all, in words; empty when it can.
+
+    """
+
+    topic: str
+    type: str
+    publishers: int = 0
+    subscribers: int = 0
+    rate: float = 0.0
+    fields: tuple[FieldFound, ...] = ()
+    names: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+    problem: str = ""
+
+
+class ServiceFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A service: its type, and what a request holds."""
+
+    service: str
+    type: str
+    fields: tuple[FieldFound, ...] = ()
+    problem: str = ""
+
+
+class ActionFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """An action: its type, and what a goal holds."""
+
+    action: str
+    type: str
+    fields: tuple[FieldFound, ...] = ()
+    problem: str = ""
+
+
+class ElementFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """One member of an INDI property.
+
+    Attributes:
+        label: what its driver calls it.
+        value: as it was, a number in digits; empty for pictures and for what is not known.
+        minimum: of a number; equal to ``maximum`` where the driver sets no limit.
+
+    """
+
+    element: str
+    label: str = ""
+    value: str = ""
+    minimum: float = 0.0
+    maximum: float = 0.0
+
+
+class PropertyFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A property of an INDI device.
+
+    Attributes:
+        type: ``number``, ``switch``, ``text``, ``light`` or ``blob``.
+        state: ``Idle``, ``Ok``, ``Busy`` or ``Alert``.
+        writable: whether a client may set it.
+
+    """
+
+    property: str
+    type: str
+    label: str = ""
+    group: str = ""
+    state: str = ""
+    writable: bool = False
+    elements: tuple[ElementFound, ...] = ()
+
+
+class DeviceFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A device that says itself what it is, as INDI's do.
+
+    Attributes:
+        device: its name at the server.
+        driver: the program behind it, and its version.
+        connected: whether the driver has reached its hardware; before that it shows little.
+        properties: all that it has.
+        word: its word in addresses.
+        described: as the site description would have it, by its own words; none for one that is
+            not connected, whom the gateway describes when it is.
+
+    """
+
+    device: str
+    driver: str = ""
+    connected: bool = False
+    properties: tuple[PropertyFound, ...] = ()
+    word: str = ""
+    described: Device | None = None
+
+
+class Found(msgspec.Struct, frozen=True, omit_defaults=True):
+    """All that a probe saw.
+
+    Attributes:
+        talaia_probe: version of this form; 1.
+        protocol: ``ros2``, ``ros1`` or ``indi``.
+        where: which graph or server, in words.
+        seconds: how long was looked (s).
+        domain: the ROS domain id; none for other protocols.
+        master: where the ROS 1 master answers; empty for other protocols.
+        host: of the INDI server; empty for other protocols.
+        port: of the INDI server.
+
+    """
+
+    talaia_probe: int
+    protocol: str
+    where: str
+    seconds: float
+    domain: int | None = None
+    topics: tuple[TopicFound, ...] = ()
+    services: tuple[ServiceFound, ...] = ()
+    actions: tuple[ActionFound, ...] = ()
+    master: str = ""
+    host: str = ""
+    port: int = 0
+    devices: tuple[DeviceFound, ...] = ()
+
+
+def found_from(data: bytes, where: str) -> Found:
+    """Read what `talaia probe --json` printed.
+
+    Args:
+        data: the JSON.
+        where: what it was read from, for the message.
+
+    Raises:
+        NotAProbe: it is something else, or of another version's form.
+
+    """
+    try:
+        found = msgspec.json.decode(data, type=Found)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise NotAProbe(f"{where} is not what `talaia probe --json` prints: {error}") from error
+    if found.talaia_probe != FORMAT:
+        raise NotAProbe(
+            f"{where} is of form {found.talaia_probe}, and this Talaia reads form {FORMAT}; "
+            "use the same version at both places"
+        )
+    return found

@@ -1,0 +1,209 @@
+"""What the fields of ROS messages mean: units by REP-103 and the definitions, names people read.
+
+The tables hold what the message definitions say in comments, which no running program can ask
+for. For types that are not in them, the words of a field's name and of its comment are read.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from talaia.model.units.unit import UNITS
+
+__all__ = ["Meaning", "human", "meaning_of", "unit_in_comment", "unit_in_name", "word_of"]
+
+
+class Meaning(NamedTuple):
+    """A unit, and what the robot's number is multiplied by to be in it."""
+
+    unit: str
+    scale: float = 1.0
+
+
+_PERCENT = Meaning("%", 100.0)
+# By the message type (without /msg/) and the field in it; it holds for all that lies below.
+_KNOWN: dict[tuple[str, str], Meaning] = {
+    ("geometry_msgs/Twist", "linear"): Meaning("m/s"),
+    ("geometry_msgs/Twist", "angular"): Meaning("rad/s"),
+    ("geometry_msgs/Accel", "linear"): Meaning("m/s²"),
+    ("geometry_msgs/Pose", "position"): Meaning("m"),
+    ("geometry_msgs/Transform", "translation"): Meaning("m"),
+    ("geometry_msgs/Wrench", "force"): Meaning("N"),
+    ("geometry_msgs/Wrench", "torque"): Meaning("N·m"),
+    ("geometry_msgs/PointStamped", "point"): Meaning("m"),
+    ("geometry_msgs/Pose2D", "x"): Meaning("m"),
+    ("geometry_msgs/Pose2D", "y"): Meaning("m"),
+    ("geometry_msgs/Pose2D", "theta"): Meaning("rad"),
+    ("geometry_msgs/Inertia", "m"): Meaning("kg"),
+    ("sensor_msgs/Imu", "angular_velocity"): Meaning("rad/s"),
+    ("sensor_msgs/Imu", "linear_acceleration"): Meaning("m/s²"),
+    ("sensor_msgs/MagneticField", "magnetic_field"): Meaning("T"),
+    ("sensor_msgs/Temperature", "temperature"): Meaning("°C"),
+    ("sensor_msgs/FluidPressure", "fluid_pressure"): Meaning("Pa"),
+    ("sensor_msgs/RelativeHumidity", "relative_humidity"): _PERCENT,
+    ("sensor_msgs/Illuminance", "illuminance"): Meaning("lx"),
+    ("sensor_msgs/Range", "range"): Meaning("m"),
+    ("sensor_msgs/Range", "min_range"): Meaning("m"),
+    ("sensor_msgs/Range", "max_range"): Meaning("m"),
+    ("sensor_msgs/Range", "field_of_view"): Meaning("rad"),
+    ("sensor_msgs/BatteryState", "voltage"): Meaning("V"),
+    ("sensor_msgs/BatteryState", "temperature"): Meaning("°C"),
+    ("sensor_msgs/BatteryState", "current"): Meaning("A"),
+    ("sensor_msgs/BatteryState", "charge"): Meaning("Ah"),
+    ("sensor_msgs/BatteryState", "capacity"): Meaning("Ah"),
+    ("sensor_msgs/BatteryState", "design_capacity"): Meaning("Ah"),
+    ("sensor_msgs/BatteryState", "percentage"): _PERCENT,
+    ("sensor_msgs/BatteryState", "cell_voltage"): Meaning("V"),
+    ("sensor_msgs/BatteryState", "cell_temperature"): Meaning("°C"),
+    ("sensor_msgs/NavSatFix", "latitude"): Meaning("°"),
+    ("sensor_msgs/NavSatFix", "longitude"): Meaning("°"),
+    ("sensor_msgs/NavSatFix", "altitude"): Meaning("m"),
+    ("sensor_msgs/LaserScan", "angle_min"): Meaning("rad"),
+    ("sensor_msgs/LaserScan", "angle_max"): Meaning("rad"),
+    ("sensor_msgs/LaserScan", "angle_increment"): Meaning("rad"),
+    ("sensor_msgs/LaserScan", "time_increment"): Meaning("s"),
+    ("sensor_msgs/LaserScan", "scan_time"): Meaning("s"),
+    ("sensor_msgs/LaserScan", "range_min"): Meaning("m"),
+    ("sensor_msgs/LaserScan", "range_max"): Meaning("m"),
+    ("sensor_msgs/LaserScan", "ranges"): Meaning("m"),
+}
+# The last word of a field's name, as robots' own messages write units.
+_SUFFIX: dict[str, Meaning] = {
+    "m": Meaning("m"),
+    "meters": Meaning("m"),
+    "metres": Meaning("m"),
+    "cm": Meaning("cm"),
+    "mm": Meaning("mm"),
+    "km": Meaning("km"),
+    "mps": Meaning("m/s"),
+    "kmh": Meaning("km/h"),
+    "kph": Meaning("km/h"),
+    "rad": Meaning("rad"),
+    "radians": Meaning("rad"),
+    "deg": Meaning("°"),
+    "degrees": Meaning("°"),
+    "hz": Meaning("Hz"),
+    "rpm": Meaning("rpm"),
+    "v": Meaning("V"),
+    "volts": Meaning("V"),
+    "mv": Meaning("mV"),
+    "amps": Meaning("A"),
+    "watts": Meaning("W"),
+    "wh": Meaning("Wh"),
+    "ah": Meaning("Ah"),
+    "celsius": Meaning("°C"),
+    "degc": Meaning("°C"),
+    "kelvin": Meaning("K"),
+    "pa": Meaning("Pa"),
+    "hpa": Meaning("hPa"),
+    "lux": Meaning("lx"),
+    "pct": Meaning("%"),
+    "percent": Meaning("%"),
+    "percentage": Meaning("%"),
+    "sec": Meaning("s"),
+    "secs": Meaning("s"),
+    "seconds": Meaning("s"),
+    "ms": Meaning("ms"),
+    "minutes": Meaning("min"),
+    "ppm": Meaning("ppm"),
+    "dbm": Meaning("dBm"),
+    "kg": Meaning("kg"),
+}
+# Words that REP-103 gives one unit: SI, and degrees Celsius for temperatures.
+_QUANTITY: dict[str, Meaning] = {
+    "voltage": Meaning("V"),
+    "temperature": Meaning("°C"),
+    "temp": Meaning("°C"),
+    "illuminance": Meaning("lx"),
+    "rssi": Meaning("dBm"),
+}
+_SPOKEN: dict[str, str] = {
+    "meter": "m",
+    "meters": "m",
+    "metre": "m",
+    "metres": "m",
+    "meters per second": "m/s",
+    "metres per second": "m/s",
+    "radian": "rad",
+    "radians": "rad",
+    "radians per second": "rad/s",
+    "rad/sec": "rad/s",
+    "m/sec": "m/s",
+    "degrees": "°",
+    "degree": "°",
+    "deg": "°",
+    "degrees celsius": "°C",
+    "celsius": "°C",
+    "kelvin": "K",
+    "volt": "V",
+    "volts": "V",
+    "ampere": "A",
+    "amperes": "A",
+    "amps": "A",
+    "watts": "W",
+    "hertz": "Hz",
+    "percent": "%",
+    "second": "s",
+    "seconds": "s",
+    "milliseconds": "ms",
+    "pascal": "Pa",
+    "pascals": "Pa",
+    "lux": "lx",
+    "newton": "N",
+    "newtons": "N",
+    "tesla": "T",
+    "kilograms": "kg",
+    "m/s^2": "m/s²",
+    "nm": "N·m",
+}
+_BRACKETS = re.compile(r"[\[(]\s*([^\])]{1,30}?)\s*[\])]")
+_IN = re.compile(r"\bin\s+(degrees celsius|[a-zA-Z/]+(?: per second)?)", re.IGNORECASE)
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_NOT_A_LETTER = re.compile(r"[^a-z0-9]+")
+_MAX_WORD = 63
+
+
+def meaning_of(type_name: str, field: str) -> Meaning | None:
+    """Tell what the definition of a common message says of a field; none if it is not known.
+
+    ``type_name`` is ``package/Name``.
+    """
+    return _KNOWN.get((type_name, field))
+
+
+def unit_in_name(field: str) -> Meaning | None:
+    """Read the unit from the last word of a field's own name: ``wheel_speed_mps``."""
+    words = [each.lower() for each in _WORD.findall(field)]
+    if not words:
+        return None
+    if len(words) > 1 and words[-1] in _SUFFIX:
+        return _SUFFIX[words[-1]]
+    return _QUANTITY.get(words[-1])
+
+
+def unit_in_comment(comment: str) -> Meaning | None:
+    """Read the unit from a definition's comment: ``speed over ground [m/s]``, ``in metres``."""
+    spoken = [*_BRACKETS.findall(comment), *_IN.findall(comment)]
+    for each in spoken:
+        symbol = each if each in UNITS else _SPOKEN.get(each.lower(), "")
+        if symbol:
+            return Meaning(symbol)
+    return None
+
+
+def human(text: str) -> str:
+    """Make a name people read of a field: ``motorLeft_temp`` gives Motor left temp."""
+    words = [each if each.isupper() and len(each) > 1 else each.lower()
+             for each in _WORD.findall(text)]  # fmt: skip
+    joined = " ".join(words)
+    return joined[:1].upper() + joined[1:]
+
+
+def word_of(text: str) -> str:
+    """Make a word of an address of any text: small letters, digits and _; never empty."""
+    spread = "_".join(_WORD.findall(text)).lower()
+    word = _NOT_A_LETTER.sub("_", spread).strip("_")[:_MAX_WORD].rstrip("_")
+    if not word:
+        return "unnamed"
+    return word if word[0].isalpha() else f"n{word}"[:_MAX_WORD]

@@ -1,0 +1,1 @@
+"""Interlocks, enclosures, outlets and overrides as values, and what follows from them."""

@@ -1,0 +1,52 @@
+"""What an enclosure can do, as it is described or as it follows from what is described of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from talaia.model.interlocks.enclosure import Enclosure
+    from talaia.model.site import Site
+
+__all__ = ["Capabilities", "capabilities_of"]
+
+
+class Capabilities(NamedTuple):
+    """See `EnclosureCapabilities`; nothing is left open here."""
+
+    has_shutter: bool
+    can_rotate: bool
+    segments: int
+    can_partial: bool
+    has_flap: bool
+
+
+def capabilities_of(site: Site, enclosure: Enclosure) -> Capabilities:
+    """Say what an enclosure can do."""
+    said = enclosure.capabilities
+    follows = Capabilities(
+        has_shutter=True,
+        can_rotate=enclosure.follow is not None or _turns(site, enclosure),
+        segments=max(1, len(enclosure.segments)),
+        can_partial=bool(
+            enclosure.stop
+            or enclosure.position
+            or any(each.position for each in enclosure.segments.values())
+        ),
+        has_flap=enclosure.flap is not None,
+    )
+    if said is None:
+        return follows
+    return Capabilities(*(
+        known if getattr(said, key) is None else getattr(said, key)
+        for key, known in follows._asdict().items()
+    ))  # fmt: skip
+
+
+def _turns(site: Site, enclosure: Enclosure) -> bool:
+    """Tell whether the device that closes has a command that takes an angle."""
+    device = site.devices.get(enclosure.close.command.partition("/")[0])
+    commands = {} if device is None else device.commands
+    return any(
+        argument.unit == "°" for each in commands.values() for argument in each.arguments.values()
+    )

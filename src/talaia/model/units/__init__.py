@@ -1,0 +1,1 @@
+"""Units, time zones, astronomy and what single words of a description must look like."""

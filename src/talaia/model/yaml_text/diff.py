@@ -1,0 +1,90 @@
+"""What differs between two descriptions, part by part and line by line. Pure."""
+
+from __future__ import annotations
+
+import difflib
+from enum import StrEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.model.renames import renames
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.site import Site
+
+__all__ = ["Difference", "Kind", "difference", "unified"]
+
+_LONGEST = 200
+
+
+class Kind(StrEnum):
+    """What became of a part."""
+
+    ADDED = "added"
+    REMOVED = "removed"
+    CHANGED = "changed"
+    RENAMED = "renamed"
+
+
+class Difference(NamedTuple):
+    """One part that is not the same, by its path, as it was and as it is."""
+
+    kind: Kind
+    path: str
+    before: str = ""
+    after: str = ""
+
+
+def difference(before: Site, after: Site) -> list[Difference]:
+    """List what differs, in the order of the descriptions; a whole part that came counts once."""
+    moved = {old.partition(".")[0]: new.partition(".")[0] for old, new in
+             renames(before, after).items()}  # fmt: skip
+    found = [Difference(Kind.RENAMED, _path(new), old, new) for old, new in moved.items()]
+    was, now = msgspec.to_builtins(before), msgspec.to_builtins(after)
+    # What was renamed is held against what it has become.
+    for old, new in moved.items():
+        (of, name), (to, other) = old.split("/"), new.split("/")
+        signal = was["devices"][of]["signals"].pop(name)
+        if to in was["devices"]:
+            was["devices"][to].setdefault("signals", {})[other] = signal
+    return [*found, *_parts("$", was, now)]
+
+
+def unified(before: str, after: str, context: int = 3) -> list[str]:
+    """Give the lines of a unified difference of two texts, without the names of files."""
+    lines = difflib.unified_diff(before.splitlines(), after.splitlines(), n=context, lineterm="")
+    return list(lines)[2:]
+
+
+def _path(address: str) -> str:
+    device, _, signal = address.partition("/")
+    return f"$.devices.{device}.signals.{signal}"
+
+
+def _parts(path: str, was: object, now: object) -> Iterator[Difference]:
+    if was == now:
+        return
+    if not isinstance(was, dict) or not isinstance(now, dict):
+        yield Difference(Kind.CHANGED, path, _short(was), _short(now))
+        return
+    for key in [*was, *(each for each in now if each not in was)]:
+        at = f"{path}.{key}"
+        if key not in now:
+            yield Difference(Kind.REMOVED, at, _short(was[key]))
+        elif key not in was:
+            yield Difference(Kind.ADDED, at, "", _short(now[key]))
+        else:
+            yield from _parts(at, was[key], now[key])
+
+
+def _short(value: object) -> str:
+    """Say a value in a line: a named part by its name."""
+    if isinstance(value, dict):
+        named = value.get("name") or value.get("target")
+        if isinstance(named, str) and named:
+            return named[:_LONGEST]
+    said = value if isinstance(value, str) else msgspec.json.encode(value).decode()
+    return said if len(said) <= _LONGEST else said[: _LONGEST - 1] + "…"

@@ -1,0 +1,262 @@
+"""YAML text to `Site`; every error carries the path to the mistake."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import msgspec
+import yaml
+
+from talaia.model.connection import Connection, ConnectionKind, ProcessConnection
+from talaia.model.discovery.command_file import read_classic, site_of
+from talaia.model.errors import DescriptionError, NotReadable, UnknownWord
+from talaia.model.site import Site
+from talaia.model.yaml_text.document import document_of
+from talaia.model.yaml_text.version import require_current
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = [
+    "beside_of",
+    "dump_site",
+    "load_site",
+    "read_site",
+    "site_in",
+    "site_of_plain",
+    "text_of",
+]
+
+MAX_BYTES = 4 * 1024 * 1024
+
+
+def read_site(path: Path) -> Site:
+    """Load a description from a file, with the devices of the command files that it names.
+
+    A JSON file is taken for a command file of the founding observatory, see `classic`.
+
+    Raises:
+        DescriptionError: a file cannot be read, or `load_site` refuses what it says.
+
+    """
+    return site_in(text_of(path), path)
+
+
+def site_in(text: str, path: Path) -> Site:
+    """Make a description of ``text`` as if it stood in a file; see `read_site`.
+
+    Raises:
+        DescriptionError: `load_site` refuses it, or a file that it names cannot be read.
+
+    """
+    if path.suffix == ".json":
+        return site_of(text, _NO_WORD.sub("_", path.stem.lower()).strip("_0123456789") or "site")
+    return _with_files(load_site(text), path.parent)
+
+
+def beside_of(site: Site, folder: Path) -> list[Path]:
+    """Name the files that a description in ``folder`` takes in."""
+    return [
+        folder / each.file
+        for each in site.connections.values()
+        if isinstance(each, ProcessConnection) and each.file
+    ]
+
+
+# msgspec learns a type when it first converts to it, and two threads that do so at once end the
+# process (a hub that two gateways reach in its first moments). Imports are done by one thread.
+_LEARNED = msgspec.json.Decoder(Site)
+
+_NO_WORD = re.compile(r"[^a-z0-9]+")
+
+
+def _with_files(site: Site, folder: Path) -> Site:
+    """Take in the devices of command files; what the description says of the same one wins."""
+    for name, connection in site.connections.items():
+        if not isinstance(connection, ProcessConnection) or not connection.file:
+            continue
+        path = folder / connection.file
+        try:
+            found = read_classic(text_of(path), name)
+        except DescriptionError as error:
+            where = f"{path}: {error.where}"
+            raise DescriptionError(where, error.problem, error.remedy) from error
+        connection = msgspec.structs.replace(connection, prefix=connection.prefix or found.prefix)
+        site = msgspec.structs.replace(
+            site,
+            connections={**site.connections, name: connection},
+            devices={**found.devices, **site.devices},
+        )
+    return site
+
+
+def text_of(path: Path) -> str:
+    """Read a description's file.
+
+    Raises:
+        NotReadable: it cannot be read, or is no text.
+
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise NotReadable(str(path), f"cannot be read: {reason}") from error
+    try:
+        text = data.decode()
+    except UnicodeDecodeError as error:
+        problem = f"is not UTF-8 text (byte {error.start})"
+        raise NotReadable(str(path), problem, "save it as UTF-8") from error
+    return text
+
+
+def load_site(text: str) -> Site:
+    """Make a `Site` of YAML text.
+
+    The shape is checked here (keys, types); what does not fit together is `check`'s matter.
+
+    Raises:
+        DescriptionError: with the path to the mistake (``$.devices.base.signals.speed``),
+            what was expected and what was found.
+
+    """
+    if len(text) > MAX_BYTES:
+        raise NotReadable("$", f"the description is longer than {MAX_BYTES // 1024 // 1024} MiB")
+    try:
+        document = document_of(text)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = f"line {mark.line + 1}, column {mark.column + 1}" if mark else "$"
+        raise NotReadable(where, error.problem or "is not YAML") from error
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise NotReadable("$", f"is not YAML: {error}") from error
+    if not isinstance(document, dict):
+        raise DescriptionError(
+            "$", "expected a mapping with the keys talaia, site, name and devices"
+        )
+    require_current(document.get("talaia"))
+    return site_of_plain(document)
+
+
+def site_of_plain(document: dict[str, object]) -> Site:
+    """Make a `Site` of what YAML or JSON says.
+
+    Raises:
+        DescriptionError: it does not have the shape of a description; see `load_site`.
+
+    """
+    try:
+        return msgspec.convert(document, Site)
+    except (msgspec.ValidationError, RecursionError) as error:
+        raise _told(str(error), document) from error
+
+
+def dump_site(site: Site) -> str:
+    """Write a `Site` as YAML text that `load_site` reads back to an equal one."""
+    # Escaped throughout: of what is written as it is, a line end of Unicode's would not come back.
+    return yaml.safe_dump(msgspec.to_builtins(site), sort_keys=False, width=1_000_000)
+
+
+_AT = re.compile(r"^(?P<problem>.*?)(?: - at `(?P<path>.*)`)?$", re.DOTALL)
+_UNKNOWN_FIELD = re.compile(r"unknown field `(.*)`")
+_UNKNOWN_ENUM = re.compile(r"Invalid enum value '(.*)'")
+_UNKNOWN_TAG = re.compile(r"Invalid value '(.*)'\Z")
+
+
+def _told(message: str, document: object) -> DescriptionError:
+    """Turn msgspec's sentence into ours, with the names of the mapping's keys in the path."""
+    match = _AT.match(message)
+    problem, path = (match["problem"], match["path"] or "$") if match else (message, "$")
+    where, shape = _follow(path, document, problem)
+    unknown = _UNKNOWN_FIELD.search(problem)
+    if unknown:
+        return UnknownWord(f"{where}.{unknown[1]}", "key", unknown[1], _keys_of(shape))
+    enum = _UNKNOWN_ENUM.search(problem)
+    if enum:
+        return UnknownWord(where, "word", enum[1], _words_of(shape))
+    tag = _UNKNOWN_TAG.search(problem)
+    if tag and where.startswith("$.connections."):
+        return UnknownWord(where, "kind of connection", tag[1], ConnectionKind)
+    return DescriptionError(where, problem[:1].lower() + problem[1:].replace("`", ""))
+
+
+def _keys_of(shape: object) -> list[str]:
+    if isinstance(shape, msgspec.inspect.StructType):
+        return [field.encode_name for field in shape.fields]
+    return []
+
+
+def _words_of(shape: object) -> list[str]:
+    if isinstance(shape, msgspec.inspect.EnumType):
+        return [str(member.value) for member in shape.cls]
+    return []
+
+
+_STEP = re.compile(r"\.([A-Za-z_]\w*)|\[(\d+|\.\.\.)\]")
+
+
+def _follow(path: str, document: object, problem: str) -> tuple[str, object]:
+    """Walk msgspec's path, naming the mapping key it writes as ``[...]``.
+
+    msgspec knows the path of types, not of keys: ``$.devices[...].signals[...].unit``. Of the
+    keys at each ``[...]`` the first whose own value does not convert is the one it stopped at.
+    """
+    shape: object = msgspec.inspect.type_info(Site)
+    value, said = document, "$"
+    for name, index in _STEP.findall(path):
+        shape = _inner(shape, msgspec.inspect.StructType, value)
+        if name:
+            shape = _field_type(shape, name)
+            value = value.get(name) if isinstance(value, dict) else None
+            said += f".{name}"
+        elif index == "...":
+            shape = _value_type(shape)
+            key = _first_wrong(value, shape, problem)
+            value = value.get(key) if isinstance(value, dict) else None
+            said += f".{key}"
+        else:
+            shape = _value_type(shape)
+            value = value[int(index)] if isinstance(value, list) else None
+            said += f"[{index}]"
+    return said, _inner(shape, (msgspec.inspect.StructType, msgspec.inspect.EnumType), value)
+
+
+def _inner(shape: object, wanted: type | tuple[type, ...], value: object) -> object:
+    """Look through ``X | None``, and ``X | Y`` by the tag that ``value`` has, to one member."""
+    if not isinstance(shape, msgspec.inspect.UnionType):
+        return shape
+    members = [each for each in shape.types if isinstance(each, wanted)]
+    tag = value.get("kind") if isinstance(value, dict) else None
+    tagged = [each for each in members if getattr(each, "tag", None) == tag is not None]
+    return next(iter(tagged or members), shape)
+
+
+def _field_type(shape: object, name: str) -> object:
+    if isinstance(shape, msgspec.inspect.StructType):
+        return next((f.type for f in shape.fields if f.encode_name == name), None)
+    return None
+
+
+def _value_type(shape: object) -> object:
+    if isinstance(shape, msgspec.inspect.DictType):
+        return shape.value_type
+    if isinstance(shape, msgspec.inspect.VarTupleType):
+        return shape.item_type
+    return None
+
+
+def _first_wrong(value: object, shape: object, problem: str) -> str:
+    if not isinstance(value, dict):
+        return "…"
+    # Only connections are one of several shapes.
+    union = isinstance(shape, msgspec.inspect.UnionType)
+    kind = shape.cls if isinstance(shape, msgspec.inspect.StructType) else None
+    if union or kind is not None:
+        for key, each in value.items():
+            try:
+                msgspec.convert(each, Connection if union else kind)
+            except msgspec.ValidationError as error:
+                if str(error).startswith(problem):
+                    return str(key)
+    return "…"

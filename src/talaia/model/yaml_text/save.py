@@ -1,0 +1,124 @@
+"""A changed `Site` back into the YAML text it came from: comments, order and spelling survive.
+
+Only what differs is touched. A form that edits one limit must not rewrite a person's file.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import msgspec
+import yaml
+from ruamel.yaml.comments import CommentedMap
+from ruamel.yaml.scalarstring import DoubleQuotedScalarString
+
+from talaia.model.errors import DescriptionError
+from talaia.model.yaml_text.load import load_site
+from talaia.model.yaml_text.roundtrip import RESOLVER, WrittenFloat, tree_of, written_tree
+
+if TYPE_CHECKING:
+    from talaia.model.site import Site
+
+__all__ = ["saved"]
+
+
+def saved(text: str, site: Site) -> str:
+    """Give ``text`` with what ``site`` has otherwise, and nothing else, changed.
+
+    Raises:
+        DescriptionError: ``text`` is not a description, or the change cannot be written into it.
+
+    """
+    before = load_site(text)
+    if before == site and _orders(before) == _orders(site):
+        return text
+    document = tree_of(text)
+    _struct(document, before, site)
+    after = written_tree(document)
+    if load_site(after) != site:
+        raise DescriptionError(
+            "$",
+            "the change cannot be written into this text",
+            "anchors and aliases stand in the way",
+        )
+    return after
+
+
+def _orders(value: object) -> object:
+    """Give the order of every mapping: it is the order on the page, and that of the channels."""
+    if isinstance(value, msgspec.Struct):
+        return [_orders(getattr(value, each)) for each in value.__struct_fields__]
+    if isinstance(value, dict):
+        return [(key, _orders(each)) for key, each in value.items()]
+    return None
+
+
+def _struct(node: CommentedMap, old: msgspec.Struct, new: msgspec.Struct) -> None:
+    for field in msgspec.structs.fields(new):
+        key = field.encode_name
+        was, now = getattr(old, field.name), getattr(new, field.name)
+        if was == now and _orders(was) == _orders(now):
+            continue
+        if _is_default(field, now):
+            node.pop(key, None)
+        else:
+            node[key] = _changed(node.get(key), was, now)
+
+
+def _changed(node: object, was: object, now: object) -> object:
+    """Give what stands at a place after the change: the old node mended, or a new one."""
+    if isinstance(node, CommentedMap):
+        if isinstance(was, dict) and isinstance(now, dict):
+            _mapping(node, was, now)
+            return node
+        if isinstance(now, msgspec.Struct) and type(was) is type(now):
+            assert isinstance(was, msgspec.Struct)  # noqa: S101 - the same type
+            _struct(node, was, now)
+            return node
+    return _plain(now)
+
+
+def _mapping(node: CommentedMap, was: dict[str, object], now: dict[str, object]) -> None:
+    for key in [each for each in node if each not in now]:
+        del node[key]
+    for key, value in now.items():
+        if key not in was or key not in node:
+            node[_text(key)] = _plain(value)
+        elif was[key] != value or _orders(was[key]) != _orders(value):
+            node[key] = _changed(node[key], was[key], value)
+    if list(node) != list(now):
+        for key in now:
+            node.move_to_end(key)
+
+
+def _is_default(field: msgspec.structs.FieldInfo, value: object) -> bool:
+    if field.default is not msgspec.NODEFAULT:
+        return bool(field.default == value)
+    if field.default_factory is not msgspec.NODEFAULT:
+        return bool(field.default_factory() == value)
+    return False
+
+
+def _plain(value: object) -> object:
+    """Turn values into what YAML has, with texts that would not come back as they are in quotes."""
+    value = msgspec.to_builtins(value)
+    if isinstance(value, dict):
+        made = CommentedMap()
+        for key, each in value.items():
+            made[_text(key)] = _plain(each)
+        return made
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, float) and math.isfinite(value):
+        # YAML 1.1 knows no float without a point.
+        written = repr(value)
+        return WrittenFloat(written if "." in written else written.replace("e", ".0e", 1))
+    return _text(value) if isinstance(value, str) else value
+
+
+def _text(value: str) -> str:
+    """Quote what the reader, which knows YAML 1.1, would take for a truth, a number or a time."""
+    read = RESOLVER.resolve(yaml.ScalarNode, value, (True, False))  # type: ignore[no-untyped-call]
+    plain = value.isprintable() and read == "tag:yaml.org,2002:str"
+    return value if plain else DoubleQuotedScalarString(value)
