@@ -24,23 +24,22 @@ async def refusals(each: int) -> tuple[np.ndarray, np.ndarray]:
     with tempfile.TemporaryDirectory() as folder:
         settings = Settings(data=Path(folder), plain=True)
         hub = build(settings, SystemClock())
-        await hub.start()
-        database = Database(settings.url)
-        try:
-            hashed = await Passwords(settings.password_cost).hash("what nobody tries")
-            people = People(database, SystemClock())
-            for number in range(each):
-                await people.add(f"known{number}", hashed, "guest")
-            found = {"known": [], "other": []}
-            await _refused(hub.asgi, "warm", 0)
-            for number in range(each):
-                for at, (kind, times) in enumerate(found.items()):
-                    began = time.perf_counter()
-                    await _refused(hub.asgi, f"{kind}{number}", 2 * number + at + 1)
-                    times.append((time.perf_counter() - began) * 1000)
-        finally:
-            await database.close()
-            await hub.close()
+        async with hub.running():
+            database = Database(settings.url)
+            try:
+                hashed = await Passwords(settings.password_cost).hash("what nobody tries")
+                people = People(database, SystemClock())
+                for number in range(each):
+                    await people.add(f"known{number}", hashed, "guest")
+                found = {"known": [], "other": []}
+                await _refused(hub.asgi, "warm", 0)
+                for number in range(each):
+                    for at, (kind, times) in enumerate(found.items()):
+                        began = time.perf_counter()
+                        await _refused(hub.asgi, f"{kind}{number}", 2 * number + at + 1)
+                        times.append((time.perf_counter() - began) * 1000)
+            finally:
+                await database.close()
     return np.array(found["known"]), np.array(found["other"])
 
 

@@ -248,7 +248,7 @@ class RunningHub:
         self.settings = settings
         self.history = history
         self.hub = build(settings, SystemClock(), history)
-        self.people = People(self.hub._database, SystemClock())
+        self.people = People(self.hub.core.database, SystemClock())
         self.keys = {}
         self._stack = AsyncExitStack()
         self._cookies = {}
@@ -279,7 +279,7 @@ class RunningHub:
         hashed = await Passwords(4).hash(PASSWORD)
         for role in ("guest", "operator", "admin"):
             await self.people.add(role, hashed, role)
-        self.keys["agv"] = await SiteRegistry(self.hub._database, SystemClock()).new_key("agv")
+        self.keys["agv"] = await SiteRegistry(self.hub.core.database, SystemClock()).new_key("agv")
 
     async def client(self, name: str = "") -> httpx.AsyncClient:
         """Open an HTTP client, signed in as ``name`` unless it is empty."""

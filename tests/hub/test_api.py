@@ -93,7 +93,7 @@ async def test_session_of_before_is_dead_after_signing_in_anew(hub) -> None:
 
 
 async def test_first_start_offers_setup_once(empty_hub) -> None:
-    token = empty_hub.hub.setup_token
+    token = empty_hub.hub.people.setup_token
     first, second = await empty_hub.client(), await empty_hub.client()
     wrong = {"token": "wrong", "name": "ada", "password": PASSWORD}
     assert (await first.post("/api/setup", json=wrong)).status_code == 403
@@ -169,7 +169,7 @@ async def test_history_refuses_what_is_wrong_or_not_for_a_guest(
 
 
 async def test_events_are_for_those_who_may_view(hub, gateway) -> None:
-    await hub.hub._audit.written()
+    await hub.hub.audit.log.written()
     operator = await (await hub.client("operator")).get("/api/sites/agv/events")
     guest = await (await hub.client("guest")).get("/api/sites/agv/events")
     assert operator.json()["events"][0]["kind"] == "gateway connected"
@@ -177,7 +177,7 @@ async def test_events_are_for_those_who_may_view(hub, gateway) -> None:
 
 
 async def test_events_of_a_window_are_those_and_no_others(hub, gateway) -> None:
-    audit = hub.hub._audit
+    audit = hub.hub.audit.log
     times = [audit.note(kind, site="agv", device="base").time_us for kind in ("a", "b", "c")]
     await audit.written()
     client = await hub.client("operator")
@@ -199,7 +199,7 @@ async def test_who_may_view_one_device_gets_its_events_however_many_others_there
     await admin.post("/api/roles", json={"name": "crew", "permissions": permissions})
     crew = {"name": "ada", "password": PASSWORD, "role": "crew"}
     assert (await admin.post("/api/people", json=crew)).status_code == 200
-    audit = hub.hub._audit
+    audit = hub.hub.audit.log
     # "old" is no device any more.
     for at in range(4):
         audit.note(f"low {at}", site="agv", device=("power", "old")[at % 2])

@@ -131,11 +131,11 @@ async def test_closed_page_leaves_no_subscription_behind(hub, gateway) -> None:
     await page.say(page_wire.Subscribe(sub=1, site="agv", channels=["base/speed"]))
     await take_lease(page, gateway)
     await page.hear(page_wire.LeaseNews)
-    browser = next(iter(hub.hub.browsers))
-    assert hub.hub.fanout.held(browser) == (1, 1)
+    browser = next(iter(hub.hub.core.browsers))
+    assert hub.hub.core.fanout.held(browser) == (1, 1)
     await page.close()
     await gateway.hear(frames.LeaseAsk, lambda ask: ask.op is LeaseOp.FREE)
-    assert hub.hub.fanout.held(browser) == (0, 0)
+    assert hub.hub.core.fanout.held(browser) == (0, 0)
 
 
 async def test_lost_link_shows_leases_as_free_and_commands_as_unknown(hub, gateway) -> None:
@@ -239,7 +239,7 @@ async def test_a_page_that_comes_while_somebody_acts_is_told_who_and_for_how_lon
     guest = await hub.page("guest")
     await gateway.say(replace(acting, id="his", over="Base: Wander of Ada (hers)", who="Bob"))
     await before.hear(page_wire.CommandNews, lambda news: news.id == "his")
-    await hub.hub._audit.written()
+    await hub.hub.audit.log.written()
     admin = await hub.client("admin")
     found = (await admin.get("/api/audit", params={"kind": "command interrupts"})).json()["rows"]
     assert [(row["who"], row["message"]) for row in found] == [
@@ -319,7 +319,7 @@ async def test_what_was_done_is_written_down_in_an_unbroken_chain(hub, gateway) 
     await take_lease(page, gateway)
     await page.say(STOP)
     await gateway.hear(frames.StopAsk)
-    audit: Audit = hub.hub._audit
+    audit: Audit = hub.hub.audit.log
     await audit.written()
     kinds = {row.entry.kind for row in (await audit.find(Filter(site="agv"), 100))[0]}
     assert {"gateway connected", "lease taken", "stop pressed"} <= kinds

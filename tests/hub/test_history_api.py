@@ -108,7 +108,7 @@ async def test_a_guest_is_refused_what_is_not_public(stored, path, query, status
 
 async def test_a_removed_signal_keeps_its_history_for_who_may_view_its_device(stored) -> None:
     operator, guest = await stored.client("operator"), await stored.client("guest")
-    store = stored.hub._history
+    store = stored.hub.history.store
     await store.append("agv", "old", 0, ["base/gone"], batch([(0, NOW, 7.0)]))
     listed = (await operator.get("/api/sites/agv/stored")).json()["channels"]
     gone = next(each for each in listed if each["address"] == "base/gone")
@@ -175,7 +175,7 @@ async def test_storage_says_what_each_signal_takes_and_how_long_it_is_kept(store
     changed = DESCRIPTION.replace("      speed:\n", "      speed:\n        keep: 30\n")
     gateway = await stored.gateway()
     await gateway.hello(changed, boot="boot-2")
-    store = stored.hub._history
+    store = stored.hub.history.store
     # Few samples make a block.
     store._ledger._limits = store._ledger._limits._replace(block=256, largest=256)
     rows = [(at, NOW + i * 1000, i / 7) for i in range(500) for at in (0, 1)]
@@ -195,7 +195,7 @@ async def test_storage_says_what_each_signal_takes_and_how_long_it_is_kept(store
 
 
 async def test_the_outlook_says_why_nothing_is_stored_and_when_it_is_again(stored) -> None:
-    admin, store = await stored.client("admin"), stored.hub._history
+    admin, store = await stored.client("admin"), stored.hub.history.store
     outlook = "/api/storage/outlook"
     assert (await admin.get(outlook)).json()["trouble"] == ""
 

@@ -278,7 +278,7 @@ async def test_subscription_asked_for_while_the_database_was_away_is_granted_by_
 ) -> None:
     page = await hub.page("operator")
     await page.hear(SiteNews)
-    seats = type(hub.hub._seats)
+    seats = type(hub.hub.people.seats)
     monkeypatch.setattr(seats, "sure", property(lambda _: False))
     await page.say(Subscribe(sub=1, site="agv", channels=["base/speed"], every_ms=0))
     await page.say(Subscribe(sub=2, site="agv", channels=["base/speed"], every_ms=0))

@@ -198,7 +198,7 @@ async def test_files_without_rows_are_listed_again_and_nothing_is_deleted(
         await bringing.ask(offer(os.urandom(2 * PIECE), "half"))
         # As if the database were a new one.
         for name in ("20260101T120000Z-abcdef", "half"):
-            assert await hub.hub._recordings._rows.remove("agv", name)
+            assert await hub.hub.recordings.files._rows.remove("agv", name)
     folder = tmp_path / "recordings" / "agv"
     (folder / "strange.mcap").write_bytes(b"found")
     (folder / "half.mcap.part").write_bytes(b"some")
@@ -337,7 +337,7 @@ async def test_a_film_comes_in_and_is_shown_in_ranges_to_those_who_see_its_camer
 async def test_films_that_the_list_has_lost_are_listed_again(recorded_hub) -> None:
     hub = recorded_hub
     assert (await bring_film(hub)).done
-    recordings = hub.hub._recordings
+    recordings = hub.hub.recordings.files
     folder = recordings._folder / "agv"
     (folder / "20260101T120000Z-f00009.mp4").write_bytes(b"nobody knows whose")
     await recordings._rows.remove("agv", "20260101T120000Z-f00001")

@@ -260,9 +260,9 @@ async def test_what_a_killed_hub_saw_itself_is_over_when_it_is_begun_anew(settin
     async with RunningHub(settings, history) as hub:
         await hub.populate()
         await (await hub.gateway()).hello(WATCHED)
-        await hub.hub._sighting_store.put([told], lambda _: None)
+        await hub.hub.sightings.store.put([told], lambda _: None)
     async with RunningHub(settings, history) as hub:
-        await hub.hub.sightings.settle()
+        await hub.hub.sightings.journal.settle()
         assert [each["ended_us"] for each in await listed(hub)] == [BEGAN + MINUTE]
 
 
@@ -277,7 +277,7 @@ async def test_old_sightings_go_and_what_is_in_sight_stays(settings, history):
             began = BEGAN + at * MINUTE
             await gateway.say(seen(began_us=began, ended_us=began + 1))
         await page.hear(SightingNews, lambda news: news.began_us == BEGAN + 3 * MINUTE)
-        store, now_us = hub.hub._sighting_store, time.time_ns() // 1000
+        store, now_us = hub.hub.sightings.store, time.time_ns() // 1000
         assert await store.trim(now_us - 3_600_000_000, 2) == 2
         assert [each["began_us"] for each in await listed(hub)] == [BEGAN + 3 * MINUTE, BEGAN]
         assert await store.trim(now_us + 3_600_000_000, 2) == 1
@@ -287,7 +287,7 @@ async def test_old_sightings_go_and_what_is_in_sight_stays(settings, history):
 async def test_while_the_database_is_away_sightings_wait_with_their_pictures(
     hub, gateway, monkeypatch, caplog
 ):
-    page, store = await hub.page("operator"), hub.hub._sighting_store
+    page, store = await hub.page("operator"), hub.hub.sightings.store
     put, tried, ends = store.put, asyncio.Event(), asyncio.Event()
 
     async def fails(told, note):
@@ -312,7 +312,7 @@ async def test_while_the_database_is_away_sightings_wait_with_their_pictures(
 
 
 async def test_what_the_database_does_not_take_holds_up_nothing(hub, gateway, monkeypatch, caplog):
-    page, store = await hub.page("operator"), hub.hub._sighting_store
+    page, store = await hub.page("operator"), hub.hub.sightings.store
     put, asked = store.put, asyncio.Event()
 
     async def refuses(told, note):

@@ -17,7 +17,7 @@ async def test_stalled_page_is_bounded_and_hurts_nobody(hub, gateway) -> None:
     page = await hub.page("operator")
     await page.say(asked)
     await page.hear(Subscribed)
-    browsers = hub.hub.browsers
+    browsers = hub.hub.core.browsers
     slow = next(each for each in browsers if each.who.name == "admin")
     for at in range(BATCHES):
         value = float(at)

@@ -61,7 +61,7 @@ async def test_only_a_few_gateways_have_the_database_at_once_and_all_get_in(
         return await stored_below(site, boot)
 
     monkeypatch.setattr(history, "stored_below", counted)
-    registry = SiteRegistry(hub.hub._database, hub.hub._clock)
+    registry = SiteRegistry(hub.hub.core.database, hub.hub.core.clock)
     crowd = []
     for number in range(Admission.AT_ONCE + 2):
         site = f"hut{number}"

@@ -71,14 +71,14 @@ async def test_scores_are_kept_as_a_channel_beside_the_signal(hub, watched, hist
 async def test_samples_out_of_order_are_counted_and_not_looked_at(hub, watched) -> None:
     await watched.samples(("base/speed", NOW, 0.5))
     await watched.samples(("base/speed", NOW - SECOND, 9.0))
-    await until(lambda: hub.hub._watching.of("agv")[0].late == 1)
-    assert hub.hub._watching.of("agv")[0].episodes.began_us == -1
+    await until(lambda: hub.hub.anomalies.detectors.of("agv")[0].late == 1)
+    assert hub.hub.anomalies.detectors.of("agv")[0].episodes.began_us == -1
 
 
 async def test_a_person_says_not_an_anomaly_and_the_detector_learns(hub, watched) -> None:
     rows = [("base/speed", NOW + at * SECOND, 0.5 + 0.01 * (at % 5)) for at in range(60)]
     await watched.samples(*rows, ("base/speed", NOW + 60 * SECOND, 0.9))
-    of = hub.hub._watching.of
+    of = hub.hub.anomalies.detectors.of
     await until(lambda: of("agv") and of("agv")[1].episodes.began_us > 0)
     page = await hub.page("operator")
     client = await hub.client("operator")
@@ -96,13 +96,15 @@ async def test_a_person_says_not_an_anomaly_and_the_detector_learns(hub, watched
 async def test_what_was_learned_survives_the_hub(hub, watched) -> None:
     rows = [("base/speed", NOW + at * SECOND, 0.5 + 0.01 * (at % 5)) for at in range(60)]
     await watched.samples(*rows)
-    watching = hub.hub._watching
+    watching = hub.hub.anomalies.detectors
     await until(lambda: len(watching.of("agv")[1].detector.recent.came) == 60)
     await watching.close()
     kept = await watching._learned.of("agv")
     assert set(kept) == {("base/speed", "limits"), ("base/speed", "iqr")}
-    live = hub.hub._sites.get("agv")
-    after = Watching(hub.hub._sites, hub.history, watching._learned, hub.hub.fanout, SystemClock())
+    live = hub.hub.core.sites.get("agv")
+    after = Watching(
+        hub.hub.core.sites, hub.history, watching._learned, hub.hub.core.fanout, SystemClock()
+    )
     await after._wake(live, after._watch(live))
     assert after.of("agv")[1].detector.recent == watching.of("agv")[1].detector.recent
 
@@ -117,8 +119,8 @@ async def test_a_guest_sees_public_detectors_and_teaches_none(hub, watched) -> N
 
 
 async def test_a_detector_that_fails_begins_anew_and_the_others_go_on(hub, watched) -> None:
-    watching = hub.hub._watching
-    live = hub.hub._sites.get("agv")
+    watching = hub.hub.anomalies.detectors
+    live = hub.hub.core.sites.get("agv")
     limits, broken = watching._watch(live).every()
 
     def fail(_time_us: int, _value: float) -> float:
@@ -131,7 +133,7 @@ async def test_a_detector_that_fails_begins_anew_and_the_others_go_on(hub, watch
 
 
 async def test_what_finds_no_room_is_skipped_and_counted(hub, watched) -> None:
-    watching = hub.hub._watching
+    watching = hub.hub.anomalies.detectors
     watching._count = 20_000
     await watched.samples(("base/speed", NOW, 9.0))
     await until(lambda: watching.skipped == 1)
@@ -153,7 +155,7 @@ async def test_service_watches_primary_numbers_that_have_no_detector_of_their_ow
     hub, served
 ) -> None:
     found = {}
-    for each in hub.hub._watching.of("agv"):
+    for each in hub.hub.anomalies.detectors.of("agv"):
         found.setdefault(each.address, []).append(str(each.watch.detector))
     assert found["base/speed"] == ["limits", "iqr"]
     assert found["power/voltage"] == ["together"]
@@ -162,12 +164,12 @@ async def test_service_watches_primary_numbers_that_have_no_detector_of_their_ow
 
 
 async def test_without_the_service_nothing_but_the_described_is_watched(hub, watched) -> None:
-    assert {each.address for each in hub.hub._watching.of("agv")} == {"base/speed"}
+    assert {each.address for each in hub.hub.anomalies.detectors.of("agv")} == {"base/speed"}
 
 
 async def test_service_looks_at_one_sample_a_second_of_a_fast_signal(hub, served) -> None:
     looked = {"base/turn_rate": [], "base/speed": []}
-    for each in hub.hub._watching.of("agv"):
+    for each in hub.hub.anomalies.detectors.of("agv"):
         if each.address in looked and each.watch.detector != "iqr":
             each.see = lambda time_us, _value, seen=looked[each.address]: seen.append(time_us)
     rows = [("base/turn_rate", NOW + at * SECOND // 100, 0.1) for at in range(300)]

@@ -26,6 +26,7 @@ __all__ = [
     "FROM_BROWSER",
     "FROM_GATEWAY",
     "ROUTES",
+    "ROUTES_OF",
     "SOCKETS",
     "TO_BROWSER",
     "TO_GATEWAY",
@@ -57,113 +58,146 @@ class Need(Enum):
     NEVER = auto()
 
 
+# By the feature that brings the route (`talaia.hub.features`).
+ROUTES_OF: Mapping[str, Mapping[tuple[str, str], Need]] = {
+    "audit": {
+        ("GET", "/api/audit"): Need.ADMIN,
+        ("GET", "/api/audit/export"): Need.ADMIN,
+        ("GET", "/api/audit/verify"): Need.ADMIN,
+    },
+    "gateways": {
+        ("GET", "/api/gateways"): Need.ADMIN,
+        ("POST", "/api/gateways/codes"): Need.ADMIN,
+        ("DELETE", "/api/gateways/codes/{code}"): Need.ADMIN,
+        ("POST", "/api/gateways/{gateway}/revoke"): Need.ADMIN,
+        ("POST", "/api/gateways/{gateway}/reconnect"): Need.ADMIN,
+        # Whoever has a code; it is one-time, short-lived, and tries are counted by address.
+        ("POST", "/api/enrol"): Need.OPEN,
+    },
+    "people": {
+        ("POST", "/api/login"): Need.OPEN,
+        ("POST", "/api/setup"): Need.OPEN,
+        ("POST", "/api/logout"): Need.OWN,
+        ("GET", "/api/me"): Need.SESSION,
+        ("POST", "/api/me/password"): Need.OWN,
+        ("GET", "/api/me/sessions"): Need.OWN,
+        ("DELETE", "/api/me/sessions"): Need.OWN,
+        ("DELETE", "/api/me/sessions/{session}"): Need.OWN,
+        ("POST", "/api/me/factor"): Need.OWN,
+        ("POST", "/api/me/factor/confirm"): Need.OWN,
+        ("POST", "/api/me/factor/remove"): Need.OWN,
+        ("GET", "/api/me/tokens"): Need.OWN,
+        ("POST", "/api/me/tokens"): Need.OWN,
+        ("DELETE", "/api/me/tokens/{token}"): Need.OWN,
+        ("GET", "/api/people"): Need.ADMIN,
+        ("POST", "/api/people"): Need.ADMIN,
+        ("PATCH", "/api/people/{person}"): Need.ADMIN,
+        ("DELETE", "/api/people/{person}"): Need.ADMIN,
+        ("DELETE", "/api/people/{person}/sessions"): Need.ADMIN,
+        ("DELETE", "/api/people/{person}/factor"): Need.ADMIN,
+        ("GET", "/api/roles"): Need.ADMIN,
+        ("POST", "/api/roles"): Need.ADMIN,
+        ("PUT", "/api/roles/{role}"): Need.ADMIN,
+        ("DELETE", "/api/roles/{role}"): Need.ADMIN,
+    },
+    "history": {
+        # Each channel is looked at besides; what may not be seen is as if it were not there.
+        ("GET", "/api/sites/{site}/history"): Need.SEE,
+        ("GET", "/api/sites/{site}/last"): Need.SEE,
+        ("GET", "/api/sites/{site}/statistics"): Need.SEE,
+        ("GET", "/api/sites/{site}/outliers"): Need.SEE,
+        ("GET", "/api/sites/{site}/stored"): Need.SEE,
+        ("GET", "/api/sites/{site}/export"): Need.SEE,
+    },
+    "alarms": {
+        # Each alarm's device is looked at besides; what may not be seen is as if it were not there.
+        ("GET", "/api/sites/{site}/alarms"): Need.SEE,
+        ("GET", "/api/sites/{site}/alarms/{alarm}/history"): Need.SEE,
+        ("POST", "/api/sites/{site}/alarms/{alarm}/act"): Need.SEE,
+        # Of the whole site: an alarm may look at any of its signals.
+        ("POST", "/api/sites/{site}/alarm-preview"): Need.ADMIN,
+        ("PUT", "/api/sites/{site}/alarms/{alarm}"): Need.ADMIN,
+        ("DELETE", "/api/sites/{site}/alarms/{alarm}"): Need.ADMIN,
+    },
+    "notifications": {
+        # Names and kinds only: a person chooses among them. What they are set to is an
+        # admin's matter.
+        ("GET", "/api/me/ways"): Need.OWN,
+        ("GET", "/api/me/rules"): Need.OWN,
+        ("POST", "/api/me/rules"): Need.OWN,
+        ("PUT", "/api/me/rules/{rule}"): Need.OWN,
+        ("DELETE", "/api/me/rules/{rule}"): Need.OWN,
+        ("POST", "/api/me/rules/{rule}/test"): Need.OWN,
+        ("GET", "/api/me/push"): Need.OWN,
+        ("POST", "/api/me/push"): Need.OWN,
+        ("DELETE", "/api/me/push/{browser}"): Need.OWN,
+        ("GET", "/api/ways"): Need.ADMIN,
+        ("POST", "/api/ways"): Need.ADMIN,
+        ("PUT", "/api/ways/{way}"): Need.ADMIN,
+        ("DELETE", "/api/ways/{way}"): Need.ADMIN,
+        ("POST", "/api/ways/{way}/test"): Need.ADMIN,
+    },
+    "anomalies": {
+        # Each signal is looked at besides; what may not be seen is as if it were not there.
+        ("GET", "/api/sites/{site}/anomalies"): Need.SEE,
+        ("POST", "/api/sites/{site}/anomalies/forgiven"): Need.USE,
+    },
+    "sightings": {
+        # Each camera is looked at besides; what may not be seen is as if it were not there.
+        ("GET", "/api/sites/{site}/sightings"): Need.SEE,
+        ("GET", "/api/sites/{site}/sightings/labels"): Need.SEE,
+        ("GET", "/api/sites/{site}/sightings/{sighting}/picture"): Need.SEE,
+    },
+    "archive": {
+        # Names of stars and galaxies; nothing of the site.
+        ("GET", "/api/sites/{site}/sky"): Need.SEE,
+        # Each picture's camera is looked at besides; what may not be seen is as if it were
+        # not there.
+        ("GET", "/api/sites/{site}/frames"): Need.SEE,
+        ("GET", "/api/sites/{site}/nights"): Need.SEE,
+        ("GET", "/api/sites/{site}/frames/{frame}"): Need.SEE,
+        ("GET", "/api/sites/{site}/frames/{frame}/file"): Need.SEE,
+        ("GET", "/api/sites/{site}/frames/{frame}/preview"): Need.SEE,
+    },
+    "recordings": {
+        # Of the whole site: raw topics hold what no single device's right opens.
+        ("GET", "/api/sites/{site}/recordings"): Need.VIEW,
+        ("GET", "/api/sites/{site}/recordings/{recording}/file"): Need.VIEW,
+        ("POST", "/api/sites/{site}/recordings"): Need.USE,
+        ("DELETE", "/api/sites/{site}/recordings/{recording}"): Need.ADMIN,
+        # Each film's camera is looked at besides; what may not be seen is as if it were not there.
+        ("GET", "/api/sites/{site}/films"): Need.SEE,
+        ("GET", "/api/sites/{site}/films/{recording}/file"): Need.SEE,
+    },
+    "descriptions": {
+        # Of the whole site: a description holds all that is there, and how it is reached.
+        ("GET", "/api/sites/{site}/descriptions"): Need.ADMIN,
+        ("GET", "/api/sites/{site}/descriptions/{number}"): Need.ADMIN,
+        ("GET", "/api/sites/{site}/descriptions/{number}/difference"): Need.ADMIN,
+        ("POST", "/api/sites/{site}/descriptions"): Need.ADMIN,
+        ("POST", "/api/sites/{site}/descriptions/check"): Need.ADMIN,
+        ("POST", "/api/sites/{site}/descriptions/edit"): Need.ADMIN,
+        ("POST", "/api/sites/{site}/descriptions/{number}/restore"): Need.ADMIN,
+        ("GET", "/api/description-schema"): Need.SESSION,
+    },
+    "storage": {
+        ("GET", "/api/storage"): Need.ADMIN,
+        ("GET", "/api/storage/outlook"): Need.ADMIN,
+    },
+    "pages": {
+        ("GET", "/api/health"): Need.OPEN,
+        ("GET", "/api/openapi.json"): Need.ADMIN,
+        # Lists what is open to the person, and no more.
+        ("GET", "/api/devices"): Need.SESSION,
+        ("GET", "/api/sites"): Need.SESSION,
+        ("GET", "/api/sites/{site}"): Need.SEE,
+        ("GET", "/api/sites/{site}/events"): Need.SEE,
+        ("GET", "/{path:path}"): Need.OPEN,
+    },
+}
+
 ROUTES: Mapping[tuple[str, str], Need] = {
-    ("GET", "/api/health"): Need.OPEN,
-    ("POST", "/api/login"): Need.OPEN,
-    ("POST", "/api/setup"): Need.OPEN,
-    ("POST", "/api/logout"): Need.OWN,
-    ("GET", "/api/me"): Need.SESSION,
-    ("POST", "/api/me/password"): Need.OWN,
-    ("GET", "/api/me/sessions"): Need.OWN,
-    ("DELETE", "/api/me/sessions"): Need.OWN,
-    ("DELETE", "/api/me/sessions/{session}"): Need.OWN,
-    ("POST", "/api/me/factor"): Need.OWN,
-    ("POST", "/api/me/factor/confirm"): Need.OWN,
-    ("POST", "/api/me/factor/remove"): Need.OWN,
-    ("GET", "/api/me/tokens"): Need.OWN,
-    ("POST", "/api/me/tokens"): Need.OWN,
-    ("DELETE", "/api/me/tokens/{token}"): Need.OWN,
-    ("GET", "/api/people"): Need.ADMIN,
-    ("POST", "/api/people"): Need.ADMIN,
-    ("PATCH", "/api/people/{person}"): Need.ADMIN,
-    ("DELETE", "/api/people/{person}"): Need.ADMIN,
-    ("DELETE", "/api/people/{person}/sessions"): Need.ADMIN,
-    ("DELETE", "/api/people/{person}/factor"): Need.ADMIN,
-    ("GET", "/api/roles"): Need.ADMIN,
-    ("POST", "/api/roles"): Need.ADMIN,
-    ("PUT", "/api/roles/{role}"): Need.ADMIN,
-    ("DELETE", "/api/roles/{role}"): Need.ADMIN,
-    ("GET", "/api/openapi.json"): Need.ADMIN,
-    # Lists what is open to the person, and no more.
-    ("GET", "/api/devices"): Need.SESSION,
-    ("GET", "/api/sites"): Need.SESSION,
-    ("GET", "/api/sites/{site}"): Need.SEE,
-    # Each channel is looked at besides; what may not be seen is as if it were not there.
-    ("GET", "/api/sites/{site}/history"): Need.SEE,
-    ("GET", "/api/sites/{site}/last"): Need.SEE,
-    ("GET", "/api/sites/{site}/statistics"): Need.SEE,
-    ("GET", "/api/sites/{site}/outliers"): Need.SEE,
-    ("GET", "/api/sites/{site}/stored"): Need.SEE,
-    ("GET", "/api/sites/{site}/export"): Need.SEE,
-    ("GET", "/api/sites/{site}/events"): Need.SEE,
-    # Each signal is looked at besides; what may not be seen is as if it were not there.
-    ("GET", "/api/sites/{site}/anomalies"): Need.SEE,
-    ("POST", "/api/sites/{site}/anomalies/forgiven"): Need.USE,
-    # Names of stars and galaxies; nothing of the site.
-    ("GET", "/api/sites/{site}/sky"): Need.SEE,
-    # Each picture's camera is looked at besides; what may not be seen is as if it were not there.
-    ("GET", "/api/sites/{site}/frames"): Need.SEE,
-    ("GET", "/api/sites/{site}/nights"): Need.SEE,
-    ("GET", "/api/sites/{site}/frames/{frame}"): Need.SEE,
-    ("GET", "/api/sites/{site}/frames/{frame}/file"): Need.SEE,
-    ("GET", "/api/sites/{site}/frames/{frame}/preview"): Need.SEE,
-    # Each camera is looked at besides; what may not be seen is as if it were not there.
-    ("GET", "/api/sites/{site}/sightings"): Need.SEE,
-    ("GET", "/api/sites/{site}/sightings/labels"): Need.SEE,
-    ("GET", "/api/sites/{site}/sightings/{sighting}/picture"): Need.SEE,
-    # Of the whole site: raw topics hold what no single device's right opens.
-    ("GET", "/api/sites/{site}/recordings"): Need.VIEW,
-    ("GET", "/api/sites/{site}/recordings/{recording}/file"): Need.VIEW,
-    ("POST", "/api/sites/{site}/recordings"): Need.USE,
-    ("DELETE", "/api/sites/{site}/recordings/{recording}"): Need.ADMIN,
-    # Each film's camera is looked at besides; what may not be seen is as if it were not there.
-    ("GET", "/api/sites/{site}/films"): Need.SEE,
-    ("GET", "/api/sites/{site}/films/{recording}/file"): Need.SEE,
-    # Of the whole site: a description holds all that is there, and how it is reached.
-    ("GET", "/api/sites/{site}/descriptions"): Need.ADMIN,
-    ("GET", "/api/sites/{site}/descriptions/{number}"): Need.ADMIN,
-    ("GET", "/api/sites/{site}/descriptions/{number}/difference"): Need.ADMIN,
-    ("POST", "/api/sites/{site}/descriptions"): Need.ADMIN,
-    ("POST", "/api/sites/{site}/descriptions/check"): Need.ADMIN,
-    ("POST", "/api/sites/{site}/descriptions/edit"): Need.ADMIN,
-    ("POST", "/api/sites/{site}/descriptions/{number}/restore"): Need.ADMIN,
-    ("GET", "/api/description-schema"): Need.SESSION,
-    # Each alarm's device is looked at besides; what may not be seen is as if it were not there.
-    ("GET", "/api/sites/{site}/alarms"): Need.SEE,
-    ("GET", "/api/sites/{site}/alarms/{alarm}/history"): Need.SEE,
-    ("POST", "/api/sites/{site}/alarms/{alarm}/act"): Need.SEE,
-    # Of the whole site: an alarm may look at any of its signals.
-    ("POST", "/api/sites/{site}/alarm-preview"): Need.ADMIN,
-    ("PUT", "/api/sites/{site}/alarms/{alarm}"): Need.ADMIN,
-    ("DELETE", "/api/sites/{site}/alarms/{alarm}"): Need.ADMIN,
-    # Names and kinds only: a person chooses among them. What they are set to is an admin's matter.
-    ("GET", "/api/me/ways"): Need.OWN,
-    ("GET", "/api/me/rules"): Need.OWN,
-    ("POST", "/api/me/rules"): Need.OWN,
-    ("PUT", "/api/me/rules/{rule}"): Need.OWN,
-    ("DELETE", "/api/me/rules/{rule}"): Need.OWN,
-    ("POST", "/api/me/rules/{rule}/test"): Need.OWN,
-    ("GET", "/api/me/push"): Need.OWN,
-    ("POST", "/api/me/push"): Need.OWN,
-    ("DELETE", "/api/me/push/{browser}"): Need.OWN,
-    ("GET", "/api/ways"): Need.ADMIN,
-    ("POST", "/api/ways"): Need.ADMIN,
-    ("PUT", "/api/ways/{way}"): Need.ADMIN,
-    ("DELETE", "/api/ways/{way}"): Need.ADMIN,
-    ("POST", "/api/ways/{way}/test"): Need.ADMIN,
-    ("GET", "/api/gateways"): Need.ADMIN,
-    ("POST", "/api/gateways/codes"): Need.ADMIN,
-    ("DELETE", "/api/gateways/codes/{code}"): Need.ADMIN,
-    ("POST", "/api/gateways/{gateway}/revoke"): Need.ADMIN,
-    ("POST", "/api/gateways/{gateway}/reconnect"): Need.ADMIN,
-    # Whoever has a code; it is one-time, short-lived, and tries are counted by address.
-    ("POST", "/api/enrol"): Need.OPEN,
-    ("GET", "/api/audit"): Need.ADMIN,
-    ("GET", "/api/audit/export"): Need.ADMIN,
-    ("GET", "/api/audit/verify"): Need.ADMIN,
-    ("GET", "/api/storage"): Need.ADMIN,
-    ("GET", "/api/storage/outlook"): Need.ADMIN,
-    ("GET", "/{path:path}"): Need.OPEN,
+    route: need for lines in ROUTES_OF.values() for route, need in lines.items()
 }
 
 SOCKETS: Mapping[str, Need] = {

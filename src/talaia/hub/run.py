@@ -280,7 +280,7 @@ async def keep_service_manager(hub: Hub, manager: ServiceManager) -> None:
     """Feed the service manager's watchdog for as long as alarms are being judged."""
     while manager.watchdog_s:
         await asyncio.sleep(min(1.0, manager.watchdog_s / 4))
-        if hub.alarms.judging:
+        if hub.alarms.engine.judging:
             manager.feed_watchdog()
 
 
@@ -337,8 +337,10 @@ def _announce(hub: Hub, port: int, manager: ServiceManager) -> None:
     if not settings.plain:
         cert = own_certificate(settings, _now()).cert
         lines.append(f"certificate: {fingerprint(cert)} (SHA-256)")
-    if hub.setup_token:
-        lines.append(f"set up the first admin within a day: {address}/setup#{hub.setup_token}")
+    if hub.people.setup_token:
+        lines.append(
+            f"set up the first admin within a day: {address}/setup#{hub.people.setup_token}"
+        )
     sys.stdout.write("\n".join(lines) + "\n")
     sys.stdout.flush()
     manager.report_ready()

@@ -139,8 +139,10 @@ async def test_an_alarm_of_each_kind_is_made_in_the_page_and_raised(hub, chromiu
         ("base/wandering", now_us(), 1.0),
         ("base/speed", now_us(), 0.1),
     )
-    hub.hub.alarms.anomaly(AnomalyNews("agv", "base/speed", "baseline", 1, None, 0.9, "too fast"))
-    hub.hub.alarms.sighting(Sighting("agv", "camera/front", "person", 1, 0.9, 1, None))
+    hub.hub.alarms.engine.anomaly(
+        AnomalyNews("agv", "base/speed", "baseline", 1, None, 0.9, "too fast")
+    )
+    hub.hub.alarms.engine.sighting(Sighting("agv", "camera/front", "person", 1, 0.9, 1, None))
     for alarm, why in {
         "low": "Voltage is 10 V, below 11 V", "slow": "Voltage is 10 V, below 11 V",
         "wandering": "Wander mode is 'on'", "both": "Voltage is 10 V, Wander mode is 'on'",

@@ -282,7 +282,7 @@ async def test_a_test_message_shows_the_real_error(hub, mailbox):
 
 
 async def test_a_server_that_only_the_hub_can_reach_is_refused(hub, mailbox):
-    hub.hub._sender._networks.clear()
+    hub.hub.notifications.sender._networks.clear()
     rule = await want_mail(hub, mailbox)
     went = (await (await hub.client("operator")).post(f"/api/me/rules/{rule}/test")).json()
     assert "no public address" in went["problem"]
@@ -375,8 +375,8 @@ alarms:
     gateway = await hub.gateway()
     await gateway.hello(DESCRIPTION + described)
     page = await hub.page("operator")
-    seeing: SightingSink = hub.hub.alarms
-    feeling: AnomalySink = hub.hub.alarms
+    seeing: SightingSink = hub.hub.alarms.engine
+    feeling: AnomalySink = hub.hub.alarms.engine
     seen = Sighting("agv", "camera/front", "person", 1, 0.9, 1_000, None)
     seeing.sighting(seen._replace(confidence=0.5))
     seeing.sighting(seen)

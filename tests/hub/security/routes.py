@@ -106,8 +106,8 @@ async def _session(world: World, client: httpx.AsyncClient, about: str) -> Ask:
         return Ask({"session": found[0]["id"] if found else "0" * 64}, done=(204,))
     # Nobody's client is this person's.
     person = int(await world.person())
-    await world.hub.hub._sessions.begin(person, "127.0.0.1")
-    return Ask({"session": (await world.hub.hub._sessions.of(person))[0].id})
+    await world.hub.hub.people.sessions.begin(person, "127.0.0.1")
+    return Ask({"session": (await world.hub.hub.people.sessions.of(person))[0].id})
 
 
 async def _token(world: World, client: httpx.AsyncClient, about: str) -> Ask:
@@ -115,7 +115,7 @@ async def _token(world: World, client: httpx.AsyncClient, about: str) -> Ask:
         made = await client.post("/api/me/tokens", json={**TOKEN, "permissions": []})
         return Ask({"token": made.json().get("id", "0")}, done=(204,))
     person = int(await world.person())
-    number, _ = await world.hub.hub._tokens.add(person, "theirs", TOKEN["ends_us"], [])
+    number, _ = await world.hub.hub.people.tokens.add(person, "theirs", TOKEN["ends_us"], [])
     return Ask({"token": str(number)})
 
 
@@ -168,7 +168,7 @@ async def _gateway(world: World, site: str) -> str:
 
 
 async def _revoke(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
-    await world.hub.hub._registry.new_key("farm")
+    await world.hub.hub.gateways.registry.new_key("farm")
     return Ask({"gateway": await _gateway(world, "farm")}, done=(204,))
 
 
@@ -190,7 +190,7 @@ async def _sighting(world: World, _client: httpx.AsyncClient, about: str) -> Ask
 
 async def _recording(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
     """Have a recording of a site, as if its gateway had just handed it over."""
-    recordings = world.hub.hub._recordings
+    recordings = world.hub.hub.recordings.files
     name, body = f"r{next(_NUMBERS)}", b"mcap"
     offer = FileOffer(
         id=name, size=4, digest=hashlib.sha256(body).hexdigest(), begin_us=NOW, end_us=NOW
@@ -209,7 +209,7 @@ FILMED = ("agv/camera", "moon/rover")
 
 async def _film(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
     """Have a film of a device's camera, as if its gateway had just handed it over."""
-    recordings = world.hub.hub._recordings
+    recordings = world.hub.hub.recordings.files
     site, _, device = about.partition("/")
     name, body = f"r{next(_NUMBERS)}", b"film"
     offer = FilmOffer(

@@ -159,7 +159,7 @@ async def everything(world: World, listeners: list[Listener]) -> None:
 async def _nearly_over(world: World, listeners: list[Listener]) -> None:
     """Let everyone's session be so old that they are told of its end."""
     age_us = round((world.hub.settings.life_s - 30.0) * 1e6)
-    async with world.hub.hub._database.write() as connection:
+    async with world.hub.hub.core.database.write() as connection:
         await connection.execute(update(sessions).values(created_us=sessions.c.created_us - age_us))
     for each in listeners:
         if each.actor != "token":

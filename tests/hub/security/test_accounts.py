@@ -180,8 +180,8 @@ async def test_factor_that_was_not_confirmed_is_not_asked_for(hub) -> None:
 async def test_no_secret_of_a_factor_stands_in_the_database_or_the_audit_log(hub) -> None:
     client = await hub.client("operator")
     totp, codes = await with_factor(client)
-    await hub.hub._audit.written()
-    async with hub.hub._database.read() as connection:
+    await hub.hub.audit.log.written()
+    async with hub.hub.core.database.read() as connection:
         rows = [str(tuple(row)) for row in await connection.execute(select(users))]
         rows += [str(tuple(row)) for row in await connection.execute(text("SELECT * FROM audit"))]
         rows += [
@@ -316,7 +316,7 @@ async def test_hundreds_of_wrong_passwords_never_make_anyone_wait_longer_than_a_
 
 async def test_asking_in_the_background_does_not_keep_a_session(hub) -> None:
     client = await hub.client("operator")
-    async with hub.hub._database.write() as connection:
+    async with hub.hub.core.database.write() as connection:
         await connection.execute(text("UPDATE sessions SET used_us = used_us - 600000000"))
     quiet = await client.get("/api/me", headers={"Talaia-Background": "1"})
     loud = await client.get("/api/me")
@@ -329,14 +329,14 @@ async def test_holder_of_a_lease_is_warned_before_the_session_ends(hub, gateway)
     page = await hub.page("operator")
     life_us = round(hub.settings.life_s * 1e6)
     now_us = SystemClock().wall_ns() // 1000
-    async with hub.hub._database.write() as connection:
+    async with hub.hub.core.database.write() as connection:
         await connection.execute(
             text("UPDATE sessions SET created_us = :at"), {"at": now_us - life_us + 60_000_000}
         )
     news = await page.hear(page_wire.SessionNews)
     assert not news.idle
     assert abs(news.ends_us - now_us - 60_000_000) < 1_000_000
-    async with hub.hub._database.write() as connection:
+    async with hub.hub.core.database.write() as connection:
         await connection.execute(text("UPDATE sessions SET created_us = 0"))
     assert "session is over" in (await page.hear(page_wire.Ended)).reason
 
@@ -345,7 +345,7 @@ async def test_touching_the_page_keeps_a_session_that_is_about_to_end(hub) -> No
     page = await hub.page("operator")
     idle_us = round(hub.settings.idle_s * 1e6)
     now_us = SystemClock().wall_ns() // 1000
-    async with hub.hub._database.write() as connection:
+    async with hub.hub.core.database.write() as connection:
         await connection.execute(
             text("UPDATE sessions SET used_us = :at"), {"at": now_us - idle_us + 90_000_000}
         )

@@ -147,7 +147,7 @@ def test_what_can_be_seen_stays_as_it_is() -> None:
 
 async def kinds(hub, **wanted) -> list[tuple[str, str]]:
     """Give kind and who of the rows, oldest first."""
-    await hub.hub._audit.written()
+    await hub.hub.audit.log.written()
     admin = await hub.client("admin")
     rows = (await admin.get("/api/audit", params=wanted)).json()["rows"]
     return [(row["kind"], row["who"]) for row in reversed(rows)]
@@ -229,7 +229,7 @@ async def test_chain_is_verified_for_an_admin_and_a_break_is_named(hub) -> None:
     assert sound["ok"]
     assert sound["broken"] == 0
     assert sound["rows"] >= 2
-    async with hub.hub._database.write() as connection:
+    async with hub.hub.core.database.write() as connection:
         await connection.execute(text("UPDATE audit SET good = NOT good WHERE id = 2"))
     assert (await admin.get("/api/audit/verify")).json() == {"ok": False, "rows": 1, "broken": 2}
 
@@ -244,7 +244,7 @@ def test_no_cell_is_a_formula(said) -> None:
 
 async def test_export_is_a_file_that_no_spreadsheet_works_out(hub) -> None:
     for said in (*FORMULAS, 'a "quoted", cell', "<script>alert(1)</script>"):
-        hub.hub._audit.note("test", who=said, message=said)
+        hub.hub.audit.log.note("test", who=said, message=said)
     admin = await hub.client("admin")
     answer = await admin.get("/api/audit/export", params={"kind": "test"})
     assert answer.headers["content-type"] == "text/csv; charset=utf-8"
@@ -257,13 +257,13 @@ async def test_export_is_a_file_that_no_spreadsheet_works_out(hub) -> None:
     for row in rows:
         assert not any(cell.startswith(tuple("=+-@\t\r")) for cell in row.values())
         assert row["time_utc"].endswith("+00:00")
-    await hub.hub._audit.written()
+    await hub.hub.audit.log.written()
     assert ("audit exported", "admin") in await kinds(hub)
 
 
 async def test_export_of_a_long_log_comes_in_pieces_and_whole(hub) -> None:
     for number in range(5_000):
-        hub.hub._audit.note("many", message=f"row {number}")
+        hub.hub.audit.log.note("many", message=f"row {number}")
     admin = await hub.client("admin")
     pieces = []
     async with admin.stream("GET", "/api/audit/export", params={"kind": "many"}) as answer:

@@ -21,7 +21,7 @@ class Away:
     """The database, gone: as when its server is killed, every connection to it fails."""
 
     def __init__(self, hub) -> None:  # noqa: D107
-        self._database = hub.hub._database
+        self._database = hub.hub.core.database
         self._engine, self._writer = self._database._engine, self._database._writer
 
     def __enter__(self) -> None:
@@ -38,7 +38,7 @@ class Away:
 def hand_moved(hub) -> HandClock:
     """Let the hub's knowledge of who may do what grow old by hand."""
     clock = HandClock()
-    hub.hub._seats._clock, hub.hub._seats._checked_ns = clock, clock.monotonic_ns()
+    hub.hub.people.seats._clock, hub.hub.people.seats._checked_ns = clock, clock.monotonic_ns()
     return clock
 
 
@@ -99,7 +99,7 @@ async def test_commands_are_refused_and_stop_is_passed_on(hub, gateway) -> None:
         await page.say(page_wire.Lease(site="agv", device="base", op=LeaseOp.FREE))
         await gateway.hear(LeaseAsk, lambda asked: asked.op is LeaseOp.FREE)
         assert not [each for each in gateway.heard if isinstance(each, CommandAsk)]
-    await hub.hub._seats.check()
+    await hub.hub.people.seats.check()
     await page.say(page_wire.Lease(site="agv", device="base", op=LeaseOp.TAKE))
     await gateway.hear(LeaseAsk, lambda asked: asked.op is LeaseOp.TAKE)
 
@@ -109,11 +109,11 @@ async def test_what_was_noted_meanwhile_is_written_down_later(hub, gateway) -> N
     with Away(hub):
         await page.say(page_wire.Stop(site="agv", device="base", id="s1"))
         await gateway.hear(StopAsk)
-    await hub.hub._audit.written()
-    found, _ = await hub.hub._audit.find(Filter(site="agv"), 50)
+    await hub.hub.audit.log.written()
+    found, _ = await hub.hub.audit.log.find(Filter(site="agv"), 50)
     kinds = [row.entry.kind for row in found]
     assert "stop pressed" in kinds
-    assert (await hub.hub._audit.verify()).broken == 0
+    assert (await hub.hub.audit.log.verify()).broken == 0
 
 
 # PostgreSQL alone can shut one database and leave the others open.
@@ -145,11 +145,11 @@ async def test_server_that_goes_and_comes_back_needs_no_restart_of_the_hub(
         assert (await client.get("/api/me")).status_code == 503
         clock = hand_moved(hub)
         clock.advance(3 * SECOND)
-        assert not hub.hub._seats.sure
+        assert not hub.hub.people.seats.sure
         let_in(allowed=True)
         assert (await client.get("/api/me")).status_code == 200
-        await hub.hub._seats.check()
-        assert hub.hub._seats.sure
+        await hub.hub.people.seats.check()
+        assert hub.hub.people.seats.sure
         await page.say(page_wire.Ping(n=1, at_ms=0.0))
         await page.hear(page_wire.Pong)
     server.dispose()

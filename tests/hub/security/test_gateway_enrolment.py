@@ -178,7 +178,7 @@ async def test_every_refusal_says_what_to_do(hub) -> None:
     }
     assert "compare it with the page" in found["mistyped"][1]
     assert "make a new one" in found["used"][1]
-    await hub.hub._audit.written()
+    await hub.hub.audit.log.written()
     rows = (await admin.get("/api/audit", params={"kind": "gateway enrol refused"})).json()["rows"]
     assert [row["message"] for row in rows] == ["used", "unknown", "mistyped"]
     assert not any(row["good"] for row in rows)

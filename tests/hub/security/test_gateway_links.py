@@ -34,7 +34,7 @@ async def test_revoked_gateway_is_gone_at_once_and_stays_out(hub, gateway) -> No
 
 
 async def test_key_revoked_by_another_process_closes_the_link_within_a_second(hub, gateway) -> None:
-    await SiteRegistry(hub.hub._database, SystemClock()).new_key("agv")
+    await SiteRegistry(hub.hub.core.database, SystemClock()).new_key("agv")
     assert await gateway.closed() == 4409
 
 
@@ -63,7 +63,7 @@ async def test_reconnect_to_a_device_is_asked_of_the_gateway_and_its_outcome_is_
     )
     told = await page.hear(page_wire.EventNews, lambda news: news.kind == "device reconnected")
     assert (told.device, told.who, told.message) == ("base", "admin", "3 of 3 are there")
-    await hub.hub._audit.written()
+    await hub.hub.audit.log.written()
     rows = (await admin.get("/api/audit", params={"device": "base"})).json()["rows"]
     assert [row["kind"] for row in rows] == ["device reconnected", "device reconnect asked"]
 
@@ -94,7 +94,7 @@ async def test_changed_description_is_in_the_audit_log(hub, gateway) -> None:
     await gateway.close()
     again = await hub.gateway()
     await again.hello(again.description.replace("House vehicle", "House <b>vehicle</b>"))
-    await hub.hub._audit.written()
+    await hub.hub.audit.log.written()
     admin = await hub.client("admin")
     rows = (await admin.get("/api/audit", params={"kind": "description changed"})).json()["rows"]
     assert [(row["site"], row["good"]) for row in rows] == [("agv", True)]

@@ -27,7 +27,7 @@ SITE = f"talaia: 1\nsite: agv\nname: Many\nros2: {{}}\ndevices:\n{_DEVICES}"
 async def _populate(world: World) -> None:
     """Make fifty people, each with a role that holds one device."""
     kept = (await world.hub.people.find("admin")).password_hash
-    async with world.hub.hub._database.write() as connection:
+    async with world.hub.hub.core.database.write() as connection:
         for at in range(PEOPLE):
             role = await connection.execute(insert(roles).values(name=f"r{at}", seeded=False))
             permission = await connection.execute(

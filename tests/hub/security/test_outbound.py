@@ -176,7 +176,7 @@ async def _end(world, heard) -> None:
 
 
 async def test_nobody_reads_over_http_what_is_not_theirs(world, heard) -> None:
-    await world.hub.hub._audit.written()
+    await world.hub.hub.audit.log.written()
     for actor in ACTORS:
         client = await world.client(actor)
         listed = await client.get("/api/devices")

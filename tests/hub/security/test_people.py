@@ -356,7 +356,7 @@ async def test_every_change_is_written_down_without_a_secret(hub) -> None:
     made = await token_of(operator, may("view"))
     await operator.delete(f"/api/me/tokens/{made['id']}")
     await operator.post("/api/me/password", json={"old": PASSWORD, "new": "another password"})
-    await hub.hub._audit.written()
+    await hub.hub.audit.log.written()
     rows = (await admin.get("/api/audit", params={"limit": 100})).json()["rows"]
     said = {row["kind"]: (row["who"], row["message"]) for row in rows}
     assert said["person added"] == ("admin", "ada (guest)")

@@ -27,7 +27,7 @@ DRIVE = browser.Drive(site="agv", device="base", epoch=7, seq=1, tick=1, linear=
 
 async def change(world, statement) -> None:
     """Change the database behind the hub's back, as another process does."""
-    async with world.hub.hub._database.write() as connection:
+    async with world.hub.hub.core.database.write() as connection:
         await connection.execute(statement)
 
 
@@ -44,14 +44,14 @@ async def _demoted(world) -> None:
 
 
 async def _right_taken(world) -> None:
-    async with world.hub.hub._database.read() as connection:
+    async with world.hub.hub.core.database.read() as connection:
         role = (await connection.execute(roles.select().where(roles.c.name == "driver"))).one()
     await change(world, delete(role_permissions).where(role_permissions.c.role_id == role.id))
 
 
 async def _sessions_ended(world) -> None:
     person = await world.hub.people.find("driver")
-    await world.hub.hub._sessions.end_all(person.id)
+    await world.hub.hub.people.sessions.end_all(person.id)
 
 
 TAKEN_AWAY = [_disabled, _removed, _demoted, _right_taken, _sessions_ended]
@@ -110,7 +110,7 @@ async def test_session_that_grows_too_old_ends_its_socket(hub_that_stores, left)
     running = hub_that_stores()
     clock = HandClock()
     running.hub = build(running.settings, clock)
-    running.people = running.hub._people
+    running.people = running.hub.people.accounts
     async with running:
         world = World(running)
         try:

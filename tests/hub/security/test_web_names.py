@@ -94,7 +94,7 @@ async def test_hostile_names_reach_the_audit_file_as_text(hub, payload) -> None:
 async def test_person_gets_no_name_that_cannot_be_seen(empty_hub, name) -> None:
     client = await empty_hub.client()
     said = name.decode() + "\x1b" if isinstance(name, bytes) else name
-    asked = {"token": empty_hub.hub.setup_token, "name": said, "password": PASSWORD}
+    asked = {"token": empty_hub.hub.people.setup_token, "name": said, "password": PASSWORD}
     assert (await client.post("/api/setup", json=asked)).status_code == 422
 
 

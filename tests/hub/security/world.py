@@ -136,7 +136,7 @@ class World:
 
     async def begin(self) -> None:
         await self.hub.populate()
-        database = self.hub.hub._database
+        database = self.hub.hub.core.database
         async with database.write() as connection:
             for name, (right, site, device) in ROLES.items():
                 role = await connection.execute(insert(roles).values(name=name, seeded=False))
@@ -154,7 +154,7 @@ class World:
             await self.hub.people.add(name, kept, name)
         for site in DESCRIPTIONS:
             await self.connect(site)
-        ends_us = self.hub.hub._clock.wall_ns() // 1000 + 3600 * 10**6
+        ends_us = self.hub.hub.core.clock.wall_ns() // 1000 + 3600 * 10**6
         asked = {**TOKEN, "ends_us": ends_us}
         made = await (await self.client("operator")).post("/api/me/tokens", json=asked)
         assert made.status_code == 200, made.text
@@ -164,7 +164,7 @@ class World:
         """Connect a site's gateway, with the key it has or a new one."""
         described = description or DESCRIPTIONS[site]
         if site not in self.hub.keys:
-            self.hub.keys[site] = await self.hub.hub._registry.new_key(site)
+            self.hub.keys[site] = await self.hub.hub.gateways.registry.new_key(site)
         gateway = await self.hub.gateway(key=self.hub.keys[site])
         await gateway.hello(described, site=site, boot=f"boot-{len(described)}")
         gateway.channels = {
@@ -208,7 +208,7 @@ class World:
         if actor == "nobody":
             return {}
         person = await self.hub.people.find(actor)
-        token, _ = await self.hub.hub._sessions.begin(person.id, "127.0.0.1")
+        token, _ = await self.hub.hub.people.sessions.begin(person.id, "127.0.0.1")
         return {"talaia": token}
 
     async def headers(self, actor: str) -> dict[str, str]:
@@ -241,12 +241,12 @@ class World:
             id="0" * 32, kind="fits", device=device, size=len(data), digest=digest,
             time_us=NOW,
         )  # fmt: skip
-        return str((await self.hub.hub._archive.take(site, "UTC", offer, path)).id)
+        return str((await self.hub.hub.archive.frames.take(site, "UTC", offer, path)).id)
 
     async def sighting(self, about: str) -> str:
         """Have a camera see somebody, unless it has; give the sighting's number."""
         site, _, device = about.partition("/")
-        store = self.hub.hub._sighting_store
+        store = self.hub.hub.sightings.store
         picture = b"\xff\xd8not looked at\xff\xd9"
         one = Sighted(site, f"{device}/eye", "person", NOW, NOW + 1, 1, 0.9, NOW, "b", picture)
         await store.put([one], lambda _: None)
@@ -262,7 +262,7 @@ class World:
     async def state(self) -> dict[str, list]:
         """Read all that is kept, but what merely says when something was used."""
         # When and from where gateways came is written a second later; now, then.
-        await self.hub.hub._registry.attendance.write()
+        await self.hub.hub.gateways.registry.attendance.write()
         # Read past the hub: the matrix does it twice for each request.
         found = sqlite3.connect(f"file:{self.hub.settings.data}/talaia.db?mode=ro", uri=True)
         with contextlib.closing(found) as database:

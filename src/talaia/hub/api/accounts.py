@@ -12,11 +12,14 @@ from talaia.hub.api.shapes import LoginAsk, Me, PermissionShape, SetupAsk
 from talaia.hub.auth.passwords import check_name, check_password
 from talaia.hub.auth.permissions import ANY, Right
 from talaia.hub.errors import WeakPassword
-from talaia.hub.store.visible import visible
 
 if TYPE_CHECKING:
-    from talaia.hub.api.account_parts import AccountParts
+    from talaia.hub.api.browser_sessions import BrowserSessions
+    from talaia.hub.api.proving import Proving
+    from talaia.hub.auth.passwords import Passwords
     from talaia.hub.auth.permissions import Grants
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.people import People
     from talaia.hub.store.sessions import Alive
 
 __all__ = ["Accounts", "permissions_of"]
@@ -25,9 +28,21 @@ __all__ = ["Accounts", "permissions_of"]
 class Accounts:
     """The routes by which one comes in and goes out."""
 
-    def __init__(self, parts: AccountParts) -> None:
-        """Take the parts of an account."""
-        self._parts = parts
+    def __init__(
+        self,
+        *,
+        proving: Proving,
+        sessions: BrowserSessions,
+        people: People,
+        passwords: Passwords,
+        audit: Audit,
+    ) -> None:
+        """Sign in who has passed ``proving``."""
+        self._proving = proving
+        self._sessions = sessions
+        self._people = people
+        self._passwords = passwords
+        self._audit = audit
 
     def router(self) -> APIRouter:
         """Give the routes."""
@@ -40,55 +55,41 @@ class Accounts:
 
     async def login(self, asked: LoginAsk, request: Request, response: Response) -> Me:
         """Sign in. Wrong name and wrong password look alike, and take as long."""
-        person = await self._parts.proving.sign_in(request, asked.name, asked.password, asked.code)
+        person = await self._proving.sign_in(request, asked.name, asked.password, asked.code)
         return await self._welcome(person.id, request, response, "login")
 
     async def setup(self, asked: SetupAsk, request: Request, response: Response) -> Me:
         """Make the first admin and sign in."""
         # No name of a person begins like this, so it is counted by address alone.
-        ask = await self._parts.proving.begin(request, f"\0setup from {address_of(request)}")
-        if not await self._parts.people.may_set_up(asked.token):
-            self._parts.audit.note("setup refused", address=address_of(request), good=False)
+        ask = await self._proving.begin(request, f"\0setup from {address_of(request)}")
+        if not await self._people.may_set_up(asked.token):
+            self._audit.note("setup refused", address=address_of(request), good=False)
             raise ApiProblem(403, "forbidden", "this set-up link is used up or too old")
         try:
             check_name(asked.name)
             check_password(asked.password, asked.name)
         except WeakPassword as error:
             raise ApiProblem(422, "invalid", str(error)) from error
-        hashed = await self._parts.passwords.hash(asked.password)
-        user = await self._parts.people.set_up(asked.token, asked.name, hashed)
+        hashed = await self._passwords.hash(asked.password)
+        user = await self._people.set_up(asked.token, asked.name, hashed)
         if user is None:
             raise ApiProblem(403, "forbidden", "this set-up link is used up or too old")
-        await self._parts.proving.right(ask)
+        await self._proving.right(ask)
         return await self._welcome(user, request, response, "setup")
 
     async def logout(self, request: Request, response: Response) -> None:
         """End the session; its open sockets are closed at once."""
         who = who_of(request)
-        await self._parts.sessions.end(who.session)
-        self._parts.seats.end_session(who.session, "you have signed out")
-        self._parts.access.clear_cookie(response)
-        self._parts.audit.note("logout", who=who.name, address=address_of(request))
+        await self._sessions.sign_out(request, response)
+        self._audit.note("logout", who=who.name, address=address_of(request))
 
     async def me(self, request: Request) -> Me:
         """Tell who is signed in, with which rights and until when."""
         return _me(alive_of(request))
 
     async def _welcome(self, user: int, request: Request, response: Response, kind: str) -> Me:
-        address = address_of(request)
-        # A session that the browser brought is not the one that it leaves with.
-        before = await self._parts.access.who(request)
-        if before is not None and not before.who.script:
-            await self._parts.sessions.end(before.who.session)
-            self._parts.seats.end_session(before.who.session, "you have signed in anew")
-        agent = visible(request.headers.get("user-agent", ""), 200)
-        token, alive = await self._parts.sessions.begin(user, address, agent)
-        self._parts.access.set_cookie(response, token)
-        known = request.cookies.get(self._parts.access.browser_cookie, "")
-        self._parts.access.set_browser_cookie(
-            response, await self._parts.browsers.remember(user, known)
-        )
-        self._parts.audit.note(kind, who=alive.who.name, address=address)
+        alive = await self._sessions.begin(user, request, response)
+        self._audit.note(kind, who=alive.who.name, address=address_of(request))
         return _me(alive)
 
 

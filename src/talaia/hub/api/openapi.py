@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fastapi import APIRouter, FastAPI
+from fastapi import APIRouter, FastAPI, Request
 
 from talaia import __version__
 from talaia.hub.api.shapes import ProblemShape
 from talaia.hub.policy import BY_SCRIPT, Need, need_of_route
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
 __all__ = ["ApiDescription", "describe_api", "needs_in_words"]
 
@@ -90,9 +90,8 @@ _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
 class ApiDescription:
     """The route that gives the description, to those who manage the hub."""
 
-    def __init__(self, app: Callable[[], FastAPI]) -> None:
-        """Describe what ``app`` gives, which has all its routes by then."""
-        self._app = app
+    def __init__(self) -> None:
+        """Describe nothing yet: the first request does, when all routes are there."""
         self._said: dict[str, Any] | None = None
 
     def router(self) -> APIRouter:
@@ -101,10 +100,10 @@ class ApiDescription:
         router.get("/api/openapi.json")(self.description)
         return router
 
-    def description(self) -> dict[str, Any]:
+    def description(self, request: Request) -> dict[str, Any]:
         """Describe the API."""
         if self._said is None:
-            self._said = describe_api(self._app())
+            self._said = describe_api(request.app)
         return self._said
 
 

@@ -23,7 +23,12 @@ from talaia.hub.auth.passwords import check_password
 from talaia.hub.errors import WeakPassword
 
 if TYPE_CHECKING:
-    from talaia.hub.api.account_parts import AccountParts
+    from talaia.hub.api.browser_sessions import BrowserSessions
+    from talaia.hub.api.proving import Proving
+    from talaia.hub.auth.passwords import Passwords
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.factors import Factors
+    from talaia.hub.store.people import People
 
 __all__ = ["OwnPages"]
 
@@ -31,9 +36,23 @@ __all__ = ["OwnPages"]
 class OwnPages:
     """The routes of one's own account."""
 
-    def __init__(self, parts: AccountParts) -> None:
-        """Take the parts of an account."""
-        self._parts = parts
+    def __init__(
+        self,
+        *,
+        proving: Proving,
+        sessions: BrowserSessions,
+        people: People,
+        passwords: Passwords,
+        factors: Factors,
+        audit: Audit,
+    ) -> None:
+        """Change what ``people`` and ``factors`` keep of who has passed ``proving``."""
+        self._proving = proving
+        self._sessions = sessions
+        self._people = people
+        self._passwords = passwords
+        self._factors = factors
+        self._audit = audit
 
     def router(self) -> APIRouter:
         """Give the routes."""
@@ -52,17 +71,16 @@ class OwnPages:
     ) -> None:
         """Take another password; your other sessions end."""
         who = who_of(request)
-        await self._parts.proving.again(request, who.user, asked.old, "password change refused")
+        await self._proving.again(request, who.user, asked.old, "password change refused")
         try:
             check_password(asked.new, who.name)
         except WeakPassword as error:
             raise ApiProblem(422, "invalid", str(error)) from error
-        hashed = await self._parts.passwords.hash(asked.new)
-        await self._parts.people.change_password(who.user, hashed, who.session)
+        hashed = await self._passwords.hash(asked.new)
+        await self._people.change_password(who.user, hashed, who.session)
         # No browser is known any more, but this one.
-        browser = await self._parts.browsers.remember(who.user, "")
-        self._parts.access.set_browser_cookie(response, browser)
-        await self._parts.seats.follow()
+        await self._sessions.remember_browser(who.user, response)
+        await self._sessions.follow_rights()
         self._note(request, "password changed")
 
     async def sessions(self, request: Request) -> SessionList:
@@ -71,32 +89,27 @@ class OwnPages:
         return SessionList(
             sessions=[
                 SessionShape(**each._asdict(), this=each.id == who.session)
-                for each in await self._parts.sessions.of(who.user)
+                for each in await self._sessions.list_open(who.user)
             ]
         )
 
     async def end_session(self, session: str, request: Request, response: Response) -> None:
         """End one of your sessions, here or elsewhere; its open sockets are closed at once."""
-        who = who_of(request)
-        if not session.isalnum() or not await self._parts.sessions.end_of(who.user, session):
+        if not await self._sessions.end_one(session, request, response):
             raise ApiProblem(404, "unknown", "you have no such session")
-        self._parts.seats.end_session(session, "you have ended this session")
-        if session == who.session:
-            self._parts.access.clear_cookie(response)
         self._note(request, "session ended")
 
     async def end_sessions(self, request: Request) -> None:
         """End all your sessions but this one."""
         who = who_of(request)
-        await self._parts.sessions.end_all(who.user, who.session)
-        await self._parts.seats.follow()
+        await self._sessions.end_all(who.user, keep=who.session)
         self._note(request, "all other sessions ended")
 
     async def offer_factor(self, asked: PasswordOnly, request: Request) -> FactorOffer:
         """Begin a second factor. It is asked for once its first code has been confirmed."""
         who = who_of(request)
-        await self._parts.proving.again(request, who.user, asked.password, "second factor refused")
-        secret = await self._parts.factors.offer(who.user)
+        await self._proving.again(request, who.user, asked.password, "second factor refused")
+        secret = await self._factors.offer(who.user)
         if secret is None:
             raise ApiProblem(409, "taken", "you have a second factor already; remove it first")
         uri = otp_uri(secret, who.name)
@@ -105,13 +118,12 @@ class OwnPages:
     async def confirm_factor(self, asked: CodeOnly, request: Request) -> RecoveryCodes:
         """Switch the second factor on; your other sessions end."""
         who = who_of(request)
-        ask = await self._parts.proving.begin(request, who.name)
-        codes = await self._parts.factors.confirm(who.user, asked.code)
+        ask = await self._proving.begin(request, who.name)
+        codes = await self._factors.confirm(who.user, asked.code)
         if codes is None:
             raise ApiProblem(403, "factor", "the code is wrong, or no second factor was begun")
-        await self._parts.proving.right(ask)
-        await self._parts.sessions.end_all(who.user, who.session)
-        await self._parts.seats.follow()
+        await self._proving.right(ask)
+        await self._sessions.end_all(who.user, keep=who.session)
         self._note(request, "second factor set")
         return RecoveryCodes(recovery=codes)
 
@@ -121,10 +133,10 @@ class OwnPages:
         what = "second factor removal refused"
         if not who.factor:
             raise ApiProblem(409, "missing", "you have no second factor")
-        await self._parts.proving.both(request, who.user, asked.password, asked.code, what)
-        await self._parts.factors.remove(who.user)
-        await self._parts.seats.follow()
+        await self._proving.both(request, who.user, asked.password, asked.code, what)
+        await self._factors.remove(who.user)
+        await self._sessions.follow_rights()
         self._note(request, "second factor removed")
 
     def _note(self, request: Request, kind: str) -> None:
-        self._parts.audit.note(kind, who=who_of(request).name, address=address_of(request))
+        self._audit.note(kind, who=who_of(request).name, address=address_of(request))

@@ -16,13 +16,12 @@ from talaia.hub.errors import LastAdmin, NameTaken, UnknownPerson, UnknownRole, 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from talaia.hub.api.browser_sessions import BrowserSessions
     from talaia.hub.auth.passwords import Passwords
-    from talaia.hub.live.seats import Seats
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.factors import Factors
     from talaia.hub.store.people import People
     from talaia.hub.store.roster import Entry, Roster
-    from talaia.hub.store.sessions import Sessions
 
 __all__ = ["PeoplePages"]
 
@@ -32,21 +31,20 @@ class PeoplePages:
 
     def __init__(
         self,
+        *,
         people: People,
         roster: Roster,
         passwords: Passwords,
-        sessions: Sessions,
         factors: Factors,
-        seats: Seats,
+        sessions: BrowserSessions,
         audit: Audit,
     ) -> None:
         """Work on ``people`` and ``roster``; open sockets follow each change at once."""
         self._people = people
         self._roster = roster
         self._passwords = passwords
-        self._sessions = sessions
         self._factors = factors
-        self._seats = seats
+        self._sessions = sessions
         self._audit = audit
 
     def router(self) -> APIRouter:
@@ -87,7 +85,7 @@ class PeoplePages:
             after = await self._roster.change(
                 number, role=asked.role, disabled=asked.disabled, password_hash=hashed
             )
-        await self._seats.follow()
+        await self._sessions.follow_rights()
         said = _differences(before, after, new_password=hashed is not None)
         if said:
             self._note(request, "person changed", f"{before.name}: {said}")
@@ -97,7 +95,7 @@ class PeoplePages:
         """Remove a person with their sessions and tokens; open sockets are closed at once."""
         with _refusals():
             gone = await self._roster.remove(number_of(person, "person"))
-        await self._seats.follow()
+        await self._sessions.follow_rights()
         self._note(request, "person removed", f"{gone.name} ({gone.role})")
 
     async def end_sessions(self, person: str, request: Request) -> None:
@@ -105,7 +103,6 @@ class PeoplePages:
         with _refusals():
             found = await self._roster.one(number_of(person, "person"))
         await self._sessions.end_all(found.id)
-        await self._seats.follow()
         self._note(request, "person signed out", found.name)
 
     async def remove_factor(self, person: str, request: Request) -> None:
@@ -115,7 +112,6 @@ class PeoplePages:
         if not await self._factors.remove(found.id):
             raise ApiProblem(409, "missing", "this person has no second factor")
         await self._sessions.end_all(found.id)
-        await self._seats.follow()
         self._note(request, "person's second factor removed", found.name)
 
     def _note(self, request: Request, kind: str, message: str) -> None:

@@ -15,12 +15,9 @@ from talaia.hub.store.visible import visible
 if TYPE_CHECKING:
     from fastapi import Request
 
-    from talaia.clock import Clock
-    from talaia.hub.api.access import Access
+    from talaia.hub.api.browser_sessions import BrowserSessions
     from talaia.hub.auth.passwords import Passwords
-    from talaia.hub.auth.throttle import Throttle
     from talaia.hub.store.audit import Audit
-    from talaia.hub.store.browsers import KnownBrowsers
     from talaia.hub.store.factors import Factors
     from talaia.hub.store.people import People, Person
     from talaia.hub.store.tries import Tries
@@ -48,26 +45,21 @@ class Proving:
 
     def __init__(
         self,
-        access: Access,
+        *,
+        sessions: BrowserSessions,
         people: People,
         passwords: Passwords,
         factors: Factors,
-        browsers: KnownBrowsers,
-        throttle: Throttle,
         tries: Tries,
         audit: Audit,
-        clock: Clock,
     ) -> None:
-        """Take the parts of a sign-in; ``tries`` keeps what ``throttle`` counts."""
-        self._access = access
+        """Count in ``tries``; ``sessions`` knows a browser from earlier sign-ins."""
+        self._sessions = sessions
         self._people = people
         self._passwords = passwords
         self._factors = factors
-        self._browsers = browsers
-        self._throttle = throttle
         self._tries = tries
         self._audit = audit
-        self._clock = clock
 
     async def sign_in(self, request: Request, name: str, password: str, code: str) -> Person:
         """Check name, password and, where there is one, the second factor.
@@ -121,19 +113,13 @@ class Proving:
             ApiProblem: 429 ``busy``.
 
         """
-        browser = request.cookies.get(self._access.browser_cookie, "")
-        if browser and not await self._browsers.knows(browser, name):
-            browser = ""
+        browser = await self._sessions.known_browser(request, name)
         ask = Ask(name_key(name), _network(address_of(request)), browser)
-        now = self._clock.wall_ns()
-        # Asked and counted without a pause between: many at once must not slip through.
-        wait_ns = self._throttle.wait_ns(ask.user, ask.address, now, ask.browser)
+        wait_ns = await self._tries.count(ask.user, ask.address, ask.browser)
         if wait_ns:
             raise ApiProblem(
                 429, "busy", "too many wrong tries; wait a little", -(-wait_ns // SECOND)
             )
-        self._throttle.tried(ask.user, ask.address, now, ask.browser)
-        await self._tries.keep()
         return ask
 
     async def _person(self, user: int) -> Person:
@@ -158,8 +144,7 @@ class Proving:
     ) -> None:
         if not code:
             # The password was right: this is the first half of a sign-in, and no wrong try.
-            self._throttle.unfinished(ask.user, ask.address, ask.browser)
-            await self._tries.keep()
+            await self._tries.count_unfinished(ask.user, ask.address, ask.browser)
             raise ApiProblem(status, "factor", "the code of your second factor is needed")
         verdict = await self._factors.use(person.id, code)
         if verdict in _REFUSED:
@@ -170,8 +155,7 @@ class Proving:
 
     async def right(self, ask: Ask) -> None:
         """Forget the wrong tries of one who has proved who they are."""
-        self._throttle.succeeded(ask.user, ask.address, ask.browser)
-        await self._tries.keep()
+        await self._tries.count_success(ask.user, ask.address, ask.browser)
 
     def _note(
         self, request: Request, what: str, name: str, message: str, *, good: bool = False

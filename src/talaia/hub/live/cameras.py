@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocketDisconnect
 
+from talaia.hub.live.link import GatewayLink
 from talaia.hub.live.race import until_first
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import (
@@ -25,7 +26,13 @@ if TYPE_CHECKING:
 
     from starlette.websockets import WebSocket
 
-__all__ = ["GatewayCamera"]
+    from talaia.clock import Clock
+    from talaia.hub.live.links import Links
+    from talaia.hub.live.media import Media
+    from talaia.hub.live.sites import Sites
+    from talaia.hub.store.sites import GatewayKey
+
+__all__ = ["GatewayCamera", "MediaLinks"]
 
 _FAREWELL_S = 0.5
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
@@ -95,3 +102,42 @@ class GatewayCamera:
                     boxes(message)
                 case BeatReply():
                     pass
+
+
+class MediaLinks:
+    """Takes in the pictures of gateways; of each site the newest connection counts."""
+
+    def __init__(self, *, sites: Sites, media: Media, links: Links, clock: Clock) -> None:
+        """Hand pictures to ``media``; ``links`` closes a connection whose key is revoked."""
+        self._sites = sites
+        self._media = media
+        self._links = links
+        self._clock = clock
+        self._open: dict[str, GatewayCamera] = {}
+
+    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+        """Take pictures of a site until its gateway hangs up or a newer one comes."""
+        camera, site = GatewayCamera(socket), key.site
+        before = self._open.get(site)
+        if before is not None:
+            before.dismiss("a newer connection was opened")
+        self._open[site] = camera
+        try:
+            with self._links.opened(key.id, camera):
+                await camera.serve(
+                    lambda picture: self._publish(site, picture),
+                    lambda said: self._media.trouble(site, said),
+                    lambda boxes: self._media.boxes(site, boxes),
+                    self._now_us,
+                )
+        finally:
+            if self._open.get(site) is camera:
+                del self._open[site]
+
+    def _publish(self, site: str, picture: Picture) -> None:
+        live = self._sites.get(site)
+        if live is not None and isinstance(live.link, GatewayLink):
+            self._media.shot(live, picture, live.link.offset)
+
+    def _now_us(self) -> int:
+        return self._clock.monotonic_ns() // 1000

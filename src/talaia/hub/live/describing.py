@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
-from talaia.hub.live.reporting import site_news
 from talaia.hub.live.told import told_by
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
@@ -20,13 +19,20 @@ from talaia.wire.errors import PeerError
 from talaia.wire.sealing import inflated
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.hub.live.changes import Changes
     from talaia.hub.live.ingest import Ingest
     from talaia.hub.live.lists import ChannelLists
-    from talaia.hub.live.parts import Parts
-    from talaia.hub.live.sites import LiveSite
+    from talaia.hub.live.media import Media
+    from talaia.hub.live.reporting import Reporting
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import History
+    from talaia.hub.store.descriptions import Descriptions
+    from talaia.hub.store.sites import SiteRegistry
     from talaia.model.site import Site
 
-__all__ = ["Describing", "Redescription", "source_of"]
+__all__ = ["Describing", "DescriptionFollower", "Redescription", "source_of"]
 
 _LOG = logging.getLogger(__name__)
 _RETRY_S = 1.0
@@ -43,23 +49,38 @@ def source_of(message: frames.Hello | frames.Described) -> str:
     return inflated(message.source) if message.source else ""
 
 
+class DescriptionFollower(Protocol):
+    """A part that works by a site's description."""
+
+    def described(self, live: LiveSite) -> None:
+        """Go by the site's description of now."""
+        ...
+
+
 class Describing:
     """Puts another description in a site's place: history, tables, pages, versions."""
 
-    def __init__(self, parts: Parts) -> None:
-        """Take the parts that follow a description."""
-        self._sites = parts.sites
-        self._browsers = parts.browsers
-        self._fanout = parts.fanout
-        self._alarms = parts.alarms
-        self._sightings = parts.sightings
-        self._detecting = parts.detecting
-        self._reporting = parts.reporting
-        self._media = parts.media
-        self._history = parts.history
-        self._registry = parts.registry
-        self._versions = parts.versions
-        self._changes = parts.changes
+    def __init__(
+        self,
+        *,
+        sites: Sites,
+        followers: Sequence[DescriptionFollower],
+        reporting: Reporting,
+        media: Media,
+        history: History,
+        registry: SiteRegistry,
+        versions: Descriptions,
+        changes: Changes,
+    ) -> None:
+        """Show a description to ``followers`` in their order, and keep it in ``versions``."""
+        self._sites = sites
+        self._followers = followers
+        self._reporting = reporting
+        self._media = media
+        self._history = history
+        self._registry = registry
+        self._versions = versions
+        self._changes = changes
 
     async def greeted(
         self, hello: frames.Hello, description: Site, source: str, gateway: int
@@ -81,6 +102,11 @@ class Describing:
         if live is None or live.told != told or live.source != source:
             note = "first seen" if live is None else "changed at the gateway"
             await self._versions.add(site, source or hello.description, gateway, "", note)
+
+    def notify_followers(self, live: LiveSite) -> None:
+        """Let every part that follows a description take the site's new one."""
+        for follower in self._followers:
+            follower.described(live)
 
     def told(self, live: LiveSite, state: frames.ChangeState) -> None:
         """Pass on what a gateway says of a change."""
@@ -134,14 +160,9 @@ class Describing:
         for known in (live.leases, live.stops, live.drives, live.unreached):
             for device in [each for each in known if each not in description.devices]:
                 del known[device]
-        self._fanout.redescribed(live)
-        self._alarms.described(live)
-        self._sightings.described(live)
-        self._detecting.described(live)
+        self.notify_followers(live)
         self._media.watch(live.name)
-        self._browsers.tell(site_news(live))
-        for browser in self._browsers:
-            self._reporting.greet_interlocks(live, browser)
+        self._reporting.publish_description(live)
         self._reporting.event(
             live, "description changed", who=told.who, message=f"version {number}"
         )

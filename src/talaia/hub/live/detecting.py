@@ -17,7 +17,7 @@ import asyncio
 import logging
 import secrets
 from pathlib import PurePath
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -38,13 +38,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.hub.live.alarms import Alarms
-    from talaia.hub.live.fanout import Fanout
+    from talaia.hub.live.live_samples import LiveSamples
     from talaia.hub.live.media import Media
     from talaia.hub.live.reporting import Reporting
     from talaia.hub.live.sightings import Sightings
-    from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.hub.live.watching import Watching
+    from talaia.hub.live.sites import LiveSite
     from talaia.hub.ports import History
     from talaia.model.derived_signals import Eye
     from talaia.model.detection import Detect, ObjectModel
@@ -54,7 +52,7 @@ if TYPE_CHECKING:
     from talaia.objects.worker import Worker
     from talaia.wire.frames import Picture
 
-__all__ = ["MODELS", "Detecting", "Places"]
+__all__ = ["MODELS", "Detecting"]
 
 _LOG = logging.getLogger(__name__)
 # In the data folder: detectors of one's own.
@@ -67,23 +65,11 @@ _GATHER_S = 0.2
 _FINISH_S = 1.0
 
 
-class Places(NamedTuple):
-    """Where goes what is seen, and where pictures come from."""
-
-    sites: Sites
-    media: Media
-    sightings: Sightings
-    reporting: Reporting
-    fanout: Fanout
-    alarms: Alarms
-    watching: Watching
-    history: History
-
-
 class _SiteEyes:
     """The cameras of one site, and its samples on their way to the history."""
 
-    def __init__(self, ingest: Ingest) -> None:
+    def __init__(self, live: LiveSite, ingest: Ingest) -> None:
+        self.live = live
         self.cameras: dict[str, tuple[Eye, Looking, asyncio.Task[None]]] = {}
         self.ingest = ingest
         self.storing = asyncio.create_task(ingest.run())
@@ -96,13 +82,33 @@ class Detecting:
 
     def __init__(
         self,
-        places: Places,
-        worker: Callable[[Callable[[str, str], None]], Worker],
+        *,
+        media: Media,
+        sightings: Sightings,
+        reporting: Reporting,
+        samples: LiveSamples,
+        history: History,
+        make_worker: Callable[[Callable[[str, str], None]], Worker],
         clock: Clock,
     ) -> None:
-        """Look at nothing yet; ``worker`` makes the detectors, which tell how they fare."""
-        self._places = places
-        self._make = worker
+        """Look at nothing yet.
+
+        Args:
+            media: where pictures come from, and where boxes go.
+            sightings: takes what is seen.
+            reporting: takes that detection is lost or back.
+            samples: takes what is counted, live.
+            history: keeps what is counted.
+            make_worker: makes the detectors, which report by its argument how they fare.
+            clock: dates what is counted.
+
+        """
+        self._media = media
+        self._sightings = sightings
+        self._reporting = reporting
+        self._samples = samples
+        self._history = history
+        self._make = make_worker
         self._worker: Worker | None = None
         self._clock = clock
         # Names this run, of which nothing was ever stored.
@@ -124,8 +130,9 @@ class Detecting:
         if self._closing or (site is None and not wanted):
             return
         if site is None:
-            ingest = Ingest(self._places.history, live.name, lambda _: None, _GATHER_S)
-            site = self._of[live.name] = _SiteEyes(ingest)
+            ingest = Ingest(self._history, live.name, lambda _: None, _GATHER_S)
+            site = self._of[live.name] = _SiteEyes(live, ingest)
+        site.live = live
         self._say_too_many(live, site, wanted)
         wanted = dict(list(wanted.items())[:_MOST_CAMERAS])
         for name in list(site.cameras):
@@ -164,7 +171,7 @@ class Detecting:
     def _say_too_many(self, live: LiveSite, site: _SiteEyes, wanted: Mapping[str, Detect]) -> None:
         too_many = len(wanted) > _MOST_CAMERAS
         if too_many and not site.too_many:
-            self._places.reporting.event(
+            self._reporting.event(
                 live,
                 "detection lost",
                 message=f"the hub looks at {_MOST_CAMERAS} cameras of a site at the most; "
@@ -216,10 +223,9 @@ class Detecting:
     def _fares(self, model: str, why: str) -> None:
         """Tell, for each camera of a detector, that it cannot see, or does again."""
         for name, site in self._of.items():
-            live = self._places.sites.get(name)
             for camera, (eye, _, _) in site.cameras.items():
-                if live is not None and _model_of(name, eye.detect.model) == model:
-                    self.tell_trouble(live, camera, why)
+                if _model_of(name, eye.detect.model) == model:
+                    self.tell_trouble(site.live, camera, why)
 
     def tell_trouble(self, live: LiveSite, camera: str, why: str) -> None:
         """Tell that nothing is seen on a camera, or (without a reason) that it is again."""
@@ -230,21 +236,21 @@ class Detecting:
         if why:
             _LOG.warning("%s of %s: nothing can be detected: %s", camera, live.name, why)
             said = f"nothing is detected on {called}, at the hub: {why}"
-            self._places.reporting.event(live, "detection lost", device, said[:500], good=False)
+            self._reporting.event(live, "detection lost", device, said[:500], good=False)
         else:
             _LOG.info("%s of %s: objects are detected again", camera, live.name)
             said = f"objects are detected on {called} again"
-            self._places.reporting.event(live, "detection back", device, said)
+            self._reporting.event(live, "detection back", device, said)
 
     # ── for a camera ────────────────────────────────────────────────────────────────────────
 
     def look(self, live: LiveSite, camera: str, take: Callable[[Picture], None]) -> None:
         """Have pictures of a camera."""
-        self._places.media.look(live.name, camera, _FORM, take)
+        self._media.look(live.name, camera, _FORM, take)
 
     def look_away(self, live: LiveSite, camera: str) -> None:
         """Need no pictures for now."""
-        self._places.media.look_away(live.name, camera)
+        self._media.look_away(live.name, camera)
 
     async def seen(
         self, live: LiveSite, detect: Detect, newest: Callable[[], Picture | None]
@@ -265,10 +271,10 @@ class Detecting:
 
     def boxes(self, live: LiveSite, camera: str, picture: Picture, found: Sequence[Found]) -> None:
         """Give what is on a picture to the pages that want to know."""
-        if self._places.media.looked_at(live.name, camera):
+        if self._media.looked_at(live.name, camera):
             things = [Thing(**each._asdict()) for each in found]
             said = Boxes(stream=camera, seq=picture.seq, time_us=picture.time_us, things=things)
-            self._places.media.boxes(live.name, said)
+            self._media.boxes(live.name, said)
 
     def tell(self, live: LiveSite, camera: str, news: Sequence[Told]) -> None:
         """Take news of sightings."""
@@ -282,7 +288,7 @@ class Detecting:
                 ended_us=sighting.ended_us or 0,
                 thumbnail=thumbnail,
             )
-            self._places.sightings.take(live, seen, self.boot)
+            self._sightings.take(live, seen, self.boot)
 
     def put(self, live: LiveSite, time_us: int, counts: Mapping[str, float]) -> None:
         """Take counts, by the addresses of their signals: to pages, alarms and the history."""
@@ -297,10 +303,7 @@ class Detecting:
             np.array(list(known.values()), np.float64),
             {},
         )
-        live.latest.update(columns, self._clock.monotonic_ns())
-        self._places.fanout.publish(live, columns)
-        self._places.alarms.take(live, columns)
-        self._places.watching.put(live, columns)
+        self._samples.publish_batch(live, columns)
         addresses = tuple(live.channels[at].address for at in known)
         own = Columns(np.arange(len(known), dtype=np.uint16), columns.time_us, columns.value, {})
         site.ingest.put(Batch(self.boot, site.sequence, addresses, own))

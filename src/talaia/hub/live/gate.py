@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from talaia.hub.auth.permissions import sees_stream
 from talaia.hub.policy import (
@@ -16,8 +16,6 @@ from talaia.wire.browser import Lease, Problem, SightingNews, Stop, Subscribe
 from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.sites import Sites
     from talaia.wire.shape import Message
@@ -30,13 +28,22 @@ _UNSURE = "the hub's database does not answer; only STOP is passed on"
 _UNSURE_SUBSCRIBED = "the hub's database does not answer; values follow by themselves when it does"
 
 
+class KnowsRights(Protocol):
+    """Whoever checks the sessions of those who have a socket open."""
+
+    @property
+    def sure(self) -> bool:
+        """Whether it was known a moment ago who may do what."""
+        ...
+
+
 class Gate:
     """Holds messages against the policy table and the person's rights."""
 
-    def __init__(self, sites: Sites, sure: Callable[[], bool]) -> None:
-        """Look objects up in ``sites``; ``sure`` tells whether rights are known just now."""
+    def __init__(self, *, sites: Sites, rights: KnowsRights) -> None:
+        """Look objects up in ``sites``; ``rights`` tells whether they are known just now."""
         self._sites = sites
-        self._sure = sure
+        self._rights = rights
 
     def refusal(self, grants: Grants, message: Message) -> Problem | None:
         """Say why a message from a browser is refused; None when it may pass.
@@ -49,7 +56,7 @@ class Gate:
         described = live.description if live else None
         tag = str(type(message).__struct_config__.tag)
         if allows(need, grants, described, device):
-            if need is Need.SESSION or self._sure() or _makes_safe(message):
+            if need is Need.SESSION or self._rights.sure or _makes_safe(message):
                 return None
             return Problem(
                 code=STORE,

@@ -14,14 +14,11 @@ from sqlalchemy.exc import SQLAlchemyError
 from talaia import __version__
 from talaia.errors import TalaiaError
 from talaia.hub.errors import HubBusy
-from talaia.hub.live.cameras import GatewayCamera
 from talaia.hub.live.describing import Redescription, source_of
 from talaia.hub.live.ingest import Batch, Ingest
 from talaia.hub.live.link import GONE, GatewayLink
 from talaia.hub.live.lists import ChannelLists
 from talaia.hub.live.race import until_first
-from talaia.hub.live.recordings import GatewayFiles
-from talaia.hub.live.reporting import site_news
 from talaia.hub.live.rivals import KEPT_OUT, Rivals
 from talaia.hub.live.told import told_by
 from talaia.model.checks.site_checks import raise_first
@@ -34,14 +31,20 @@ from talaia.wire.newest import chosen_newest, runs_of
 from talaia.wire.shape import speaks
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from starlette.websockets import WebSocket
 
+    from talaia.clock import Clock
     from talaia.hub.live.admission import Admission
     from talaia.hub.live.describing import Describing
-    from talaia.hub.live.parts import Parts
-    from talaia.hub.live.sites import LiveSite
+    from talaia.hub.live.links import Links
+    from talaia.hub.live.live_samples import LiveSamples
+    from talaia.hub.live.media import Media
+    from talaia.hub.live.reporting import Reporting
+    from talaia.hub.live.sightings import Sightings
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import History
+    from talaia.hub.settings import Settings
+    from talaia.hub.store.attendance import Attendance
     from talaia.hub.store.sites import GatewayKey
     from talaia.model.site import Site
 
@@ -62,28 +65,52 @@ STORE_AFTER_S = 2.0
 class Gateways:
     """Takes links in, reads them, and lets them go."""
 
-    def __init__(self, parts: Parts, describing: Describing, admission: Admission) -> None:
-        """Take the parts that a gateway's words go to."""
-        self._uploads = parts.uploads
-        self._recordings = parts.recordings
+    def __init__(
+        self,
+        *,
+        sites: Sites,
+        describing: Describing,
+        reporting: Reporting,
+        samples: LiveSamples,
+        sightings: Sightings,
+        media: Media,
+        history: History,
+        attendance: Attendance,
+        links: Links,
+        admission: Admission,
+        settings: Settings,
+        clock: Clock,
+    ) -> None:
+        """Lead what gateways say to the parts that it is for.
+
+        Args:
+            sites: the sites as they are now.
+            describing: takes a site's description.
+            reporting: takes events and states for pages and the log.
+            samples: takes live samples.
+            sightings: takes what cameras have seen.
+            media: is told when a link can be asked for pictures.
+            history: keeps samples.
+            attendance: keeps when a gateway was there.
+            links: closes a link whose key is revoked.
+            admission: lets so many in at a time.
+            settings: times of the link.
+            clock: dates what comes.
+
+        """
+        self._sites = sites
         self._describing = describing
-        self._sites = parts.sites
-        self._browsers = parts.browsers
-        self._fanout = parts.fanout
-        self._reporting = parts.reporting
-        self._alarms = parts.alarms
-        self._sightings = parts.sightings
-        self._detecting = parts.detecting
-        self._rivals = Rivals(parts.reporting)
-        self._media = parts.media
-        self._history = parts.history
-        self._registry = parts.registry
-        self._links = parts.links
-        self._watching = parts.watching
+        self._reporting = reporting
+        self._samples = samples
+        self._sightings = sightings
+        self._media = media
+        self._history = history
+        self._attendance = attendance
+        self._links = links
         self._admission = admission
-        self._settings = parts.settings
-        self._clock = parts.clock
-        self._cameras: dict[str, GatewayCamera] = {}
+        self._settings = settings
+        self._clock = clock
+        self._rivals = Rivals(reporting)
         self._parting = asyncio.Lock()
 
     async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
@@ -137,8 +164,7 @@ class Gateways:
         live = self._attach(link, hello, description)
         live.told, live.source, live.accepts = told, source, hello.accepts
         live.gateway, live.problem = key.id, None
-        attendance = self._registry.attendance
-        attendance.linked(key.id, site, hello.version, address)
+        self._attendance.linked(key.id, site, hello.version, address)
         storing = asyncio.create_task(ingest.run())
         try:
             await self._run(link, live, ingest)
@@ -148,40 +174,7 @@ class Gateways:
             await asyncio.wait({storing}, timeout=_FINISH_S)
             storing.cancel()
             await asyncio.gather(storing, return_exceptions=True)
-            attendance.left(key.id, site)
-
-    async def serve_media(self, socket: WebSocket, key: GatewayKey) -> None:
-        """Take pictures of a site until its gateway hangs up or a newer one comes."""
-        camera, site = GatewayCamera(socket), key.site
-        before = self._cameras.get(site)
-        if before is not None:
-            before.dismiss("a newer connection was opened")
-        self._cameras[site] = camera
-        try:
-            with self._links.opened(key.id, camera):
-                await camera.serve(
-                    self._picture(site),
-                    lambda said: self._media.trouble(site, said),
-                    lambda boxes: self._media.boxes(site, boxes),
-                    self._now_us,
-                )
-        finally:
-            if self._cameras.get(site) is camera:
-                del self._cameras[site]
-
-    def _picture(self, site: str) -> Callable[[frames.Picture], None]:
-        def take(picture: frames.Picture) -> None:
-            live = self._sites.get(site)
-            if live is not None and isinstance(live.link, GatewayLink):
-                self._media.shot(live, picture, live.link.offset)
-
-        return take
-
-    async def serve_files(self, socket: WebSocket, key: GatewayKey) -> None:
-        """Take a gateway's recordings and pictures until it has handed over all."""
-        files = GatewayFiles(socket)
-        with self._links.opened(key.id, files):
-            await files.serve(self._recordings, self._uploads, key.site)
+            self._attendance.left(key.id, site)
 
     async def _hello(self, link: GatewayLink, site: str) -> tuple[frames.Hello | None, Site | None]:
         async with asyncio.timeout(self._settings.hello_s):
@@ -234,11 +227,8 @@ class Gateways:
         if hello.time_us:
             live.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
         if changed:
-            self._fanout.redescribed(live)
-            self._alarms.described(live)
-            self._sightings.described(live)
-            self._detecting.described(live)
-        self._browsers.tell(site_news(live))
+            self._describing.notify_followers(live)
+        self._reporting.publish_site(live)
         self._reporting.event(live, "gateway connected", message=f"version {hello.version}")
         if changed and before is not None:
             self._reporting.event(
@@ -257,7 +247,7 @@ class Gateways:
         live.why = "the connection to its gateway was lost"
         self._describing.link_lost(live)
         self._reporting.link_lost(live)
-        self._browsers.tell(site_news(live))
+        self._reporting.publish_site(live)
         self._reporting.event(live, "gateway lost", good=False)
         _LOG.warning("the gateway of %s is gone", live.name)
 
@@ -298,14 +288,10 @@ class Gateways:
                     if not message.addresses:
                         shown = lists.live(batch)
                         if message.live:
-                            now_ns, end = (
-                                self._clock.monotonic_ns(),
-                                batch.first + len(batch.columns),
-                            )
-                            live.latest.update(shown, now_ns, batch.boot, end)
-                            self._fanout.publish(live, shown)
-                            self._alarms.take(live, shown)
-                        self._watching.put(live, shown)
+                            end = batch.first + len(batch.columns)
+                            self._samples.publish_batch(live, shown, boot=batch.boot, end=end)
+                        else:
+                            self._samples.publish_late_batch(live, shown)
                     ingest.put(batch)
                 case frames.Newest():
                     self._tell_newest(live, message, lists, ingest)
@@ -348,10 +334,7 @@ class Gateways:
         newer = live.latest.newer(shown, message.boot, now_ns, current=current)
         if newer.any():
             fresh = chosen_newest(shown, newer)
-            live.latest.correct(fresh, message.boot, now_ns)
-            self._fanout.publish_known(live, fresh.columns.channel)
-            self._alarms.take(live, fresh.columns, now_ns - fresh.age_ms * 1e6)
-            self._watching.put(live, fresh.columns)
+            self._samples.publish_newest(live, fresh, message.boot, now_ns)
         for first, columns in runs_of(told, ingest.below(message.boot)):
             ingest.put(Batch(message.boot, first, addresses, columns))
 
@@ -365,7 +348,7 @@ class Gateways:
                 link.dismiss("it has not answered for three beats")
             if sent % _NEWS_EVERY == 0:
                 self._reporting.forget_rival(live)
-                self._browsers.tell(site_news(live))
+                self._reporting.publish_site(live)
             await asyncio.sleep(self._settings.beat_s)
 
     def _now_us(self) -> int:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites import SiteRegistry
 
-__all__ = ["KnownSites"]
+__all__ = ["ImportedSites", "KnownSites"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -29,19 +29,16 @@ class KnownSites:
 
     def __init__(
         self,
+        *,
         sites: Sites,
         registry: SiteRegistry,
         history: History,
-        alarms: Alarms,
-        audit: Audit,
         clock: Clock,
     ) -> None:
         """Know none yet."""
         self._sites = sites
         self._registry = registry
         self._history = history
-        self._alarms = alarms
-        self._audit = audit
         self._clock = clock
 
     async def remember(self) -> None:
@@ -68,6 +65,26 @@ class KnownSites:
                 time_us, value, text = last[address]
                 age_ns = max(0, wall - time_us * 1000)
                 live.latest.remember(at, time_us, value, text, monotonic - age_ns)
+
+
+class ImportedSites:
+    """Writes imports down, and has `Sites` know sites of which only recordings came."""
+
+    def __init__(
+        self,
+        *,
+        sites: Sites,
+        registry: SiteRegistry,
+        history: History,
+        alarms: Alarms,
+        audit: Audit,
+    ) -> None:
+        """Describe a site that nobody knows to all of them."""
+        self._sites = sites
+        self._registry = registry
+        self._history = history
+        self._alarms = alarms
+        self._audit = audit
 
     async def imported(self, head: Head, how: Taken) -> None:
         """Write an import down, and know a site of which only recordings came."""

@@ -42,11 +42,13 @@ if TYPE_CHECKING:
 
     from starlette.websockets import WebSocket
 
+    from talaia.hub.live.links import Links
     from talaia.hub.live.uploads import Uploads
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.recordings import RecordingList
+    from talaia.hub.store.sites import GatewayKey
 
-__all__ = ["FOLDER", "GatewayFiles", "Recordings"]
+__all__ = ["FOLDER", "FileLinks", "GatewayFiles", "Recordings"]
 
 _LOG = logging.getLogger(__name__)
 FOLDER = "recordings"
@@ -117,6 +119,22 @@ class GatewayFiles:
                     else:
                         answer = await uploads.take(site, offered, message)
             await self._socket.send_bytes(FILES_FROM_HUB.encode(answer))
+
+
+class FileLinks:
+    """Takes in the files of gateways: recordings, films and pictures for the archive."""
+
+    def __init__(self, *, links: Links, recordings: Recordings, uploads: Uploads) -> None:
+        """Keep in ``recordings`` and ``uploads``; ``links`` closes who has a revoked key."""
+        self._links = links
+        self._recordings = recordings
+        self._uploads = uploads
+
+    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+        """Take a gateway's recordings and pictures until it has handed over all."""
+        files = GatewayFiles(socket)
+        with self._links.opened(key.id, files):
+            await files.serve(self._recordings, self._uploads, key.site)
 
 
 class Recordings:

@@ -84,6 +84,16 @@ class Reporting:
                 browser.tell(_command_news(live, state, state.who, later_s))
         self._alarms.greet(browser)
 
+    def publish_site(self, live: LiveSite) -> None:
+        """Tell every page how a site stands."""
+        self._browsers.tell(site_news(live))
+
+    def publish_description(self, live: LiveSite) -> None:
+        """Tell every page how a site stands that is described anew, and its interlocks."""
+        self.publish_site(live)
+        for browser in self._browsers:
+            self.greet_interlocks(live, browser)
+
     def greet_interlocks(self, live: LiveSite, browser: Browser) -> None:
         """Tell a page how all interlocks of a site stand."""
         for name in live.interlocks:

@@ -1,0 +1,1 @@
+"""The features of the hub: each builds itself in one file and says what it brings."""

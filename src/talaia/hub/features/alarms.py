@@ -1,0 +1,61 @@
+"""Alarms: judged, kept, shown, acted on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.alarms import AlarmPages
+from talaia.hub.features.background import BackgroundTask
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.alarms import Alarms
+from talaia.hub.store.alarms import AlarmStore
+from talaia.hub.store.notices import Notices
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.ports import History
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.people import People
+
+__all__ = ["AlarmsFeature"]
+
+
+class AlarmsFeature(Feature):
+    """Every alarm of every site.
+
+    Attributes:
+        engine: judges and keeps them; it is the `AnomalySink` and `SightingSink` that
+            detectors speak to.
+        outbox: messages that are to be sent about them.
+
+    """
+
+    name = "alarms"
+
+    def __init__(self, core: Core, *, people: People, history: History, audit: Audit) -> None:
+        """Preview alarms on ``history``; ``people`` are named by who acted."""
+        store = AlarmStore(core.database)
+        self.outbox = Notices(core.database)
+        self.engine = Alarms(
+            sites=core.sites,
+            browsers=core.browsers,
+            store=store,
+            notices=self.outbox,
+            clock=core.clock,
+        )
+        pages = AlarmPages(
+            alarms=self.engine,
+            store=store,
+            people=people,
+            history=history,
+            audit=audit,
+            clock=core.clock,
+        )
+        self.routers = [pages.router()]
+        self.tasks = [
+            BackgroundTask(name="judge", run=self.engine.run, stop=self.engine.stop),
+        ]
+
+    async def open(self) -> None:
+        """Bring back how alarms stood."""
+        await self.engine.open()

@@ -1,0 +1,58 @@
+"""Anomalies: detectors at work on what comes in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.anomalies import AnomalyPages
+from talaia.hub.features.background import BackgroundTask
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.watching import Watching
+from talaia.hub.store.learned import Learned
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.live.alarms import Alarms
+    from talaia.hub.live.reporting import Reporting
+    from talaia.hub.ports import History
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["AnomaliesFeature"]
+
+
+class AnomaliesFeature(Feature):
+    """The detectors that site descriptions ask for.
+
+    Attributes:
+        detectors: runs them.
+
+    """
+
+    name = "anomalies"
+
+    def __init__(
+        self,
+        core: Core,
+        *,
+        history: History,
+        reporting: Reporting,
+        alarms: Alarms,
+        audit: Audit,
+    ) -> None:
+        """Keep scores in ``history``; what is found goes to ``reporting`` and ``alarms``."""
+        self.detectors = Watching(
+            sites=core.sites,
+            history=history,
+            learned=Learned(core.database, core.clock),
+            fanout=core.fanout,
+            clock=core.clock,
+        )
+        self.detectors.listen(reporting)
+        self.detectors.listen(alarms)
+        self.detectors.show(reporting)
+        self.routers = [AnomalyPages(watching=self.detectors, audit=audit).router()]
+        self.tasks = [BackgroundTask(name="detect", run=self.detectors.run)]
+
+    async def close(self) -> None:
+        """Write down what detectors have learned."""
+        await self.detectors.close()

@@ -1,0 +1,38 @@
+"""The archive of an observatory's pictures, and what stands in the sky."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.archive import ArchivePages
+from talaia.hub.api.sky import SkyPages
+from talaia.hub.archive.store import Archive
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.pictures import PictureKeeper
+from talaia.hub.live.uploads import Uploads
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["ArchiveFeature"]
+
+
+class ArchiveFeature(Feature):
+    """FITS files that gateways send.
+
+    Attributes:
+        frames: those that are kept.
+        uploads: takes files on their way, by their kind.
+
+    """
+
+    name = "archive"
+
+    def __init__(self, core: Core, *, audit: Audit) -> None:
+        """Write down in ``audit`` what is kept and what is refused."""
+        settings = core.settings
+        self.frames = Archive(core.database, settings.data / "archive")
+        keepers = {"fits": PictureKeeper(core.sites, self.frames, audit)}
+        self.uploads = Uploads(settings.data / "uploads", keepers, settings.file_bytes)
+        self.routers = [ArchivePages(self.frames).router(), SkyPages().router()]

@@ -1,0 +1,40 @@
+"""The audit log: what happened, who asked for it, and how it ended."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.audit import AuditPages
+from talaia.hub.features.background import BackgroundTask
+from talaia.hub.features.feature import Feature
+from talaia.hub.store.audit import Audit
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+
+__all__ = ["AuditFeature"]
+
+
+class AuditFeature(Feature):
+    """First to begin and last to end, so that every other feature can write.
+
+    Attributes:
+        log: what other features write to.
+
+    """
+
+    name = "audit"
+
+    def __init__(self, core: Core) -> None:
+        """Keep the log in the hub's database."""
+        self.log = Audit(core.database, core.clock)
+        self.routers = [AuditPages(self.log).router()]
+        self.tasks = [BackgroundTask(name="write", run=self._write, stop=self._stop)]
+
+    async def _write(self) -> None:
+        self.log.note("hub started")
+        await self.log.run()
+
+    def _stop(self) -> None:
+        self.log.note("hub stopped")
+        self.log.stop()

@@ -1,0 +1,62 @@
+"""Site descriptions: their versions, and changes that are handed to gateways."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.descriptions import DescriptionPages
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.changes import Changes
+from talaia.hub.live.describing import Describing
+from talaia.hub.store.descriptions import Descriptions
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.hub.features.feature import Core
+    from talaia.hub.live.describing import DescriptionFollower
+    from talaia.hub.live.media import Media
+    from talaia.hub.live.reporting import Reporting
+    from talaia.hub.ports import History
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.sites import SiteRegistry
+
+__all__ = ["DescriptionsFeature"]
+
+
+class DescriptionsFeature(Feature):
+    """What describes a site, now and before.
+
+    Attributes:
+        describing: puts another description in a site's place.
+
+    """
+
+    name = "descriptions"
+
+    def __init__(
+        self,
+        core: Core,
+        *,
+        followers: Sequence[DescriptionFollower],
+        reporting: Reporting,
+        media: Media,
+        history: History,
+        registry: SiteRegistry,
+        audit: Audit,
+    ) -> None:
+        """Show a description to ``followers`` in their order."""
+        versions = Descriptions(core.database, core.clock)
+        changes = Changes(registry)
+        self.describing = Describing(
+            sites=core.sites,
+            followers=followers,
+            reporting=reporting,
+            media=media,
+            history=history,
+            registry=registry,
+            versions=versions,
+            changes=changes,
+        )
+        pages = DescriptionPages(versions=versions, changes=changes, audit=audit)
+        self.routers = [pages.router()]

@@ -1,0 +1,73 @@
+"""Object detection at the hub: it looks at the cameras that descriptions leave to it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.detecting import MODELS, Detecting
+from talaia.hub.live.live_samples import LiveSamples
+from talaia.objects.worker import Worker
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.hub.features.feature import Core
+    from talaia.hub.live.alarms import Alarms
+    from talaia.hub.live.media import Media
+    from talaia.hub.live.reporting import Reporting
+    from talaia.hub.live.sightings import Sightings
+    from talaia.hub.live.watching import Watching
+    from talaia.hub.ports import History
+
+__all__ = ["DetectionFeature"]
+
+
+class DetectionFeature(Feature):
+    """Detectors beside the hub, in processes of their own.
+
+    Attributes:
+        cameras: those that the hub looks at.
+        samples: takes live samples, of gateways and of what is counted here.
+
+    """
+
+    name = "detection"
+
+    def __init__(
+        self,
+        core: Core,
+        *,
+        media: Media,
+        history: History,
+        sightings: Sightings,
+        reporting: Reporting,
+        alarms: Alarms,
+        anomalies: Watching,
+    ) -> None:
+        """Look at ``media``; what is counted goes to ``alarms``, ``anomalies`` and ``history``."""
+        self._core = core
+        self.samples = LiveSamples(
+            fanout=core.fanout, alarms=alarms, anomalies=anomalies, clock=core.clock
+        )
+        self.cameras = Detecting(
+            media=media,
+            sightings=sightings,
+            reporting=reporting,
+            samples=self.samples,
+            history=history,
+            make_worker=self._make_worker,
+            clock=core.clock,
+        )
+
+    async def open(self) -> None:
+        """Look at the cameras of the sites that are known."""
+        for live in self._core.sites:
+            self.cameras.described(live)
+
+    async def close(self) -> None:
+        """Look no more; what was in sight has ended."""
+        await self.cameras.close()
+
+    def _make_worker(self, report: Callable[[str, str], None]) -> Worker:
+        return Worker({}, self._core.settings.data / MODELS, report)

@@ -1,0 +1,109 @@
+"""What a feature of the hub is: a part that builds itself and says what it brings."""
+
+from __future__ import annotations
+
+import functools
+from typing import TYPE_CHECKING, ClassVar
+
+from talaia.hub.auth.seal import SEAL_FILE, seal_of
+from talaia.hub.live.browsers import Browsers
+from talaia.hub.live.fanout import Fanout
+from talaia.hub.live.sites import Sites
+from talaia.hub.policy import ROUTES_OF
+from talaia.hub.store.database import Database
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from fastapi import APIRouter
+
+    from talaia.clock import Clock
+    from talaia.hub.auth.seal import Seal
+    from talaia.hub.features.background import BackgroundTask
+    from talaia.hub.policy import Need
+    from talaia.hub.settings import Settings
+
+__all__ = ["Core", "Feature"]
+
+
+class Core:
+    """What every feature may use: nothing that belongs to one of them.
+
+    Attributes:
+        settings: of this hub.
+        clock: the time.
+        database: for all that is kept, but the history.
+        sites: the sites as they are now.
+        browsers: the pages that are connected now.
+        fanout: who of them gets which live values.
+
+    """
+
+    def __init__(self, *, settings: Settings, clock: Clock) -> None:
+        """Build it; nothing is opened yet.
+
+        Raises:
+            StoreError: the database's URL cannot be used.
+
+        """
+        self.settings = settings
+        self.clock = clock
+        self.database = Database(settings.url)
+        self.sites = Sites()
+        self.browsers = Browsers()
+        self.fanout = Fanout(self.sites, clock)
+        self._seal = functools.cache(lambda: seal_of(settings.data / SEAL_FILE))
+
+    def seal(self) -> Seal:
+        """Give what seals secrets; its key is read from the data folder the first time.
+
+        Raises:
+            CannotStart: the key cannot be read.
+
+        """
+        return self._seal()
+
+    async def open(self) -> None:
+        """Read the key and open the database.
+
+        Raises:
+            CannotStart: the key that seals secrets cannot be read.
+            StoreError: the database cannot be opened.
+
+        """
+        self.seal()
+        await self.database.migrate()
+
+    async def close(self) -> None:
+        """Close the database."""
+        await self.database.close()
+
+
+class Feature:
+    """One feature: its routes, its lines of the policy table, its background tasks.
+
+    Subclasses build their parts in ``__init__``, and name as attributes what they offer to others.
+
+    Attributes:
+        name: of the feature, as in the policy table.
+        routers: its HTTP routes, which are guarded by the policy table.
+        sockets: its WebSocket routes, which admit by themselves.
+        tasks: what runs while the hub is open.
+
+    """
+
+    name: ClassVar[str]
+    routers: Sequence[APIRouter] = ()
+    sockets: Sequence[APIRouter] = ()
+    tasks: Sequence[BackgroundTask] = ()
+
+    @property
+    def rules(self) -> Mapping[tuple[str, str], Need]:
+        """The lines of the policy table for its routes."""
+        return ROUTES_OF.get(self.name, {})
+
+    async def open(self) -> None:
+        """Bring back what was known; every feature before it is open, and no task runs yet."""
+
+    async def close(self) -> None:
+        """Let go of everything; its tasks have ended, and every feature before it is open."""

@@ -1,0 +1,60 @@
+"""The links of gateways: samples and states come in, commands go out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.gateway_sockets import GatewaySocket
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.admission import Admission
+from talaia.hub.live.gateways import Gateways
+
+if TYPE_CHECKING:
+    from talaia.hub.api.socket_admission import SocketAdmission
+    from talaia.hub.features.feature import Core
+    from talaia.hub.features.gateways import GatewaysFeature
+    from talaia.hub.live.describing import Describing
+    from talaia.hub.live.live_samples import LiveSamples
+    from talaia.hub.live.media import Media
+    from talaia.hub.live.reporting import Reporting
+    from talaia.hub.live.sightings import Sightings
+    from talaia.hub.ports import History
+
+__all__ = ["GatewayLinksFeature"]
+
+
+class GatewayLinksFeature(Feature):
+    """Serves the link of each gateway; its pictures and files have sockets of their own."""
+
+    name = "gateway_links"
+
+    def __init__(
+        self,
+        core: Core,
+        *,
+        admission: SocketAdmission,
+        gateways: GatewaysFeature,
+        describing: Describing,
+        reporting: Reporting,
+        samples: LiveSamples,
+        sightings: Sightings,
+        media: Media,
+        history: History,
+    ) -> None:
+        """Lead what a gateway says to the parts that it is for."""
+        links = Gateways(
+            sites=core.sites,
+            describing=describing,
+            reporting=reporting,
+            samples=samples,
+            sightings=sightings,
+            media=media,
+            history=history,
+            attendance=gateways.registry.attendance,
+            links=gateways.links,
+            admission=Admission(),
+            settings=core.settings,
+            clock=core.clock,
+        )
+        socket = GatewaySocket("/gateway/link", admission=admission, server=links)
+        self.sockets = [socket.router()]

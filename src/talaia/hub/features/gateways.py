@@ -1,0 +1,60 @@
+"""Gateways: their keys, the codes by which new ones enrol, and which are connected."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.gateways import GatewayPages, Proof
+from talaia.hub.certificate import certificate_of, fingerprint, key_hash
+from talaia.hub.features.background import BackgroundTask
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.links import Links
+from talaia.hub.store.enrolment import Enrolment
+from talaia.hub.store.sites import SiteRegistry
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["GatewaysFeature"]
+
+
+class GatewaysFeature(Feature):
+    """What the hub knows of gateways; their links are a feature of its own (`gateway_links`).
+
+    Attributes:
+        registry: the sites of before and the keys of their gateways.
+        links: the connections that are open now.
+
+    """
+
+    name = "gateways"
+
+    def __init__(self, core: Core, *, audit: Audit) -> None:
+        """Write down in ``audit`` who enrols and is revoked."""
+        self._settings = core.settings
+        self.registry = SiteRegistry(core.database, core.clock)
+        self.links = Links(core.sites, self.registry)
+        pages = GatewayPages(
+            registry=self.registry,
+            enrolment=Enrolment(core.database, core.clock),
+            links=self.links,
+            audit=audit,
+            clock=core.clock,
+            proof=self._proof,
+        )
+        attendance = self.registry.attendance
+        self.routers = [pages.router()]
+        self.tasks = [
+            BackgroundTask(name="keep attendance", run=attendance.run, stop=attendance.stop),
+            BackgroundTask(name="check keys", run=self._check_keys),
+        ]
+
+    async def _check_keys(self) -> None:
+        await self.links.watch(self._settings.check_s)
+
+    def _proof(self) -> Proof:
+        if self._settings.plain:
+            return Proof()
+        cert = certificate_of(self._settings).cert
+        return Proof(fingerprint(cert), key_hash(cert))

@@ -1,0 +1,47 @@
+"""The history: every sample, and the sites that are known by it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.history import HistoryPages
+from talaia.hub.features.feature import Feature
+from talaia.hub.history.limits import Limits
+from talaia.hub.history.store import HistoryStore
+from talaia.hub.live.known import KnownSites
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.ports import History
+    from talaia.hub.store.sites import SiteRegistry
+
+__all__ = ["HistoryFeature"]
+
+
+class HistoryFeature(Feature):
+    """Samples that are stored.
+
+    Attributes:
+        store: keeps them and gives them back.
+
+    """
+
+    name = "history"
+
+    def __init__(self, core: Core, *, store: History | None, registry: SiteRegistry) -> None:
+        """Keep samples in ``store``; none: in the database of the settings."""
+        limits = Limits(bytes=core.settings.history_bytes)
+        self.store = store or HistoryStore(core.settings.url, core.clock, limits)
+        self._known_sites = KnownSites(
+            sites=core.sites, registry=registry, history=self.store, clock=core.clock
+        )
+        self.routers = [HistoryPages(self.store).router()]
+
+    async def open(self) -> None:
+        """Open it, and know the sites of before with their last values."""
+        await self.store.open()
+        await self._known_sites.remember()
+
+    async def close(self) -> None:
+        """Close it; what it was given is written first."""
+        await self.store.close()

@@ -1,0 +1,53 @@
+"""Pictures of cameras, from gateways to pages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.gateway_sockets import GatewaySocket
+from talaia.hub.api.picture_sockets import PictureSockets
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.cameras import MediaLinks
+from talaia.hub.live.media import Media
+
+if TYPE_CHECKING:
+    from talaia.hub.api.socket_admission import SocketAdmission
+    from talaia.hub.features.feature import Core
+    from talaia.hub.live.links import Links
+    from talaia.hub.live.seats import Seats
+
+__all__ = ["MediaFeature"]
+
+
+class MediaFeature(Feature):
+    """Streams, each asked for only while somebody looks.
+
+    Attributes:
+        streams: all of them.
+
+    """
+
+    name = "media"
+
+    def __init__(
+        self, core: Core, *, admission: SocketAdmission, seats: Seats, links: Links
+    ) -> None:
+        """Let pages in by ``admission``; ``seats`` and ``links`` close whose right has ended."""
+        self.streams = Media(core.sites, core.clock, core.settings.linger_s)
+        pages = PictureSockets(
+            admission=admission,
+            sites=core.sites,
+            seats=seats,
+            media=self.streams,
+            clock=core.clock,
+        )
+        gateways = GatewaySocket(
+            "/gateway/media",
+            admission=admission,
+            server=MediaLinks(sites=core.sites, media=self.streams, links=links, clock=core.clock),
+        )
+        self.sockets = [pages.router(), gateways.router()]
+
+    async def close(self) -> None:
+        """Stop the timers."""
+        self.streams.close()

@@ -1,0 +1,53 @@
+"""Messages about alarms, to where people want them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.notify import NotifyPages
+from talaia.hub.features.background import BackgroundTask
+from talaia.hub.features.feature import Feature
+from talaia.hub.notify.delivering import Delivering
+from talaia.hub.notify.sending import Sender
+from talaia.hub.store.notify import NotifyStore
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.live.alarms import Alarms
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.notices import Notices
+
+__all__ = ["NotificationsFeature"]
+
+
+class NotificationsFeature(Feature):
+    """Delivers what waits in the outbox of alarms.
+
+    Attributes:
+        sender: sends a message by mail, chat, webhook or push.
+
+    """
+
+    name = "notifications"
+
+    def __init__(self, core: Core, *, alarms: Alarms, outbox: Notices, audit: Audit) -> None:
+        """Deliver what ``alarms`` puts into ``outbox``, and show there what cannot be."""
+        store = NotifyStore(core.database, core.seal)
+        self._alarms = alarms
+        self.sender = Sender(core.settings.notify_networks)
+        self._delivering = Delivering(
+            notices=outbox,
+            store=store,
+            sender=self.sender,
+            clock=core.clock,
+            told=alarms.refresh_troubles,
+        )
+        alarms.on_notice(self._delivering.wake)
+        pages = NotifyPages(store=store, sender=self.sender, audit=audit, clock=core.clock)
+        self.routers = [pages.router()]
+        self.tasks = [BackgroundTask(name="deliver", run=self._delivering.run)]
+
+    async def open(self) -> None:
+        """See what became of messages that were under way; the alarms show it."""
+        await self._delivering.recover()
+        await self._alarms.refresh_troubles()

@@ -1,0 +1,59 @@
+"""Pages: their files, the sites they list, and their sockets."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.openapi import ApiDescription
+from talaia.hub.api.page_sockets import PageMessages, PageSockets
+from talaia.hub.api.pages import Pages
+from talaia.hub.api.sites import SitePages
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.commanding import Commanding
+from talaia.hub.live.gate import Gate
+from talaia.web import static_dir
+
+if TYPE_CHECKING:
+    from talaia.hub.api.socket_admission import SocketAdmission
+    from talaia.hub.features.feature import Core
+    from talaia.hub.features.sightings import SightingsFeature
+    from talaia.hub.live.reporting import Reporting
+    from talaia.hub.live.seats import Seats
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["PagesFeature"]
+
+
+class PagesFeature(Feature):
+    """The last of all: its route takes every path that no other one takes."""
+
+    name = "pages"
+
+    def __init__(
+        self,
+        core: Core,
+        *,
+        admission: SocketAdmission,
+        seats: Seats,
+        reporting: Reporting,
+        sightings: SightingsFeature,
+        audit: Audit,
+    ) -> None:
+        """Tell a page that comes what ``reporting`` and ``sightings`` know."""
+        sockets = PageSockets(
+            admission=admission,
+            gate=Gate(sites=core.sites, rights=seats),
+            seats=seats,
+            browsers=core.browsers,
+            greeters=(reporting, sightings.journal),
+            messages=PageMessages(
+                fanout=core.fanout,
+                commanding=Commanding(core.sites, audit),
+                clock=core.clock,
+            ),
+        )
+        sites = SitePages(
+            sites=core.sites, audit=audit, sightings=sightings.store, clock=core.clock
+        )
+        self.sockets = [sockets.router()]
+        self.routers = [sites.router(), ApiDescription().router(), Pages(static_dir()).router()]

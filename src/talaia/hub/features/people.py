@@ -1,0 +1,130 @@
+"""People: accounts, roles, sessions, tokens, and who may open what."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.access import Access
+from talaia.hub.api.accounts import Accounts
+from talaia.hub.api.browser_sessions import BrowserSessions
+from talaia.hub.api.limits import Limits
+from talaia.hub.api.own import OwnPages
+from talaia.hub.api.people import PeoplePages
+from talaia.hub.api.proving import Proving
+from talaia.hub.api.roles import RolePages
+from talaia.hub.api.socket_admission import SocketAdmission
+from talaia.hub.api.tokens import TokenPages
+from talaia.hub.auth.passwords import Passwords
+from talaia.hub.auth.throttle import Throttle
+from talaia.hub.features.background import BackgroundTask
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.admission import Admission
+from talaia.hub.live.seats import Seats
+from talaia.hub.store.browsers import KnownBrowsers
+from talaia.hub.store.factors import Factors
+from talaia.hub.store.people import People
+from talaia.hub.store.register import Register
+from talaia.hub.store.roles import Roles
+from talaia.hub.store.roster import Roster
+from talaia.hub.store.sessions import Sessions
+from talaia.hub.store.tokens import ApiTokens
+from talaia.hub.store.tries import Tries
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.sites import SiteRegistry
+
+__all__ = ["PeopleFeature"]
+
+
+class PeopleFeature(Feature):
+    """Who is who, and what they may.
+
+    Attributes:
+        accounts: everyone who may sign in.
+        sessions: who is signed in.
+        tokens: what scripts sign in with.
+        seats: the sockets that people have open.
+        access: guards every route by the policy table.
+        limits: how much each may ask.
+        admission: lets sockets in.
+        setup_token: opens the set-up page; set after the start when there are no people yet.
+
+    """
+
+    name = "people"
+
+    def __init__(self, core: Core, *, audit: Audit, registry: SiteRegistry) -> None:
+        """Gateways are known by ``registry``."""
+        settings, database, clock = core.settings, core.database, core.clock
+        self._settings = settings
+        self.setup_token: str | None = None
+        self.accounts = People(database, clock)
+        self.sessions = Sessions(database, clock, settings)
+        self.tokens = ApiTokens(database, clock)
+        self.seats = Seats(Register(self.sessions, self.tokens), clock, settings)
+        self.access = Access(
+            sessions=self.sessions,
+            tokens=self.tokens,
+            sites=core.sites,
+            registry=registry,
+            admission=Admission(),
+            settings=settings,
+        )
+        self.limits = Limits(clock)
+        self.admission = SocketAdmission(access=self.access, limits=self.limits)
+        self._tries = Tries(database, clock, Throttle())
+        factors = Factors(database, clock, core.seal)
+        passwords = Passwords(settings.password_cost)
+        sessions = BrowserSessions(
+            access=self.access,
+            sessions=self.sessions,
+            browsers=KnownBrowsers(database, clock),
+            seats=self.seats,
+        )
+        proving = Proving(
+            sessions=sessions,
+            people=self.accounts,
+            passwords=passwords,
+            factors=factors,
+            tries=self._tries,
+            audit=audit,
+        )
+        pages = (
+            Accounts(
+                proving=proving,
+                sessions=sessions,
+                people=self.accounts,
+                passwords=passwords,
+                audit=audit,
+            ),
+            OwnPages(
+                proving=proving,
+                sessions=sessions,
+                people=self.accounts,
+                passwords=passwords,
+                factors=factors,
+                audit=audit,
+            ),
+            TokenPages(tokens=self.tokens, seats=self.seats, audit=audit, clock=clock),
+            PeoplePages(
+                people=self.accounts,
+                roster=Roster(database, self.sessions),
+                passwords=passwords,
+                factors=factors,
+                sessions=sessions,
+                audit=audit,
+            ),
+            RolePages(roles=Roles(database), seats=self.seats, audit=audit),
+        )
+        self.routers = [each.router() for each in pages]
+        self.tasks = [BackgroundTask(name="check sessions", run=self._check_sessions)]
+
+    async def open(self) -> None:
+        """Remember wrong sign-ins, and offer the set-up page where there is nobody yet."""
+        await self._tries.bring_back()
+        self.setup_token = await self.accounts.offer_setup(self._settings.setup_s)
+
+    async def _check_sessions(self) -> None:
+        await self.seats.watch(self._settings.check_s)

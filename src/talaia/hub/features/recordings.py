@@ -1,0 +1,59 @@
+"""Recordings: raw topics and films that gateways hand over."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.gateway_sockets import GatewaySocket
+from talaia.hub.api.recordings import RecordingPages
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.recordings import FileLinks, Recordings
+from talaia.hub.store.recordings import RecordingList
+
+if TYPE_CHECKING:
+    from talaia.hub.api.socket_admission import SocketAdmission
+    from talaia.hub.features.feature import Core
+    from talaia.hub.live.links import Links
+    from talaia.hub.live.uploads import Uploads
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["RecordingsFeature"]
+
+
+class RecordingsFeature(Feature):
+    """Files of recordings, and their list.
+
+    Attributes:
+        files: those that are kept.
+
+    """
+
+    name = "recordings"
+
+    def __init__(
+        self,
+        core: Core,
+        *,
+        admission: SocketAdmission,
+        links: Links,
+        uploads: Uploads,
+        audit: Audit,
+    ) -> None:
+        """Write down in ``audit`` what comes and goes; other files go to ``uploads``."""
+        self.files = Recordings(
+            rows=RecordingList(core.database),
+            audit=audit,
+            data=core.settings.data,
+            most_bytes=core.settings.recordings_bytes,
+        )
+        gateways = GatewaySocket(
+            "/gateway/files",
+            admission=admission,
+            server=FileLinks(links=links, recordings=self.files, uploads=uploads),
+        )
+        self.sockets = [gateways.router()]
+        self.routers = [RecordingPages(self.files, audit).router()]
+
+    async def open(self) -> None:
+        """Bring files and their list together."""
+        await self.files.open()

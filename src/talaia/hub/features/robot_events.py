@@ -1,0 +1,36 @@
+"""What robots report: told to pages and written down."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.reporting import Reporting
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.live.alarms import Alarms
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["RobotEventsFeature"]
+
+
+class RobotEventsFeature(Feature):
+    """States and events of devices.
+
+    Attributes:
+        reporting: takes them.
+
+    """
+
+    name = "robot_events"
+
+    def __init__(self, core: Core, *, alarms: Alarms, audit: Audit) -> None:
+        """Tell pages that come how ``alarms`` stand, too."""
+        self.reporting = Reporting(
+            sites=core.sites,
+            browsers=core.browsers,
+            alarms=alarms,
+            audit=audit,
+            clock=core.clock,
+        )

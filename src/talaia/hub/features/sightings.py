@@ -1,0 +1,48 @@
+"""Sightings: what cameras have seen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.sightings import SightingPages
+from talaia.hub.features.background import BackgroundTask
+from talaia.hub.features.feature import Feature
+from talaia.hub.live.sightings import Sightings
+from talaia.hub.store.sightings import SightingStore
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.live.alarms import Alarms
+
+__all__ = ["SightingsFeature"]
+
+
+class SightingsFeature(Feature):
+    """Keeps each sighting once, and tells pages and alarms of it.
+
+    Attributes:
+        journal: takes them.
+        store: where they are kept.
+
+    """
+
+    name = "sightings"
+
+    def __init__(self, core: Core, *, alarms: Alarms) -> None:
+        """Tell ``alarms`` of every sighting."""
+        self.store = SightingStore(core.database)
+        self.journal = Sightings(
+            sites=core.sites,
+            browsers=core.browsers,
+            store=self.store,
+            clock=core.clock,
+            days=core.settings.sightings_days,
+            most=core.settings.sightings_most,
+        )
+        self.journal.listen(alarms)
+        self.routers = [SightingPages(self.store).router()]
+        self.tasks = [BackgroundTask(name="keep", run=self.journal.run, stop=self.journal.stop)]
+
+    async def open(self) -> None:
+        """Bring back what was in sight."""
+        await self.journal.open()
