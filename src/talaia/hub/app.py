@@ -20,9 +20,9 @@ from talaia.hub.features.gateway_links import GatewayLinksFeature
 from talaia.hub.features.gateways import GatewaysFeature
 from talaia.hub.features.history import HistoryFeature
 from talaia.hub.features.imports import ImportsFeature
+from talaia.hub.features.lifecycle import opened
 from talaia.hub.features.media import MediaFeature
 from talaia.hub.features.notifications import NotificationsFeature
-from talaia.hub.features.opening import opened
 from talaia.hub.features.pages import PagesFeature
 from talaia.hub.features.people import PeopleFeature
 from talaia.hub.features.recordings import RecordingsFeature

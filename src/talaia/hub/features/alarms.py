@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.alarms import AlarmPages
-from talaia.hub.features.background import BackgroundTask
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.alarms import Alarms
 from talaia.hub.store.alarms import AlarmStore
 from talaia.hub.store.notices import Notices

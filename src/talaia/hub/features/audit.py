@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.audit import AuditPages
-from talaia.hub.features.background import BackgroundTask
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.store.audit import Audit
 
 if TYPE_CHECKING:

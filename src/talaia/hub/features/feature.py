@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from talaia.hub.auth.seal import SEAL_FILE, seal_of
 from talaia.hub.live.browsers import Browsers
@@ -13,17 +14,16 @@ from talaia.hub.policy import ROUTES_OF
 from talaia.hub.store.database import Database
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Coroutine, Mapping, Sequence
 
     from fastapi import APIRouter
 
     from talaia.clock import Clock
     from talaia.hub.auth.seal import Seal
-    from talaia.hub.features.background import BackgroundTask
     from talaia.hub.policy import Need
     from talaia.hub.settings import Settings
 
-__all__ = ["Core", "Feature"]
+__all__ = ["BackgroundTask", "Core", "Feature"]
 
 
 class Core:
@@ -77,6 +77,22 @@ class Core:
     async def close(self) -> None:
         """Close the database."""
         await self.database.close()
+
+
+@dataclass(frozen=True, kw_only=True)
+class BackgroundTask:
+    """What a feature does while the hub is open.
+
+    Attributes:
+        name: within its feature, for the log and for who looks at the event loop.
+        run: does it until cancelled, or until ``stop`` was called.
+        stop: lets ``run`` write down what waits and end; none: it is cancelled.
+
+    """
+
+    name: str
+    run: Callable[[], Coroutine[Any, Any, None]]
+    stop: Callable[[], None] | None = None
 
 
 class Feature:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.gateways import GatewayPages, Proof
 from talaia.hub.certificate import certificate_of, fingerprint, key_hash
-from talaia.hub.features.background import BackgroundTask
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.links import Links
 from talaia.hub.store.enrolment import Enrolment
 from talaia.hub.store.sites import SiteRegistry

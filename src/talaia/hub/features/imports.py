@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.features.background import BackgroundTask
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.history.parcel import FOLDER
 from talaia.hub.live.inbox import Inbox
 from talaia.hub.live.known import ImportedSites

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.notify import NotifyPages
-from talaia.hub.features.background import BackgroundTask
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.notify.delivering import Delivering
 from talaia.hub.notify.sending import Sender
 from talaia.hub.store.notify import NotifyStore

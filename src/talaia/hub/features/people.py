@@ -16,8 +16,7 @@ from talaia.hub.api.socket_admission import SocketAdmission
 from talaia.hub.api.tokens import TokenPages
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.throttle import Throttle
-from talaia.hub.features.background import BackgroundTask
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.admission import Admission
 from talaia.hub.live.seats import Seats
 from talaia.hub.store.browsers import KnownBrowsers

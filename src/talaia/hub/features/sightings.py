@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.sightings import SightingPages
-from talaia.hub.features.background import BackgroundTask
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.sightings import Sightings
 from talaia.hub.store.sightings import SightingStore
 

@@ -1,37 +1,23 @@
-"""Background tasks of the hub: named, begun again when they die, ended in order."""
+"""The life of the hub: features open in their order, their tasks run, and all close in reverse."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from contextlib import AsyncExitStack, asynccontextmanager
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
+    from collections.abc import AsyncIterator, Sequence
 
-__all__ = ["BackgroundTask", "RunningTask"]
+    from talaia.hub.features.feature import BackgroundTask, Core, Feature
+
+__all__ = ["RunningTask", "opened"]
 
 _LOG = logging.getLogger(__name__)
 # Before a task that died begins again: doubled each time, up to the longest (s).
 FIRST_PAUSE_S = 1.0
 LONGEST_PAUSE_S = 60.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class BackgroundTask:
-    """What a feature does while the hub is open.
-
-    Attributes:
-        name: within its feature, for the log and for who looks at the event loop.
-        run: does it until cancelled, or until ``stop`` was called.
-        stop: lets ``run`` write down what waits and end; none: it is cancelled.
-
-    """
-
-    name: str
-    run: Callable[[], Coroutine[Any, Any, None]]
-    stop: Callable[[], None] | None = None
 
 
 class RunningTask:
@@ -79,3 +65,33 @@ class RunningTask:
                     await self._stopping.wait()
             except TimeoutError:
                 pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
+
+
+@asynccontextmanager
+async def opened(core: Core, features: Sequence[Feature]) -> AsyncIterator[None]:
+    """Open what is given and run its tasks; close it again, the last one first.
+
+    No task runs before all features are open. Each feature's tasks end before it closes, and it
+    closes before those that it was built from. What cannot open closes those before it.
+
+    Raises:
+        StoreError: the database cannot be opened.
+        CannotStart: what a feature needs cannot be read.
+
+    """
+    async with AsyncExitStack() as stack:
+        running: dict[str, list[RunningTask]] = {feature.name: [] for feature in features}
+        stack.push_async_callback(core.close)
+        await core.open()
+        for feature in features:
+            await feature.open()
+            stack.push_async_callback(_close, feature, running[feature.name])
+        for feature in features:
+            running[feature.name] += [RunningTask(feature.name, task) for task in feature.tasks]
+        yield
+
+
+async def _close(feature: Feature, running: list[RunningTask]) -> None:
+    for task in reversed(running):
+        await task.end()
+    await feature.close()

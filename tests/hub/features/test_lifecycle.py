@@ -7,10 +7,9 @@ import asyncio
 import pytest
 from patience import PATIENCE_S
 
-from talaia.hub.features import background
-from talaia.hub.features.background import BackgroundTask
-from talaia.hub.features.feature import Feature
-from talaia.hub.features.opening import opened
+from talaia.hub.features import lifecycle
+from talaia.hub.features.feature import BackgroundTask, Feature
+from talaia.hub.features.lifecycle import opened
 
 
 class Diary:
@@ -54,7 +53,7 @@ class Kept(Feature):
 
 @pytest.fixture(autouse=True)
 def short_pauses(monkeypatch):
-    monkeypatch.setattr(background, "FIRST_PAUSE_S", 0.001)
+    monkeypatch.setattr(lifecycle, "FIRST_PAUSE_S", 0.001)
 
 
 async def test_features_open_in_order_and_close_in_reverse():
@@ -125,7 +124,7 @@ async def test_a_task_that_dies_is_logged_by_name_and_begins_again(caplog):
 
 
 async def test_a_task_that_died_writes_what_waits_before_it_ends(monkeypatch):
-    monkeypatch.setattr(background, "FIRST_PAUSE_S", PATIENCE_S)
+    monkeypatch.setattr(lifecycle, "FIRST_PAUSE_S", PATIENCE_S)
     diary, stopping = Diary(), asyncio.Event()
 
     async def work():
