@@ -144,7 +144,7 @@ class Hub:
 
     def cached_bytes(self) -> int:
         """Give the memory of what was read of the history and may be asked for again (bytes)."""
-        return self._history.cached_bytes
+        return self.history.store.cached_bytes
 
     def driven(self) -> bool:
         """Tell whether somebody has control of a device anywhere."""
