@@ -171,6 +171,7 @@ class Gateway:
         self._watchdog = Watchdog(
             settings.data, settings.folder, settings.domain,
             lambda why: self._voice.note("watchdog_missing", "", why, "", good=False),
+            notices=settings.notices,
         )  # fmt: skip
         self._watchdog.describe(begun.site, begun.said)
         interlocks = self._acting.interlocks
@@ -382,8 +383,12 @@ class Gateway:
                 task.cancel()
             results = await asyncio.gather(*tasks, return_exceptions=True)
             if not any(isinstance(result, Exception) for result in results):
-                # One that ends by a fault of its own says no goodbye: its roof is closed.
-                await self._watchdog.goodbye()
+                # One that ends by a fault of its own says no goodbye: its roof is closed. Nor does
+                # one that begins anew: dead before it has, it leaves a watchdog behind.
+                if ended.is_set():
+                    await self._watchdog.goodbye()
+                else:
+                    self._watchdog.let_go()
             await self.close()
         for result in results:
             if isinstance(result, Exception):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from talaia.errors import TalaiaError
 from talaia.gateway.notices.sending import send_notice
 from talaia.gateway.notices.settings import read_notice_settings
-from talaia.gateway.notices.standing_notices import Notice, StandingNotices
+from talaia.gateway.notices.standing_notices import HUB_AWAY, Notice, StandingNotices
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -39,33 +39,53 @@ class OwnNotices:
         clock: Clock,
         linked: Callable[[], bool],
         events: EventSink,
+        *,
+        teller: str = HUB_AWAY,
     ) -> None:
-        """Tell nothing while ``linked``; what was told, and what failed, goes to ``events``."""
+        """Tell nothing while ``linked``; what was told, and what failed, goes to ``events``.
+
+        ``teller`` is the sentence that says who tells.
+        """
         self._settings = settings
         self._site = site
         self._clock = clock
         self._linked = linked
         self._events = events
-        self._standing = StandingNotices(settings)
+        self._standing = StandingNotices(settings, teller)
         self._sending: set[asyncio.Task[None]] = set()
 
     def hear_enclosure(self, state: EnclosureState) -> None:
         """Take how an enclosure stands."""
-        time_us = self._clock.wall_ns() // 1000
         if state.why:
-            now = self._clock.monotonic_ns()
-            self._standing.stand(state.enclosure, state.why, time_us, now)
+            self.stand(state.enclosure, state.why)
         else:
-            self._standing.clear(state.enclosure, time_us)
+            self.clear(state.enclosure)
+
+    def stand(self, what: str, message: str) -> None:
+        """Take that something critical stands, or stands in other words."""
+        now = self._clock.monotonic_ns()
+        self._standing.stand(what, message, self._clock.wall_ns() // 1000, now)
+
+    def clear(self, what: str, message: str = "") -> None:
+        """Take that it stands no longer; ``message`` says what has become of it."""
+        self._standing.clear(what, self._clock.wall_ns() // 1000, message)
 
     async def run(self) -> None:
         """Go on until cancelled."""
         while True:
-            for notice in self._standing.due(self._clock.monotonic_ns(), linked=self._linked()):
-                task = asyncio.ensure_future(self._send(notice))
-                self._sending.add(task)
-                task.add_done_callback(self._sending.discard)
+            self._send_due()
             await asyncio.sleep(LOOK_S)
+
+    async def finish(self) -> None:
+        """Send what is due, and wait until each way has taken it or failed."""
+        self._send_due()
+        await asyncio.gather(*self._sending)
+
+    def _send_due(self) -> None:
+        for notice in self._standing.due(self._clock.monotonic_ns(), linked=self._linked()):
+            task = asyncio.ensure_future(self._send(notice))
+            self._sending.add(task)
+            task.add_done_callback(self._sending.discard)
 
     async def _send(self, notice: Notice) -> None:
         outcomes = await send_notice(self._settings, self._site, notice)

@@ -48,15 +48,12 @@ async def send_notice(settings: NoticeSettings, site: str, notice: Notice) -> di
 
 
 def _title(site: str, notice: Notice) -> str:
-    return f"{site}: {'over: ' if notice.over else ''}{notice.message}".replace("\n", " ")[:200]
+    return f"{site}: {notice.message}".replace("\n", " ")[:200]
 
 
 def _body(site: str, notice: Notice) -> str:
     moment = dt.datetime.fromtimestamp(notice.time_us / 1e6, dt.UTC)
-    return (
-        f"{moment:%Y-%m-%d %H:%M:%S} UTC  {_title(site, notice)}\n\n"
-        "Told by the site's gateway itself, for its hub is away."
-    )
+    return f"{moment:%Y-%m-%d %H:%M:%S} UTC  {_title(site, notice)}\n\n{notice.teller}"
 
 
 def _json(site: str, notice: Notice) -> bytes:

@@ -10,7 +10,9 @@ from talaia.clock import SECOND
 if TYPE_CHECKING:
     from talaia.gateway.notices.settings import NoticeSettings
 
-__all__ = ["Notice", "StandingNotices"]
+__all__ = ["HUB_AWAY", "Notice", "StandingNotices"]
+
+HUB_AWAY = "Told by the site's gateway itself, for its hub is away."
 
 
 class Notice(NamedTuple):
@@ -18,8 +20,10 @@ class Notice(NamedTuple):
 
     Attributes:
         key: names it; each repetition has another.
-        time_us: since when it stands (UTC).
+        message: what stands, or what has become of it.
+        time_us: since when it stands, or stands no longer (UTC).
         over: it stands no longer.
+        teller: the sentence that says who tells.
 
     """
 
@@ -28,6 +32,7 @@ class Notice(NamedTuple):
     message: str
     time_us: int
     over: bool = False
+    teller: str = HUB_AWAY
 
 
 @dataclass(slots=True)
@@ -44,9 +49,10 @@ class _Standing:
 class StandingNotices:
     """Keeps time for what stands. The hub, while it has a link, tells people by itself."""
 
-    def __init__(self, settings: NoticeSettings) -> None:
-        """Begin with nothing."""
+    def __init__(self, settings: NoticeSettings, teller: str = HUB_AWAY) -> None:
+        """Begin with nothing; ``teller`` is the sentence that says who tells."""
         self._settings = settings
+        self._teller = teller
         self._standing: dict[str, _Standing] = {}
         self._over: list[Notice] = []
         self._linked = False
@@ -59,12 +65,16 @@ class StandingNotices:
         else:
             known.message = message
 
-    def clear(self, what: str, time_us: int) -> None:
-        """Take that it stands no longer: whoever was told of it is told that, too."""
+    def clear(self, what: str, time_us: int, message: str = "") -> None:
+        """Take that it stands no longer: whoever was told of it is told that, too.
+
+        ``message`` says what has become of it, where *over* is not all.
+        """
         known = self._standing.pop(what, None)
         if known is not None and known.told and not self._linked:
             key = f"{what}-{known.time_us}-over"
-            self._over.append(Notice(key, what, known.message, time_us, over=True))
+            said = message or f"over: {known.message}"
+            self._over.append(Notice(key, what, said, time_us, over=True, teller=self._teller))
 
     def due(self, now_ns: int, *, linked: bool) -> list[Notice]:
         """Give what is to be told now; nothing while the hub has a link."""
@@ -88,7 +98,6 @@ class StandingNotices:
             each.wait_ns = min(longest, 2 * each.wait_ns) if each.wait_ns else min(longest, first)
             each.due_ns = now_ns + each.wait_ns
             each.told += 1
-            told.append(
-                Notice(f"{what}-{each.time_us}-{each.told}", what, each.message, each.time_us)
-            )
+            key = f"{what}-{each.time_us}-{each.told}"
+            told.append(Notice(key, what, each.message, each.time_us, teller=self._teller))
         return told

@@ -233,9 +233,8 @@ class EnclosureGuard:
             acts += [self._act("close", each.close) for each in parts if each.close is not None]
             acts.append(self._act("close", rule.close))
         if self._tries > rule.retries:
-            acts += self._alarm(
-                f"NOT CLOSED after {rule.retries} tries: {_words(seen)} ({why})", now_ns
-            )
+            tries = "1 try" if rule.retries == 1 else f"{rule.retries} tries"
+            acts += self._alarm(f"NOT CLOSED after {tries}: {_words(seen)} ({why})", now_ns)
         return acts
 
     def _due(self, seen: Seen, now_ns: int) -> bool:

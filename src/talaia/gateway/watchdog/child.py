@@ -75,6 +75,7 @@ class Watchdog:
         self._job: object = None
         self._closing: subprocess.Popen[bytes] | None = None
         self._begin_s, self._again_s = 0.0, FIRST_AGAIN_S
+        self._failures, self._failed = 0, ""
         signal.signal(signal.SIGTERM, lambda *_: self._silence.hear_goodbye())
 
     def run(self) -> None:
@@ -138,8 +139,12 @@ class Watchdog:
                 [sys.executable, "-m", "talaia.gateway.watchdog.closing"],
                 stdin=subprocess.PIPE,
             )
+            job = self._job
+            if isinstance(job, dict):
+                # People are told of it, too.
+                job = {**job, "failures": self._failures, "failed": self._failed}
             with contextlib.suppress(OSError):
-                self._closing.stdin.write(json.dumps(self._job).encode() + b"\n")  # type: ignore[union-attr]
+                self._closing.stdin.write(json.dumps(job).encode() + b"\n")  # type: ignore[union-attr]
                 self._closing.stdin.flush()  # type: ignore[union-attr]
             return
         status = self._closing.poll()
@@ -147,10 +152,12 @@ class Watchdog:
             return
         self._end_closing()
         if status == 0:
-            self._again_s = FIRST_AGAIN_S
+            self._again_s, self._failures = FIRST_AGAIN_S, 0
             self._silence.report_closed()
             return
-        _log(f"closing failed ({status}); again in {self._again_s:g} s")
+        self._failures += 1
+        self._failed = f"ended by signal {-status}" if status < 0 else f"exit code {status}"
+        _log(f"closing failed ({self._failed}); again in {self._again_s:g} s")
         self._begin_s = now + self._again_s
         self._again_s = min(LONGEST_AGAIN_S, 2 * self._again_s)
 

@@ -1,5 +1,7 @@
 """Closes enclosures without a gateway: ``python -m talaia.gateway.watchdog.closing``.
 
+Long, because what it leaves out of a gateway stands beside what it has of one.
+
 It reads one line, a `Job`, from its input, joins the connections that the enclosures need and no
 others, and keeps them closed by the gateway's own rules (order, deadlines, retries, sensors). It
 ends with 0 when the sensors have said *closed* for a while, and when its input ends.
@@ -24,11 +26,14 @@ from talaia.gateway.adapters.catalog import adapter_of
 from talaia.gateway.adapters.connection_scope import shares_of
 from talaia.gateway.adapters.connectivity import DeviceReachability
 from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
+from talaia.gateway.notices.settings import NoticeSettings  # noqa: TC001 - msgspec reads it
 from talaia.gateway.ports import AdapterContext, Filming
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.gateway.watchdog.needed import closing_site
+from talaia.gateway.watchdog.needed import GONE_WORDS, closing_site
+from talaia.gateway.watchdog.notices import WatchdogNotices
 from talaia.model.arguments import fields_of
 from talaia.model.yaml_text.load import load_site
+from talaia.wire.frames import EnclosureState
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -40,6 +45,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.ports import Adapter, CommandOutcome
     from talaia.model.interlocks.interlock import Step
+    from talaia.model.site import Site
     from talaia.wire.columns import Columns
     from talaia.wire.frames import FromGateway, Picture
 
@@ -51,6 +57,7 @@ LOOK_S = 0.1
 JOIN_S = 5.0
 # The sensors must say *closed* for so long: one good reading may be a bouncing switch.
 STEADY_S = 3.0
+WHY = "the gateway is dead or stands still"
 
 
 class Job(msgspec.Struct, frozen=True, kw_only=True):
@@ -61,6 +68,9 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
         folder: where it stands: relative paths in it begin there.
         domain: a ROS domain that overrides the description's.
         record: file to which what was done is added, one JSON object a line; empty: nowhere.
+        notices: ways to people; none where there are none.
+        failures: so often was it tried before, and ended with an error.
+        failed: how the last one ended, in words.
 
     """
 
@@ -68,6 +78,9 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     folder: str
     domain: int | None = None
     record: str = ""
+    notices: NoticeSettings | None = None
+    failures: int = 0
+    failed: str = ""
 
 
 class Record(msgspec.Struct, frozen=True, kw_only=True):
@@ -85,8 +98,10 @@ class _Recorder:
     def __init__(self, path: str, clock: Clock) -> None:
         self._path = path
         self._clock = clock
+        self.on_enclosure: Callable[[EnclosureState], None] = lambda _state: None
 
     def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+        message = _plain(message)
         log.info("%s %s %s %s", kind, device, message, who)
         if not self._path:
             return
@@ -102,16 +117,26 @@ class _Recorder:
     def tell(
         self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
     ) -> None:
-        log.info("%s %s %s %s", kind, device, message, who)
+        if kind in ("notice_sent", "notice_failed"):
+            self.note(kind, device, message, who, good=good)
+        else:
+            log.info("%s %s %s %s", kind, device, message, who)
 
     def send(self, message: FromGateway) -> None:
-        """Tell no hub."""
+        """Tell no hub, but people what an enclosure says."""
+        if isinstance(message, EnclosureState):
+            said = EnclosureState(enclosure=message.enclosure, why=_plain(message.why))
+            self.on_enclosure(said)
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """Drive nothing."""
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """Stop nothing."""
+
+
+def _plain(message: str) -> str:
+    return message.replace(GONE_WORDS, WHY)
 
 
 class _NoSamples:
@@ -153,16 +178,18 @@ class _NoSamples:
 class Closing:
     """Keeps enclosures closed. Event loop only."""
 
-    def __init__(self, job: Job, clock: Clock) -> None:
-        """Join what is needed.
+    def __init__(
+        self, job: Job, site: Site, *, clock: Clock, recorder: _Recorder, notices: WatchdogNotices
+    ) -> None:
+        """Join what is needed of a `closing_site`.
 
         Raises:
-            TalaiaError: the description cannot be read, or a connection cannot be used here.
+            TalaiaError: a connection cannot be used here.
 
         """
         self._clock = clock
-        self._site = site = closing_site(load_site(job.description))
-        self._recorder = _Recorder(job.record, clock)
+        self._site = site
+        self._recorder, self._notices = recorder, notices
         loop = asyncio.get_running_loop()
         of = {name: site.connection_of(name) for name in site.devices}
         reach = DeviceReachability(of, clock, lambda _state: None)
@@ -197,9 +224,7 @@ class Closing:
 
     async def run(self) -> None:
         """Close, and keep closed until the sensors have said so for a while."""
-        self._recorder.note(
-            "watchdog_closes", "", "the gateway is dead or stands still", "", good=False
-        )
+        self._recorder.note("watchdog_closes", "", WHY, "", good=False)
         joining = asyncio.ensure_future(self._adapter.run())
         # What is asked before anything is reached is refused, and time goes by until it is again.
         until_ns = self._clock.monotonic_ns() + round(JOIN_S * SECOND)
@@ -211,6 +236,7 @@ class Closing:
                     self._interlocks.step(now)
                     if self._settled(now):
                         self._recorder.note("watchdog_closed", "", "all is closed", "", good=True)
+                        self._notices.closed()
                         return
                 await asyncio.sleep(LOOK_S)
             joining.result()
@@ -250,6 +276,9 @@ class Closing:
             self._recorder.note(
                 "watchdog_command", device, f"{label}: {step.command}", "", good=True
             )
+            for roof in self._site.enclosures.values():
+                if step.command == roof.close.command:
+                    self._notices.closes(roof.name)
             self._adapter.act(device, name, fields, partial(self._ended, step.command))
 
     def _ended(self, command: str, outcome: CommandOutcome) -> None:
@@ -265,7 +294,17 @@ def _end_with_input() -> None:
 
 
 async def _run(job: Job) -> None:
-    await Closing(job, SystemClock()).run()
+    clock = SystemClock()
+    site = closing_site(load_site(job.description))
+    recorder = _Recorder(job.record, clock)
+    notices = WatchdogNotices(job.notices, site.name, clock, recorder)
+    recorder.on_enclosure = notices.hear_enclosure
+    notices.begin(job.failures, job.failed)
+    try:
+        closing = Closing(job, site, clock=clock, recorder=recorder, notices=notices)
+        await closing.run()
+    finally:
+        await notices.finish()
 
 
 def main() -> int:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from talaia.gateway.notices.settings import NoticeSettings
     from talaia.model.site import Site
 
 __all__ = ["Watchdog", "dismiss", "taken_records"]
@@ -113,7 +114,13 @@ class Watchdog:
     """One gateway's watchdog. Event loop only."""
 
     def __init__(
-        self, data: Path, folder: Path, domain: int | None, trouble: Callable[[str], None]
+        self,
+        data: Path,
+        folder: Path,
+        domain: int | None,
+        trouble: Callable[[str], None],
+        *,
+        notices: NoticeSettings | None = None,
     ) -> None:
         """Start nothing yet.
 
@@ -122,6 +129,7 @@ class Watchdog:
             folder: where the description stands.
             domain: a ROS domain that overrides the description's.
             trouble: told in words when there is no watchdog though there should be one.
+            notices: ways to people; none where there are none.
 
         """
         self._lock = data / "watchdog.lock"
@@ -129,6 +137,7 @@ class Watchdog:
         self._folder = folder
         self._domain = domain
         self._trouble = trouble
+        self._notices = notices
         self._said_trouble = False
         self._line: socket.socket | None = None
         self._unsent = b""
@@ -151,6 +160,7 @@ class Watchdog:
             folder=str(self._folder.resolve()),
             domain=self._domain,
             record=str(self._record.resolve()),
+            notices=self._notices,
         )
         setting = {"after": self._after_s, "job": msgspec.to_builtins(job)}
         self._setting = json.dumps(setting).encode() + b"\n"
@@ -233,12 +243,16 @@ class Watchdog:
             self._line = None
         log.warning("the watchdog process was lost (%s); it is begun anew", why)
 
+    def let_go(self) -> None:
+        """Leave the process to the next run of this gateway, which takes over from it in time."""
+        if self._line is not None:
+            self._line.close()
+            self._line = None
+
     async def goodbye(self) -> None:
         """End the process: this gateway ends as it was asked to."""
         if self._line is None:
             return
         self._send(b'"goodbye"\n')
-        if self._line is not None:
-            self._line.close()
-            self._line = None
+        self.let_go()
         await asyncio.to_thread(dismiss, self._lock)

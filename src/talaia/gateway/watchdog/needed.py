@@ -15,9 +15,12 @@ if TYPE_CHECKING:
     from talaia.model.interlocks.interlock import Step
     from talaia.model.site import Site
 
-__all__ = ["closing_site"]
+__all__ = ["GONE_WORDS", "closing_site"]
 
 GONE = "gateway_gone"
+# The interlock, and what is said of it: the hub matters to nobody here.
+GONE_NAME = "The gateway is gone"
+GONE_WORDS = f"{GONE_NAME}: the hub has been out of reach for 0 s"
 
 
 def closing_site(site: Site) -> Site:
@@ -27,7 +30,7 @@ def closing_site(site: Site) -> Site:
         for name, each in site.enclosures.items()
         if each.watchdog_after
     }
-    gone = Interlock(name="The gateway is gone", when=(Condition(link_lost=0.0),))
+    gone = Interlock(name=GONE_NAME, when=(Condition(link_lost=0.0),))
     site = msgspec.structs.replace(
         site,
         interlocks={GONE: gone},
