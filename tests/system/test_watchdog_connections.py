@@ -13,6 +13,7 @@ import os
 import shlex
 import signal
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from email import message_from_bytes
 from email.policy import default
@@ -37,7 +38,7 @@ AFTER_S = 4.0
 SPEED = 20
 
 
-class Site:
+class Site(ABC):
     """A roof and the gateway beside it, without any hub."""
 
     connection: dict[str, object]
@@ -54,9 +55,9 @@ class Site:
     def begin(self) -> None:
         """Begin the roof."""
 
+    @abstractmethod
     def devices(self) -> dict[str, object]:
         """Give its devices, as the description has them."""
-        raise NotImplementedError
 
     def described(self) -> dict[str, object]:
         return {
@@ -88,17 +89,17 @@ class Site:
             },
         }
 
+    @abstractmethod
     def position(self) -> float:
         """Give how far the roof is really open (0 to 1)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def asked(self) -> list[str]:
         """Give what the roof was asked."""
-        raise NotImplementedError
 
+    @abstractmethod
     def open(self) -> None:
         """Open it at the roof itself."""
-        raise NotImplementedError
 
     def start_gateway(self, *more: str) -> Process:
         words = ["-m", "talaia", "gateway", str(self.folder / "site.yaml"), "--allow-plain"]
