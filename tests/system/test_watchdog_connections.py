@@ -48,12 +48,8 @@ class Site(ABC):
         """Begin the roof, closed."""
         self.folder = folder
         self.parts: list[Process] = []
-        self.begin()
         (folder / "key").write_text("a-key-that-no-hub-knows-of-forty-letters")
         (folder / "site.yaml").write_text(yaml.safe_dump(self.described()))
-
-    def begin(self) -> None:
-        """Begin the roof."""
 
     @abstractmethod
     def devices(self) -> dict[str, object]:
@@ -180,7 +176,9 @@ class IndiSite(Site):
 
     closed = {"signal": "dome/closed", "is": ["yes"]}  # noqa: RUF012
 
-    def begin(self) -> None:
+    def __init__(self, folder: Path) -> None:
+        """Begin the server."""
+        self.folder = folder
         self.ledger, self.orders = self.folder / "ledger.jsonl", self.folder / "orders"
         os.mkfifo(self.orders)
         self._fifo = os.open(self.orders, os.O_RDWR | os.O_NONBLOCK)
@@ -194,9 +192,9 @@ class IndiSite(Site):
         server = ["indiserver", "-p", str(port), "-u", str(self.folder / "indi"), str(starter)]
         code = f"import os; os.execvp('indiserver', {server!r})"
         self.connection = {"kind": "indi", "host": "127.0.0.1", "port": port}
-        self.parts.append(
-            Process(["-c", code], self.folder / "indi.log", {"HOME": str(self.folder)})
-        )
+        self.server = Process(["-c", code], folder / "indi.log", {"HOME": str(folder)})
+        super().__init__(folder)
+        self.parts.append(self.server)
 
     def devices(self) -> dict[str, object]:
         def switch(name: str, element: str) -> dict[str, object]:
