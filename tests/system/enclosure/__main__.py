@@ -25,7 +25,8 @@ from pathlib import Path
 
 from ..conftest import absent_ros1
 from .results import PROTOCOLS, SEEDS, Results, Trial, table
-from .rows import ROWS, Row, Run, run_trial
+from .rows import ROWS, run_trial
+from .trial import DISKS, Row, Run, disk_of
 from .world import World
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -33,7 +34,9 @@ ROOT = Path(__file__).resolve().parents[3]
 TRIAL_S = 180.0
 # A world is begun anew after so many trials: what a long life brings is the soak's matter.
 LIFE = 60
-LANES = {"ROS 2": 3, "ROS 1": 1, "INDI": 1}
+# So many seeds of one kind of roof before those of the other.
+TOGETHER = 5
+LANES = {"ROS 2": 4, "ROS 1": 1, "INDI": 1}
 
 
 def code_state() -> str:
@@ -48,14 +51,19 @@ def code_state() -> str:
 
 
 def wanted(options: argparse.Namespace, protocol: str) -> list[tuple[Row, int]]:
-    """Give rows and seeds of a protocol: each row once before any row twice."""
+    """Give rows and seeds of a protocol: each row a few times before any row more often."""
     rows = [row for row in ROWS if protocol in row.protocols]
     if options.rows:
         rows = [row for row in rows if row.name in options.rows]
     if options.short and protocol != "ROS 2":
         rows = [row for row in rows if row.short]
-    seeds = 1 if options.short else options.seeds or SEEDS[protocol]
-    return [(row, seed) for seed in range(1, seeds + 1) for row in rows]
+    if options.short:
+        # The disks by turns of the rows.
+        return [(row, number % len(DISKS) + 1) for number, row in enumerate(rows)]
+    seeds = options.seeds or SEEDS[protocol]
+    found = [(row, seed) for seed in range(1, seeds + 1) for row in rows]
+    # A world has one roof: the other kind's rows come together.
+    return sorted(found, key=lambda each: ((each[1] - 1) // TOGETHER, each[0].roof != "dome"))
 
 
 async def lane(options: argparse.Namespace) -> None:
@@ -74,37 +82,55 @@ async def lane(options: argparse.Namespace) -> None:
         for row, seed in mine:
             if time.monotonic() > ends:
                 break
+            began = time.monotonic()
             for attempt in range(2 if options.short else 1):
-                if world is not None and lived >= LIFE:
+                if world is not None and (lived >= LIFE or world.roof != row.roof):
                     await world.aclose()
                     world = None
-                run = Run(None, random.Random(0), options.lane)  # type: ignore[arg-type] # noqa: S311
+                run = Run(None, random.Random(0), options.lane, disk_of(row, seed))  # type: ignore[arg-type] # noqa: S311
                 try:
                     if world is None:
-                        world, lived = await begin(options.lane), 0
+                        world, lived = await begin(options.lane, row.roof), 0
                     async with asyncio.timeout(TRIAL_S):
                         run = await run_trial(world, row, seed, options.lane)
                     lived += 1
                 except Exception as error:  # noqa: BLE001 - what broke is a violation of the row
                     run.breach(f"run: {type(error).__name__}: {error}"[:300])
                     traceback.print_exc()
+                    _keep(options, world, row, seed)
                     if world is not None:
                         await world.aclose()
                     world = None
+                if run.violations:
+                    _keep(options, world, row, seed)
                 # A product's fault shows again; a stall of a machine that others use does not.
                 if not run.violations or attempt or not options.short:
                     results.add(options.state, row, seed, run)
                     break
             told = f"closed {run.closed_s} told {run.told_s} {run.violations} {run.counted}"
-            print(f"{options.lane} {row.name} {seed}: {told}", flush=True)
+            took = time.monotonic() - began
+            print(f"{options.lane} {row.name} {seed} {run.disk}: {told} {took:.1f} s", flush=True)
     finally:
         if world is not None:
             await world.aclose()
 
 
-async def begin(protocol: str) -> World:
+def _keep(options: argparse.Namespace, world: World | None, row: Row, seed: int) -> None:
+    """Keep what a world has written, so that a violation can be looked into."""
+    if world is None:
+        return
+    name = f"{row.name}-{options.lane}-{seed}".replace(" ", "")
+    folder = options.results.parent / "enclosure-violations" / f"{name}-{time.time():.0f}"
+    folder.mkdir(parents=True, exist_ok=True)
+    for each in ("gateway.log", "ledger.jsonl", "sim.log"):
+        if (world.folder / each).exists():
+            shutil.copy(world.folder / each, folder / each)
+    (folder / "hub.txt").write_text("\n".join(map(repr, world.hub.messages)))
+
+
+async def begin(protocol: str, roof: str) -> World:
     """Start a world in a folder that goes with it."""
-    world = World(Path(tempfile.mkdtemp(prefix="enclosure-")), protocol)
+    world = World(Path(tempfile.mkdtemp(prefix="enclosure-")), protocol, roof)
     try:
         await world.open()
     except BaseException:

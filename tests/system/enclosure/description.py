@@ -30,9 +30,12 @@ DISAGREE_S = 2.0
 HEARTBEAT_S = 10.0
 
 
-def described(protocol: str, port: int = 0) -> str:
+CLAMSHELL = EXAMPLE.parents[1] / "clamshell" / "site.yaml"
+
+
+def described(protocol: str, port: int = 0, roof: str = "dome") -> str:
     """Give the description as YAML; with INDI, of a server on this port."""
-    site = _shortened()
+    site = _shortened(CLAMSHELL if roof == "clamshell" else EXAMPLE)
     if protocol == "INDI":
         _as_indi(site, port)
     loaded = load_site(yaml.safe_dump(site, sort_keys=False, allow_unicode=True))
@@ -94,9 +97,9 @@ def _command(name: str, target: str, element: str) -> dict[str, Any]:
     return {"name": name, "kind": "indi", "target": target, "fixed": {element: True}, "timeout": 60}
 
 
-def _shortened() -> dict[str, Any]:
-    """Give the example with short times."""
-    site: dict[str, Any] = yaml.safe_load(EXAMPLE.read_text())
+def _shortened(example: Path) -> dict[str, Any]:
+    """Give an example with short times."""
+    site: dict[str, Any] = yaml.safe_load(example.read_text())
     weather = site["devices"]["weather"]["signals"]
     for name in ("clouds", "raining", "wind", "gust", "humidity", "dew_point", "temperature"):
         weather[name]["max_age"] = MAX_AGE_S
@@ -120,15 +123,18 @@ def _shortened() -> dict[str, Any]:
             each.pop("dwell", None)
             if "lasting" in each:
                 each["lasting"] = LASTING_S
-    site["devices"]["dome"]["link_loss"]["after"] = LINK_LOSS_S
-    site["enclosures"]["dome"] |= {
-        "mount_within": MOUNT_S,
+    dome, roof = site["devices"]["dome"], site["enclosures"]["dome"]
+    if "link_loss" in dome:
+        dome["link_loss"]["after"] = LINK_LOSS_S
+    if "mount_within" in roof:
+        roof["mount_within"] = MOUNT_S
+    roof |= {
         "move_within": MOVE_S,
         "retries": 1,
         "alarm_every": 20,
         "watchdog_after": WATCHDOG_S,
         "disagree_after": DISAGREE_S,
     }
-    site["devices"].pop("cctv")
-    site["devices"]["power"]["outlets"].pop("outlet7")
+    if site["devices"].pop("cctv", None):
+        site["devices"]["power"]["outlets"].pop("outlet7")
     return site

@@ -9,11 +9,12 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
-from .rows import ROWS, Row, Run
+from .rows import ROWS
+from .trial import DISKS, Row, Run
 
 PROTOCOLS = ("ROS 2", "ROS 1", "INDI")
-# How many seeds a whole proof has.
-SEEDS = {"ROS 2": 20, "ROS 1": 5, "INDI": 3}
+# How many seeds a whole proof has; at least one for each kind of disk.
+SEEDS = {"ROS 2": 20, "ROS 1": 5, "INDI": 4}
 
 
 class Trial(NamedTuple):
@@ -32,6 +33,7 @@ class Trial(NamedTuple):
     told_s: list[float]
     violations: list[str]
     counted: dict[str, int]
+    disk: str = DISKS[0]
 
 
 class Results:
@@ -52,6 +54,7 @@ class Results:
             [round(each, 2) for each in run.told_s],
             run.violations,
             run.counted,
+            run.disk,
         )
         file = os.open(self._path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
         try:
@@ -75,9 +78,10 @@ class Results:
 def table(trials: list[Trial]) -> str:
     """Write the table, in Markdown. Every violation counts, also where a repetition passed."""
     lines = [
-        "| row | | runs | seeds | violations | closed after, least / median / most (s) | limit (s)"
+        "| row | | runs | seeds | disk healthy / full / read-only / failing | violations"
+        " | closed after, least / median / most (s) | limit (s)"
         " | told after, least / median / most (s) | what else |",
-        "| --- | --- | --: | --- | --: | --- | --: | --- | --- |",
+        "| --- | --- | --: | --- | --- | --: | --- | --: | --- | --- |",
     ]
     notes: list[str] = []
     for row in ROWS:
@@ -86,7 +90,7 @@ def table(trials: list[Trial]) -> str:
             if mine:
                 lines.append(_line(row, protocol, mine))
                 notes += [
-                    f"- {row.name}, {protocol}, seed {each.seed}: {text}"
+                    f"- {row.name}, {protocol}, seed {each.seed}, disk {each.disk}: {text}"
                     for each in mine
                     for text in each.violations
                 ]
@@ -103,8 +107,9 @@ def _line(row: Row, protocol: str, mine: list[Trial]) -> str:
     what = row.what + (" (limit from its end)" if row.obstacle else "")
     shown = f"{seeds[0]}–{seeds[-1]}" if len(seeds) > 1 else f"{seeds[0]}"
     limit = f"{row.limit(protocol):g}" if row.limit_s else "–"
+    disks = " / ".join(str(sum(each.disk == disk for each in mine)) for disk in DISKS)
     return (
-        f"| {what} | {protocol} | {len(mine)} | {shown} | {wrong}"
+        f"| {what} | {protocol} | {len(mine)} | {shown} | {disks if row.disks else '–'} | {wrong}"
         f" | {_three([x for each in mine for x in each.closed_s])} | {limit}"
         f" | {_three([x for each in mine for x in each.told_s])}"
         f" | {', '.join(f'{number} × {name}' for name, number in sorted(counted.items()))} |"

@@ -1,7 +1,7 @@
 """Each row of the enclosure's table once on ROS 2, and some on the other protocols.
 
 `make proofs ONLY=enclosure` does all seeds. The rows are done by ``python -m system.enclosure`` in
-two worlds side by side, each used for many rows; the tests here wait for what each came to. A row
+five worlds side by side, each used for many rows; the tests here wait for what each came to. A row
 that fails is done once more, for this also runs on machines that are busy.
 """
 
@@ -42,7 +42,7 @@ class Rows:
         self._file = folder / "results.jsonl"
         self.log = folder / "rows.log"
         words = [sys.executable, "-m", "system.enclosure", "--short", "--state", STATE]
-        words += ["--results", str(self._file), "--lanes", "2", "--rows", *names]
+        words += ["--results", str(self._file), "--lanes", "3", "--rows", *names]
         words += ["--protocols", *protocols]
         tests = Path(__file__).parents[2]
         path = os.pathsep.join((str(SOURCE), str(tests)))

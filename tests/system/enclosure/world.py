@@ -84,8 +84,8 @@ class Hub(FakeHub):
 class World(Observatory):
     """See the module."""
 
-    def __init__(self, folder: Path, protocol: str = "ROS 2") -> None:
-        """Start the simulator; `open` brings up the rest."""
+    def __init__(self, folder: Path, protocol: str = "ROS 2", roof: str = "dome") -> None:
+        """Start the simulator, with a roof of this kind; `open` brings up the rest."""
         self.orders_file = folder / "orders"
         os.mkfifo(self.orders_file)
         self.hub = Hub()
@@ -103,8 +103,10 @@ class World(Observatory):
         self.data.mkdir()
         self.small_disk = _mount(self.data)
         self.protocol = protocol
+        self.roof = roof
         self.indi_port = free_port()
-        super().__init__(folder, described(protocol, self.indi_port), ros1=protocol == "ROS 1")
+        site = described(protocol, self.indi_port, roof)
+        super().__init__(folder, site, ros1=protocol == "ROS 1", roof=roof)
         (folder / "notices.toml").write_text(
             f'after = 2\n\n[[command]]\nwords = ["/bin/sh", "-c", "cat >> {self.notices_file}"]\n'
         )
@@ -117,6 +119,7 @@ class World(Observatory):
         words += self._ros1 or ["--domain", str(self._world.domain)]
         words += ["--longitude", str(longitude_of_night(self._now))]
         words += ["--log", str(self.ledger_file), "--orders", str(self.orders_file)]
+        words += ["--enclosure", self._roof]
         for device in ("dome", "telescope", "weather", "camera", "pdu"):
             words += ["--only", device]
         return Process([*words, *more], self.folder / "sim.log", self.environment)
@@ -344,21 +347,36 @@ class World(Observatory):
         self.signal(signal.SIGCONT)
         self.hub.messages[:] = [x for x in self.hub.messages if isinstance(x, InterlockState)][-40:]
         del self._lines[:-400]
-        await self.until(lambda: not self.locked(), "released")
+        try:
+            await self.until(lambda: not self.locked(), "released")
+        except AssertionError as error:
+            why = {x: self.states[x].why if x in self.states else "silent" for x in self.locked()}
+            said = self.gateway.said()[-1500:] if self.gateway is not None else ""
+            raise AssertionError(f"{error}: {why}\n{said}") from None
 
     async def opened(self, *, tracking: bool) -> None:
         """Let somebody open the roof through the gateway, and perhaps unpark and point."""
-        for _ in range(10):
-            # A gateway that stood still may have given up the link on which this goes.
-            with contextlib.suppress(AssertionError, ConnectionClosed):
-                asked = await self.ask("dome", "open")
-                if (await self.ended(asked, 6.0)).phase is CommandPhase.SUCCEEDED:
-                    break
-            await asyncio.sleep(0.5)
+        await self._open()
         if tracking:
             await self.does("telescope", "unpark")
             self.order("telescope do goto_altaz 70 0")
-        await self.until(lambda: self.truth() == "open", "the roof is open")
+        # Where the machine stood for longer than values count it has been closed again meanwhile.
+        if self.truth() != "open":
+            await self._open()
+
+    async def _open(self) -> None:
+        """Have a person open, for as long as it takes."""
+        answers: list[str] = []
+        ends = time.monotonic() + WITHIN_S
+        while time.monotonic() < ends:
+            # A gateway that stood still may have given up the link on which this goes.
+            with contextlib.suppress(AssertionError, ConnectionClosed):
+                ended = await self.ended(await self.ask("dome", "open"), 6.0)
+                answers.append(f"{ended.phase} {ended.message}")
+                if ended.phase is CommandPhase.SUCCEEDED and self.truth() == "open":
+                    return
+            await asyncio.sleep(0.5)
+        raise AssertionError(f"not within {WITHIN_S:g} s: the roof is open: {answers[-3:]}")
 
     async def aclose(self) -> None:
         """End everything."""
