@@ -11,8 +11,8 @@ from collections.abc import Awaitable, Callable
 import msgspec
 
 from talaia.model.interlocks.enclosure import ClosingOrder
-from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.model.site import Site
+from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.sim.observatory.night import longitude_of_night
 
 from .description import MOVE_S

@@ -46,7 +46,7 @@ def dismiss(lock: Path) -> bool:
     Blocks until it has ended. Gives whether there was one.
     """
     try:
-        file = os.open(lock, os.O_RDWR | os.O_CLOEXEC)
+        file = _opened(lock)
     except OSError:
         return False
     try:
@@ -74,6 +74,16 @@ def dismiss(lock: Path) -> bool:
     finally:
         os.close(file)
     return True
+
+
+def _opened(lock: Path) -> int:
+    """Open its file; a disk that can only be read keeps no old watchdog alive."""
+    try:
+        return os.open(lock, os.O_RDWR | os.O_CLOEXEC)
+    except FileNotFoundError:
+        raise
+    except OSError:
+        return os.open(lock, os.O_RDONLY | os.O_CLOEXEC)
 
 
 def _holder(file: int) -> int:
