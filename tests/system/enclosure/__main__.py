@@ -36,7 +36,7 @@ TRIAL_S = 180.0
 LIFE = 60
 # So many seeds of one kind of roof before those of the other.
 TOGETHER = 5
-LANES = {"ROS 2": 4, "ROS 1": 1, "INDI": 1}
+LANES = {"ROS 2": 4, "ROS 1": 2, "INDI": 1}
 
 
 def code_state() -> str:

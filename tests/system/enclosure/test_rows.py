@@ -1,8 +1,8 @@
 """Each row of the enclosure's table once on ROS 2, and some on the other protocols.
 
 `make proofs ONLY=enclosure` does all seeds. The rows are done by ``python -m system.enclosure`` in
-five worlds side by side, each used for many rows; the tests here wait for what each came to. A row
-that fails is done once more, for this also runs on machines that are busy.
+several worlds side by side, each used for many rows; the tests here wait for what each came to. A
+row that fails is done once more, for this also runs on machines that are busy.
 """
 
 from __future__ import annotations
