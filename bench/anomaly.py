@@ -32,12 +32,12 @@ import nab
 import numpy as np
 
 from talaia.clock import SystemClock
+from talaia.hub.anomaly.base import Detector
 from talaia.hub.anomaly.episodes import Episodes, Turn
-from talaia.hub.anomaly.kept import Detector
 from talaia.hub.anomaly.kinds import KINDS
-from talaia.hub.live.fanout import Fanout
+from talaia.hub.live.detection.anomaly_service import Watching
+from talaia.hub.live.pages.fanout import Fanout
 from talaia.hub.live.sites import Sites
-from talaia.hub.live.watching import Watching
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.columns import Columns
 

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.clock import SystemClock
-from talaia.hub.history.block import Samples, encode
+from talaia.hub.history.blocks.block import Samples, encode
 from talaia.hub.history.engine import open_engine
 from talaia.hub.history.limits import Limits
-from talaia.hub.history.sealing import Newest, Sealed, seal
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.history.writes import insert_rows
+from talaia.hub.history.writing.bulk_writes import insert_rows
+from talaia.hub.history.writing.compaction import Newest, Sealed, seal
 from talaia.hub.store import history_tables as tables
 from talaia.hub.store.tables import metadata
 

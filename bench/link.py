@@ -19,7 +19,7 @@ from stack import HERE, Stack, context
 from talaia.clock import SystemClock
 from talaia.hub.settings import Settings
 from talaia.hub.store.database import Database
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.wire import browser, frames
 
 PERIOD_S = 0.05

@@ -13,7 +13,7 @@ import numpy as np
 import sqlalchemy as sa
 from sqlalchemy import event
 
-from talaia.hub.history.writes import insert_rows
+from talaia.hub.history.writing.bulk_writes import insert_rows
 from talaia.hub.store.sqlite import open_sqlite
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from talaia.clock import SystemClock
 from talaia.hub.app import build
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.settings import Settings
+from talaia.hub.store.accounts.people import People
 from talaia.hub.store.database import Database
-from talaia.hub.store.people import People
 
 ORIGIN = "http://localhost"
 

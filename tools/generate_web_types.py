@@ -18,18 +18,18 @@ import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
-from talaia.hub.api import (
-    alarm_shapes,
-    anomaly_shapes,
-    archive_shapes,
-    description_shapes,
-    history_shapes,
-    notify_shapes,
-    observatory_shapes,
-    people_shapes,
-    recording_shapes,
-    shapes,
-    sighting_shapes,
+from talaia.hub.api.schemas import (
+    account_schemas,
+    alarm_schemas,
+    anomaly_schemas,
+    archive_schemas,
+    common,
+    description_schemas,
+    history_schemas,
+    notification_schemas,
+    observatory_schemas,
+    recording_schemas,
+    sighting_schemas,
 )
 from talaia.hub.auth.permissions import Right
 from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
@@ -48,17 +48,17 @@ UNIONS = (
     ("MediaFromBrowser", browser.MediaFromBrowser),
 )
 SHAPES = (
-    shapes,
-    people_shapes,
-    history_shapes,
-    recording_shapes,
-    archive_shapes,
-    description_shapes,
-    observatory_shapes,
-    alarm_shapes,
-    anomaly_shapes,
-    notify_shapes,
-    sighting_shapes,
+    common,
+    account_schemas,
+    history_schemas,
+    recording_schemas,
+    archive_schemas,
+    description_schemas,
+    observatory_schemas,
+    alarm_schemas,
+    anomaly_schemas,
+    notification_schemas,
+    sighting_schemas,
 )
 # Texts of the API that come from a closed list.
 CLOSED = {

@@ -23,11 +23,11 @@ from patience import PATIENCE_S
 from talaia.clock import SystemClock
 from talaia.hub.app import build
 from talaia.hub.auth.passwords import Passwords
-from talaia.hub.history.series import Series
+from talaia.hub.history.queries.series import Series
 from talaia.hub.run import server_of
 from talaia.hub.settings import Settings
-from talaia.hub.store.people import People
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.accounts.people import People
+from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.browser import FROM_BROWSER, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
 from talaia.wire.columns import Columns, pack

@@ -15,7 +15,7 @@ import pytest
 from astropy.io import fits
 from hypothesis import given, settings, strategies as st
 
-from talaia.hub.archive.looking import NotKept, facts_of, looks_of, preview_of
+from talaia.hub.archive.fits_reader import NotKept, facts_of, looks_of, preview_of
 from talaia.hub.archive.night import night_of
 from talaia.wire.frames import (
     FILES_FROM_GATEWAY,

@@ -11,8 +11,8 @@ from talaia.hub.auth.passwords import Passwords, check_name, check_password, nam
 from talaia.hub.auth.permissions import Grants, Permission, Right
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.errors import NameTaken, UnknownRole, WeakPassword
-from talaia.hub.store.people import People
-from talaia.hub.store.sessions import Sessions
+from talaia.hub.store.accounts.people import People
+from talaia.hub.store.accounts.sessions import Sessions
 
 MINUTE = 60 * SECOND
 

@@ -13,8 +13,8 @@ from talaia.hub.errors import StoreError
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.store.backup import backup, restore_server, take_restored
 from talaia.hub.store.database import Database
+from talaia.hub.store.database_url import reach
 from talaia.hub.store.quarantine import set_aside_if_damaged
-from talaia.hub.store.reach import reach
 from talaia.hub.store.tables import metadata
 from talaia.wire.frames import Ack
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from hypothesis import given, settings, strategies as st
 
-from talaia.hub.live.flow import Flow, Ready
+from talaia.hub.live.pictures.picture_pacing import Flow, Ready
 from talaia.wire.frames import Form
 
 PERIOD_US = 33_333

@@ -18,15 +18,15 @@ from patience import PATIENCE_S
 
 from talaia.cli.main import main
 from talaia.clock import SystemClock
-from talaia.hub.history.forms import ExportColumn, FileForm
-from talaia.hub.history.parcel import FOLDER, READY
+from talaia.hub.history.import_file import FOLDER, READY
+from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.lock import hub_lock
 from talaia.hub.settings import Settings
 from talaia.hub.store import history_tables as tables
 from talaia.hub.store.database import Database
-from talaia.hub.store.reach import reach
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.database_url import reach
+from talaia.hub.store.sites.site_registry import SiteRegistry
 
 from . import recordings
 from .recordings import FORMATS, SITE, STEPS, expected

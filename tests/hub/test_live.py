@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from talaia.hub.live import ingest
+from talaia.hub.live.gateways import ingest
 from talaia.wire.browser import (
     EventNews,
     Greeting,

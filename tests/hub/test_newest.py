@@ -7,7 +7,7 @@ import time
 import numpy as np
 from hypothesis import given, strategies as st
 
-from talaia.hub.live.latest import Latest
+from talaia.hub.live.last_values import Latest
 from talaia.wire.browser import AlarmNews, Subscribe, Subscribed, Values
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.frames import Ack

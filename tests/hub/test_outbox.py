@@ -5,8 +5,8 @@ from math import isnan, nan
 import numpy as np
 from hypothesis import given, settings, strategies as st
 
-from talaia.hub.live.conflate import conflate, join, newest, weight
-from talaia.hub.live.outbox import Outbox, values_of
+from talaia.hub.live.pages.conflate import conflate, join, newest, weight
+from talaia.hub.live.pages.outbox import Outbox, values_of
 from talaia.wire.browser import TO_BROWSER, Values
 from talaia.wire.columns import Columns, unpack
 

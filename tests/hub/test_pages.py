@@ -6,7 +6,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from talaia.hub.api.pages import Pages
+from talaia.hub.api.static_pages import Pages
 
 
 @pytest.fixture

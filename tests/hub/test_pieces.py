@@ -4,11 +4,11 @@ import msgspec
 import numpy as np
 from hypothesis import given, strategies as st
 
-from talaia.hub.api.shield import host_name, same_origin
-from talaia.hub.live.clocks import ClockOffset
-from talaia.hub.live.lanes import Lanes
-from talaia.hub.live.latest import Latest
-from talaia.hub.live.stored import StoredRun
+from talaia.hub.api.server.request_guard import host_name, same_origin
+from talaia.hub.live.gateways.acknowledged_sequence import StoredRun
+from talaia.hub.live.gateways.clock_offset import ClockOffset
+from talaia.hub.live.gateways.send_lanes import Lanes
+from talaia.hub.live.last_values import Latest
 from talaia.wire import frames
 from talaia.wire.columns import Columns
 

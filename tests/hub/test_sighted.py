@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from msgspec import structs
 
-from talaia.hub.live.sighted import SiteSightings, merged, said_of
-from talaia.hub.store.sightings import Sighted
+from talaia.hub.live.detection.sighting_limits import SiteSightings, merged, said_of
+from talaia.hub.store.sites.sightings import Sighted
 from talaia.model.yaml_text.load import load_site
 
 from .conftest import DESCRIPTION

@@ -6,7 +6,7 @@ import pytest
 
 from talaia.clock import HandClock
 from talaia.hub.store.audit import Audit, Entry, Filter
-from talaia.hub.store.sightings import Sighted, SightingsAsked, SightingStore
+from talaia.hub.store.sites.sightings import Sighted, SightingsAsked, SightingStore
 
 PICTURE = bytes(range(256)) * 200
 SEEN = Sighted("agv", "camera/front", "person", 100, 0, 1, 0.7, 5, "boot-1", PICTURE)

@@ -15,9 +15,9 @@ from patience import PATIENCE_S
 from sqlalchemy.exc import DataError
 
 from talaia.hub.errors import StoreDown
-from talaia.hub.live.sightings import KIND, OWN
-from talaia.hub.live.thumbnails import NotAPicture, bare_jpeg
-from talaia.hub.store.sightings import Sighted
+from talaia.hub.live.detection.sightings import KIND, OWN
+from talaia.hub.live.pictures.jpeg_validator import NotAPicture, bare_jpeg
+from talaia.hub.store.sites.sightings import Sighted
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire import browser as page_wire, frames
 from talaia.wire.browser import EventNews, SightingNews
@@ -204,7 +204,7 @@ async def test_a_gateway_that_sees_without_end_is_bounded_and_an_end_is_always_h
 async def test_another_run_of_the_gateway_ends_what_the_one_before_it_saw(
     hub, gateway, monkeypatch
 ):
-    monkeypatch.setattr("talaia.hub.live.sightings.GRACE_S", 0.0)
+    monkeypatch.setattr("talaia.hub.live.detection.sightings.GRACE_S", 0.0)
     page = await hub.page("operator")
     await gateway.say(seen())
     await page.hear(SightingNews)
@@ -247,7 +247,7 @@ async def test_what_is_in_sight_outlives_a_restart_of_the_hub(settings, history)
 
 
 async def test_nobody_stays_in_sight_of_a_gateway_that_stays_away(hub, gateway, monkeypatch):
-    monkeypatch.setattr("talaia.hub.live.sightings._AWAY_S", 0.0)
+    monkeypatch.setattr("talaia.hub.live.detection.sightings._AWAY_S", 0.0)
     page = await hub.page("operator")
     await gateway.say(seen())
     await page.hear(SightingNews)

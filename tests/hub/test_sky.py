@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from talaia.hub.api import sky_names
+from talaia.hub.api.sites import sky_names
 
 OBSERVATORY = (Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml").read_text()
 DESCRIPTION = OBSERVATORY.replace("site: observatory", "site: agv")

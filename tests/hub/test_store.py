@@ -16,18 +16,18 @@ from sqlalchemy import event, inspect, text
 from talaia.clock import SystemClock
 from talaia.hub import accounts
 from talaia.hub.auth.permissions import Permission, Right
-from talaia.hub.auth.seal import Seal
+from talaia.hub.auth.secret_box import Seal
 from talaia.hub.errors import NameTaken, StoreDown, StoreError, UnknownPerson
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.store import HistoryStore
+from talaia.hub.store.accounts.mfa import Factors
+from talaia.hub.store.accounts.people import People
+from talaia.hub.store.accounts.roles import Roles
+from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit, Filter
 from talaia.hub.store.database import Database
-from talaia.hub.store.factors import Factors
-from talaia.hub.store.people import People
-from talaia.hub.store.reach import reach
-from talaia.hub.store.roles import Roles
-from talaia.hub.store.sessions import Sessions
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.database_url import reach
+from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import metadata
 
 

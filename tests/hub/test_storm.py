@@ -12,15 +12,15 @@ from patience import PATIENCE_S
 from sqlalchemy import select
 
 from talaia.clock import HandClock
-from talaia.hub.api.doorway import Doorway
+from talaia.hub.api.server.accept_queue import Doorway
 from talaia.hub.certificate import own_certificate
 from talaia.hub.errors import HubBusy, StoreDown
-from talaia.hub.live import gateways as life
-from talaia.hub.live.admission import Admission
-from talaia.hub.live.collecting import collect_at_rest, wants
+from talaia.hub.live.gateways import link_service as life
+from talaia.hub.live.gateways.join_queue import Admission
+from talaia.hub.live.gc_schedule import collect_at_rest, wants
 from talaia.hub.settings import Settings
-from talaia.hub.store.attendance import Attendance
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.sites.gateway_presence import Attendance
+from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import gateways, sites
 from talaia.wire.browser import LeaseNews, SiteNews
 from talaia.wire.frames import Bye, Hello, LeaseState, Welcome

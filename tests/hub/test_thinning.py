@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from talaia.hub.live.thinning import Thinning
+from talaia.hub.live.detection.thinning import Thinning
 from talaia.wire.columns import Columns
 
 pytestmark = pytest.mark.pure

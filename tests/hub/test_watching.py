@@ -8,8 +8,8 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
-from talaia.hub.api.anomaly_shapes import AnomalyList
-from talaia.hub.live.watching import Watching
+from talaia.hub.api.schemas.anomaly_schemas import AnomalyList
+from talaia.hub.live.detection.anomaly_service import Watching
 from talaia.wire.browser import AnomalyNews, EventNews, Subscribe, Subscribed, Values
 from talaia.wire.columns import unpack
 

@@ -19,7 +19,7 @@ from patience import PATIENCE_S
 from segments import segments_of, write_crash_row
 
 from talaia.clock import SystemClock
-from talaia.hub.history.series import Series
+from talaia.hub.history.queries.series import Series
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.settings import Settings
 from talaia.wire import browser

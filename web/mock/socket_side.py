@@ -12,7 +12,7 @@ from fastapi import WebSocketDisconnect
 from seen_side import things
 from world import World, now_columns
 
-from talaia.hub.anomaly.wanted import score_channels
+from talaia.hub.anomaly.selection import score_channels
 from talaia.wire import browser as wire
 from talaia.wire.browser import FROM_BROWSER, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
 from talaia.wire.columns import pack

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
 from talaia.hub.auth.passwords import Passwords, check_name, check_password
-from talaia.hub.auth.seal import SEAL_FILE, seal_of
+from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.errors import CannotStart, UnknownPerson
+from talaia.hub.store.accounts.mfa import Factors
+from talaia.hub.store.accounts.people import People
+from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit
 from talaia.hub.store.database import Database
-from talaia.hub.store.factors import Factors
-from talaia.hub.store.people import People
-from talaia.hub.store.sessions import Sessions
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.sites.site_registry import SiteRegistry
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fastapi import Depends, FastAPI
 
 from talaia.hub.api.problems import answer_problems
-from talaia.hub.api.shield import Shield
+from talaia.hub.api.server.request_guard import Shield
 from talaia.hub.features.alarms import AlarmsFeature
 from talaia.hub.features.anomalies import AnomaliesFeature
 from talaia.hub.features.archive import ArchiveFeature

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, AsyncIterator, Collection, Mapping, Sequence
 
-    from talaia.hub.anomaly.watched import Watched
-    from talaia.hub.history.channels import StoredChannel
-    from talaia.hub.history.forms import ExportColumn, FileForm
-    from talaia.hub.history.outliers import Outliers
-    from talaia.hub.history.sensors import SensorKind
-    from talaia.hub.history.series import Series
-    from talaia.hub.history.statistics import Statistics
+    from talaia.hub.anomaly.runner import Watched
+    from talaia.hub.history.queries.channels import StoredChannel
+    from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
+    from talaia.hub.history.queries.outliers import Outliers
+    from talaia.hub.history.queries.series import Series
+    from talaia.hub.history.queries.statistics import Statistics
+    from talaia.hub.history.sensors.sensor_views import SensorKind
     from talaia.hub.history.storage import Storage
     from talaia.model.site import Site
     from talaia.wire.columns import Columns

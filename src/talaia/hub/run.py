@@ -24,8 +24,8 @@ import uvloop
 
 from talaia.clock import SystemClock
 from talaia.hub.accounts import make_data_folder
-from talaia.hub.api.doorway import QUEUE, Doorway
-from talaia.hub.api.listening import HubProtocol
+from talaia.hub.api.server.accept_queue import QUEUE, Doorway
+from talaia.hub.api.server.http_limits import HubProtocol
 from talaia.hub.app import build
 from talaia.hub.certificate import (
     certificate_of,
@@ -34,7 +34,7 @@ from talaia.hub.certificate import (
     own_certificate,
 )
 from talaia.hub.errors import CannotStart, HubError
-from talaia.hub.live.collecting import collect_at_rest
+from talaia.hub.live.gc_schedule import collect_at_rest
 from talaia.hub.lock import hub_lock
 from talaia.hub.settings import Settings, is_loopback
 from talaia.hub.store.backup import take_restored

@@ -7,13 +7,13 @@ import pytest
 from talaia.clock import HandClock
 from talaia.hub.alarms.machine import Acknowledge, Clear, Raise, State, What, step
 from talaia.hub.alarms.rules import Rule
-from talaia.hub.auth.seal import Seal
+from talaia.hub.auth.secret_box import Seal
 from talaia.hub.errors import NameTaken
-from talaia.hub.store.alarms import AlarmStore, Change, Made
+from talaia.hub.store.accounts.people import People
+from talaia.hub.store.alarms.alarm_states import AlarmStore, Change, Made
+from talaia.hub.store.alarms.notification_channels import NotifyStore, WayKind
+from talaia.hub.store.alarms.notification_outbox import About, Notices
 from talaia.hub.store.audit import Audit, Filter
-from talaia.hub.store.notices import About, Notices
-from talaia.hub.store.notify import NotifyStore, WayKind
-from talaia.hub.store.people import People
 from talaia.model.alarms.alarm import Severity
 
 LOW = About("agv", "low", "base", Severity.CRITICAL, "Low ⚡", "AGV", "Bring it home.")

@@ -15,15 +15,15 @@ import pytest
 from talaia.clock import SECOND, HandClock
 from talaia.hub.alarms.machine import Raise, State, step
 from talaia.hub.alarms.rules import Rule
-from talaia.hub.auth.seal import Seal
-from talaia.hub.notify.delivering import Delivering
+from talaia.hub.auth.secret_box import Seal
+from talaia.hub.notify.delivery_worker import Delivering
 from talaia.hub.notify.message import Message
-from talaia.hub.notify.sending import Outcome, Sender
-from talaia.hub.store.alarms import AlarmStore, Change
+from talaia.hub.notify.senders import Outcome, Sender
+from talaia.hub.store.accounts.people import People
+from talaia.hub.store.alarms.alarm_states import AlarmStore, Change
+from talaia.hub.store.alarms.notification_channels import NotifyStore, Way, WayKind
+from talaia.hub.store.alarms.notification_outbox import About, Notices
 from talaia.hub.store.database import Database
-from talaia.hub.store.notices import About, Notices
-from talaia.hub.store.notify import NotifyStore, Way, WayKind
-from talaia.hub.store.people import People
 from talaia.model.alarms.alarm import Severity
 
 from .peers import Peer, certified, served

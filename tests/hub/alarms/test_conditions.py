@@ -30,7 +30,7 @@ from talaia.hub.alarms.machine import (
 from talaia.hub.alarms.preview import Track, preview
 from talaia.hub.alarms.rules import Rule, due_us, wants
 from talaia.hub.alarms.watch import Turn, Watch
-from talaia.hub.notify.addresses import may_reach
+from talaia.hub.notify.address_policy import may_reach
 from talaia.model.alarms.alarm import Alarm, AlarmKind, Severity
 from talaia.model.checks.alarm_checks import Addresses
 from talaia.model.checks.site_checks import check

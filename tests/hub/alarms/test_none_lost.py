@@ -31,18 +31,18 @@ from sqlalchemy import select
 from talaia.clock import SECOND, HandClock
 from talaia.hub.alarms.machine import Acknowledge, NotNow, Shelve
 from talaia.hub.alarms.rules import Rule
-from talaia.hub.auth.seal import Seal
-from talaia.hub.live.alarms import Alarms
-from talaia.hub.live.browsers import Browsers
+from talaia.hub.auth.secret_box import Seal
+from talaia.hub.live.alarms.alarm_engine import Alarms
+from talaia.hub.live.pages.page_connections import Browsers
 from talaia.hub.live.sites import Sites
-from talaia.hub.notify.delivering import Delivering
-from talaia.hub.notify.sending import Outcome, Went
+from talaia.hub.notify.delivery_worker import Delivering
+from talaia.hub.notify.senders import Outcome, Went
+from talaia.hub.store.accounts.people import People
 from talaia.hub.store.alarm_tables import alarm_history, notices
-from talaia.hub.store.alarms import AlarmStore
+from talaia.hub.store.alarms.alarm_states import AlarmStore
+from talaia.hub.store.alarms.notification_channels import NotifyStore, WayKind
+from talaia.hub.store.alarms.notification_outbox import Notices
 from talaia.hub.store.database import Database
-from talaia.hub.store.notices import Notices
-from talaia.hub.store.notify import NotifyStore, WayKind
-from talaia.hub.store.people import People
 from talaia.model.alarms.alarm import Severity
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.columns import Columns

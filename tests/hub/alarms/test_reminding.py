@@ -26,16 +26,16 @@ from talaia.hub.alarms.machine import (
 )
 from talaia.hub.alarms.reminding import Reminding, first_told
 from talaia.hub.alarms.rules import Rule
-from talaia.hub.auth.seal import Seal
-from talaia.hub.live.alarms import Alarms
-from talaia.hub.live.browsers import Browsers
+from talaia.hub.auth.secret_box import Seal
+from talaia.hub.live.alarms.alarm_engine import Alarms
+from talaia.hub.live.pages.page_connections import Browsers
 from talaia.hub.live.sites import Sites
+from talaia.hub.store.accounts.people import People
 from talaia.hub.store.alarm_tables import notices
-from talaia.hub.store.alarms import AlarmStore
+from talaia.hub.store.alarms.alarm_states import AlarmStore
+from talaia.hub.store.alarms.notification_channels import NotifyStore, WayKind
+from talaia.hub.store.alarms.notification_outbox import Notices
 from talaia.hub.store.database import Database
-from talaia.hub.store.notices import Notices
-from talaia.hub.store.notify import NotifyStore, WayKind
-from talaia.hub.store.people import People
 from talaia.model.alarms.alarm import Alarm, AlarmKind, Escalation, Severity
 from talaia.model.alarms.standard_alarms import standard_alarms
 from talaia.model.checks.alarm_checks import Addresses

@@ -13,8 +13,8 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
 from talaia.hub.notify.message import Message
-from talaia.hub.notify.sending import Outcome, Sender
-from talaia.hub.store.notify import PushBrowser, Way, WayKind
+from talaia.hub.notify.senders import Outcome, Sender
+from talaia.hub.store.alarms.notification_channels import PushBrowser, Way, WayKind
 
 from .peers import served
 
@@ -134,7 +134,7 @@ async def test_push_service_gets_what_only_the_browser_can_read(peer, monkeypatc
     # A browser says where to, so an inner address is not reached in any case.
     assert "no public address" in (await push()).problem
     assert peer.asked == []
-    monkeypatch.setattr("talaia.hub.notify.sending._NETWORKS_OF_PUSH", ("127.0.0.1/32",))
+    monkeypatch.setattr("talaia.hub.notify.senders._NETWORKS_OF_PUSH", ("127.0.0.1/32",))
     peer.answer = "201 Created"
     assert (await push()).outcome is Outcome.SENT
     _, fields, body = peer.asked[0]

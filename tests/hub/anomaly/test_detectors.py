@@ -5,17 +5,17 @@ import random
 
 import pytest
 
+from talaia.hub.anomaly.base import Detector, keep, number, span, wake
 from talaia.hub.anomaly.baseline import Baseline, Quartiles, Sorted
 from talaia.hub.anomaly.change import Change
 from talaia.hub.anomaly.context import Context
+from talaia.hub.anomaly.ensemble import Together
 from talaia.hub.anomaly.episodes import Episodes, Turn
-from talaia.hub.anomaly.kept import Detector, keep, number, span, wake
 from talaia.hub.anomaly.kinds import KINDS
-from talaia.hub.anomaly.plain import Limits, Missing, RateOfChange, Still
 from talaia.hub.anomaly.rarity import Rarity
-from talaia.hub.anomaly.season import Season
-from talaia.hub.anomaly.together import Together
-from talaia.hub.anomaly.watched import Began, Watched
+from talaia.hub.anomaly.runner import Began, Watched
+from talaia.hub.anomaly.seasonal import Season
+from talaia.hub.anomaly.simple_rules import Limits, Missing, RateOfChange, Still
 from talaia.model.alarms.anomaly import Watch
 
 SECOND = 1_000_000

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from talaia.clock import HandClock
-from talaia.hub.store.learned import Learned
+from talaia.hub.store.sites.detector_state import Learned
 
 
 async def test_what_is_saved_last_comes_back_byte_by_byte(database) -> None:

@@ -7,7 +7,7 @@ import pytest
 from talaia.clock import SystemClock
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.store.reach import reach
+from talaia.hub.store.database_url import reach
 
 # So small that a few hundred samples go through all that a year of them goes through.
 SMALL = Limits(

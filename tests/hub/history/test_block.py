@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.hub.history.block import Samples, concatenate, cut, decode, encode, in_order
+from talaia.hub.history.blocks.block import Samples, concatenate, cut, decode, encode, in_order
+from talaia.hub.history.blocks.journal import part_of, read_row, write_row
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.journal import part_of, read_row, write_row
 from talaia.wire.columns import Columns
 
 pytestmark = pytest.mark.pure

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from talaia.hub.history.block import Samples
-from talaia.hub.history.cache import BlockCache
+from talaia.hub.history.blocks.block import Samples
+from talaia.hub.history.blocks.cache import BlockCache
 
 pytestmark = pytest.mark.pure
 

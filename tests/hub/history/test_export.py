@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from talaia.hub.history.errors import HistoryBusy
-from talaia.hub.history.forms import ExportColumn, FileForm
+from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
 from talaia.wire.columns import Columns
 
 from .conftest import SMALL, opened

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from talaia.hub.history.blocks.journal import read_row, write_row
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.journal import read_row, write_row
 from talaia.wire.columns import Columns
 
 from .samples import batch

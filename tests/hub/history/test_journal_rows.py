@@ -4,7 +4,7 @@ import tracemalloc
 
 from hypothesis import given, settings, strategies as st
 
-from talaia.hub.history.journal_rows import JournalRows
+from talaia.hub.history.blocks.journal_rows import JournalRows
 
 MANY = 100_000
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from sqlalchemy import delete, func, select
 
-from talaia.hub.history import outliers
-from talaia.hub.history.outliers import scattered
+from talaia.hub.history.queries import outliers
+from talaia.hub.history.queries.outliers import scattered
 from talaia.hub.store import history_tables as tables
 
 from .conftest import opened

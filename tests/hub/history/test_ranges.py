@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.hub.history.ranges import Ranges
+from talaia.hub.history.blocks.ranges import Ranges
 
 pytestmark = pytest.mark.pure
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
 
-from talaia.hub.history.ranks import Ranks
+from talaia.hub.history.queries.quantiles import Ranks
 
 PARTS = (0.25, 0.75)
 

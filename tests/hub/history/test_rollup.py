@@ -5,7 +5,7 @@ import math
 import numpy as np
 from hypothesis import given, settings, strategies as st
 
-from talaia.hub.history.rollup import (
+from talaia.hub.history.blocks.rollup import (
     WIDTHS,
     cover,
     finest_width,
@@ -14,7 +14,7 @@ from talaia.hub.history.rollup import (
     summarise,
     tier_for,
 )
-from talaia.hub.history.rows import SUMMARY, cells_to_rows, rows_to_cells
+from talaia.hub.history.blocks.rows import SUMMARY, cells_to_rows, rows_to_cells
 
 numbers = st.one_of(
     st.integers(-5, 5).map(float), st.sampled_from([math.nan, math.inf, -math.inf, -0.0, 1e300])

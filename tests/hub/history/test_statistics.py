@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from talaia.hub.history.series import HistoryGap
-from talaia.hub.history.statistics import Reading, covered_us
+from talaia.hub.history.queries.series import HistoryGap
+from talaia.hub.history.queries.statistics import Reading, covered_us
 from talaia.wire.columns import Columns
 
 from .conftest import SMALL, opened

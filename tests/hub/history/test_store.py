@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.limits import Limits
-from talaia.hub.history.series import HistoryGap
+from talaia.hub.history.queries.series import HistoryGap
 from talaia.wire.columns import Columns
 
 from .conftest import SMALL, opened

@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import given, strategies as st
 
-from talaia.hub.history.thin import edges_of, extremes, groups, pixel_width
+from talaia.hub.history.queries.downsample import edges_of, extremes, groups, pixel_width
 
 values = st.floats(width=64, allow_nan=True, allow_infinity=True)
 samples = st.lists(st.tuples(st.integers(-1000, 1000), values), min_size=1, max_size=80)

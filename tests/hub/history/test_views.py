@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
-from talaia.hub.history import sensors, store as store_module
-from talaia.hub.history.views import view_name
+from talaia.hub.history import store as store_module
+from talaia.hub.history.sensors import sensor_views
+from talaia.hub.history.sensors.view_sql import view_name
 from talaia.model.site import Device, PositionFrame, Signal, SignalType, Site, Source
 from talaia.wire.columns import Columns
 
@@ -75,7 +76,7 @@ async def test_a_new_sensor_has_its_view_at_once_and_its_values_as_they_come(url
 
 
 async def test_of_very_many_sensors_the_first_have_views(url, sql, monkeypatch, caplog) -> None:
-    monkeypatch.setattr(sensors, "MOST_VIEWS", 25)
+    monkeypatch.setattr(sensor_views, "MOST_VIEWS", 25)
     # A slow server's views are waited for.
     monkeypatch.setattr(store_module, "_VIEWS_S", 60.0)
     async with opened(url) as store:

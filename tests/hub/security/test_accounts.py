@@ -7,15 +7,15 @@ import pytest
 from sqlalchemy import select, text
 
 from talaia.clock import SECOND, HandClock, SystemClock
-from talaia.hub.auth.factor import new_recovery, otp_uri, qr_svg, step_of
 from talaia.hub.auth.passwords import check_password
-from talaia.hub.auth.seal import Seal, seal_of
+from talaia.hub.auth.secret_box import Seal, seal_of
 from talaia.hub.auth.throttle import Throttle
+from talaia.hub.auth.totp import new_recovery, otp_uri, qr_svg, step_of
 from talaia.hub.errors import CannotStart, WeakPassword
-from talaia.hub.store.factors import Factors, Verdict
-from talaia.hub.store.people import People
+from talaia.hub.store.accounts.failed_logins import Tries
+from talaia.hub.store.accounts.mfa import Factors, Verdict
+from talaia.hub.store.accounts.people import People
 from talaia.hub.store.tables import users
-from talaia.hub.store.tries import Tries
 from talaia.wire import browser as page_wire
 
 PASSWORD = "a password for tests"  # noqa: S105

@@ -24,7 +24,7 @@ from schemathesis.specs.openapi.checks import (
     status_code_conformance,
 )
 
-from talaia.hub.api import limits
+from talaia.hub.api import rate_limits
 from talaia.hub.api.openapi import describe_api, needs_in_words
 from talaia.hub.policy import ROUTES
 
@@ -133,8 +133,8 @@ async def fuzz(world, description: dict) -> Fuzz:
 @pytest.fixture
 def unhurried(monkeypatch) -> None:
     """Let a person ask as fast as they can."""
-    monkeypatch.setattr(limits, "RATES", {})
-    monkeypatch.setattr(limits, "ANY", limits.Rate(burst=10**6, per_s=10**6))
+    monkeypatch.setattr(rate_limits, "RATES", {})
+    monkeypatch.setattr(rate_limits, "ANY", rate_limits.Rate(burst=10**6, per_s=10**6))
 
 
 async def test_every_answer_is_declared_and_none_is_a_failure(unhurried, world) -> None:

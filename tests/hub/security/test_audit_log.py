@@ -12,7 +12,7 @@ from sqlalchemy import text
 from talaia.clock import SECOND, HandClock
 from talaia.hub.store.audit import Audit, Filter
 from talaia.hub.store.database import Database
-from talaia.hub.store.visible import safe_cell, visible
+from talaia.hub.store.safe_text import safe_cell, visible
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import (
     CommandAsk,

@@ -8,8 +8,8 @@ import pytest
 from sqlalchemy import text
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.store.enrolment import Enrolled, Enrolment, Refused
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.sites.enrolment import Enrolled, Enrolment, Refused
+from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.wire.enrolment import EnrolmentCode, pin_of, read_code, secret_of
 from talaia.wire.errors import CodeMistyped
 

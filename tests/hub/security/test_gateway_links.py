@@ -6,7 +6,7 @@ import pytest
 import websockets
 
 from talaia.clock import SystemClock
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import Bye, Event, Reconnect
 

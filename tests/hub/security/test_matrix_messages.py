@@ -87,7 +87,7 @@ async def test_message_does_for_everyone_what_its_line_says(shared_world, kind) 
 
 
 async def test_gate_that_stands_open_is_found(world, monkeypatch) -> None:
-    monkeypatch.setattr("talaia.hub.live.gate.allows", lambda *_about: True)
+    monkeypatch.setattr("talaia.hub.live.pages.message_authorizer.allows", lambda *_about: True)
     found = await differences(world, browser.Drive)
     assert any(each.startswith("guest agv/base: done instead of forbidden") for each in found)
     assert any(each.startswith("neighbour agv/base: ") for each in found)
@@ -96,7 +96,7 @@ async def test_gate_that_stands_open_is_found(world, monkeypatch) -> None:
 async def test_line_that_is_too_weak_is_found(world, monkeypatch) -> None:
     # The hub reads one table, the trial another: as if the line were changed by mistake.
     weak = {**FROM_BROWSER, browser.Command: Need.SEE}
-    monkeypatch.setattr("talaia.hub.live.gate.FROM_BROWSER", weak)
+    monkeypatch.setattr("talaia.hub.live.pages.message_authorizer.FROM_BROWSER", weak)
     found = await differences(world, browser.Command)
     assert {each.partition(":")[0] for each in found} == {
         "guest agv/base",

@@ -6,7 +6,7 @@ import pytest
 from fastapi import APIRouter
 from fastapi.routing import iter_route_contexts
 
-from talaia.hub.api.sites import SitePages
+from talaia.hub.api.sites.sites import SitePages
 from talaia.hub.policy import ROUTES, Need, need_of_route
 
 from .routes import RECIPES, meets

@@ -254,7 +254,9 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
 
 
 async def test_gate_that_stands_open_outbound_is_found(world, monkeypatch) -> None:
-    monkeypatch.setattr("talaia.hub.live.gate.Gate.may_get", lambda *_about: True)
+    monkeypatch.setattr(
+        "talaia.hub.live.pages.message_authorizer.Gate.may_get", lambda *_about: True
+    )
     listeners = [await listen(world, actor) for actor in LISTENERS]
     await settle(listeners)
     await everything(world, listeners)
@@ -266,7 +268,7 @@ async def test_gate_that_stands_open_outbound_is_found(world, monkeypatch) -> No
 
 
 async def test_subscription_that_is_not_cut_to_rights_is_found(world, monkeypatch) -> None:
-    monkeypatch.setattr("talaia.hub.live.subscriptions.sees_signal", lambda *_about: True)
+    monkeypatch.setattr("talaia.hub.live.pages.subscriptions.sees_signal", lambda *_about: True)
     guest = await listen(world, "guest")
     await settle([guest])
     await world.gateways["agv"].samples(("power/shut", NOW, number("agv/power", "shut")))

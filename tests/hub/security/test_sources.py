@@ -29,7 +29,7 @@ OUR_WORDS = {
     # Names of a file's own tables, quoted; the file is only looked at.
     "hub/store/quarantine.py",
     # Beside our names only numbers and bytes in hex; its `_literal` refuses anything else.
-    "hub/history/writes.py",
+    "hub/history/writing/bulk_writes.py",
 }
 # Take a text for SQL as it stands.
 SQL = {"text", "exec_driver_sql", "execute", "executemany", "executescript"}

@@ -10,8 +10,8 @@ import pytest
 import websockets
 
 from talaia.clock import MS, SECOND
-from talaia.hub.api.limits import HISTORY, MOST_SOCKETS
-from talaia.hub.auth.pace import Pace
+from talaia.hub.api.rate_limits import HISTORY, MOST_SOCKETS
+from talaia.hub.auth.rate_limiter import Pace
 
 
 def test_pace_allows_a_burst_and_then_so_many_a_second() -> None:

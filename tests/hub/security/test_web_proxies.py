@@ -8,7 +8,7 @@ from ipaddress import ip_network
 import httpx
 import pytest
 
-from talaia.hub.api.proxies import Proxies
+from talaia.hub.api.server.proxies import Proxies
 
 PASSWORD = "a password for tests"  # noqa: S105
 SPOOFED = {

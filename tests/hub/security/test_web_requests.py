@@ -8,8 +8,8 @@ import os
 import psutil
 import pytest
 
-from talaia.hub.api import listening
-from talaia.hub.api.listening import MAX_HEAD
+from talaia.hub.api.server import http_limits
+from talaia.hub.api.server.http_limits import MAX_HEAD
 
 from .wires import read, request, say
 
@@ -149,8 +149,8 @@ async def test_head_that_does_not_end_is_431_and_memory_stays_flat(hub, host) ->
 
 
 async def test_who_dawdles_over_a_request_is_sent_away(hub, host, monkeypatch) -> None:
-    monkeypatch.setattr(listening, "HEAD_S", 0.05)
-    monkeypatch.setattr(listening, "BODY_S", 0.05)
+    monkeypatch.setattr(http_limits, "HEAD_S", 0.05)
+    monkeypatch.setattr(http_limits, "BODY_S", 0.05)
     silent = await say(hub.port)
     half_a_head = await say(hub.port, b"GET / HTTP/1.1\r\n")
     half_a_body = await say(

@@ -15,7 +15,7 @@ import httpx
 from patience import PATIENCE_S
 from sqlalchemy import insert, select
 
-from talaia.hub.store.sightings import Sighted, SightingsAsked
+from talaia.hub.store.sites.sightings import Sighted, SightingsAsked
 from talaia.hub.store.tables import metadata, permissions, role_permissions, roles
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import ArchiveOffer

@@ -30,14 +30,14 @@ class Point(NamedTuple):
 
 
 POINTS = {
-    "hub-before-commit": Point("talaia.hub.history.ledger", "Ledger._write", call=10),
-    "hub-in-commit": Point("talaia.hub.history.ledger", "Ledger._write", after=True, call=10),
-    "hub-after-commit": Point("talaia.hub.history.ledger", "Ledger.store", after=True, call=10),
+    "hub-before-commit": Point("talaia.hub.history.writing.block_index", "Ledger._write", call=10),
+    "hub-in-commit": Point("talaia.hub.history.writing.block_index", "Ledger._write", after=True, call=10),
+    "hub-after-commit": Point("talaia.hub.history.writing.block_index", "Ledger.store", after=True, call=10),
     "hub-mid-migration": Point(
         "alembic.runtime.migration", "HeadMaintainer.update_to_step", call=2
     ),
-    "hub-before-description": Point("talaia.hub.store.sites", "SiteRegistry.said_hello"),
-    "hub-after-description": Point("talaia.hub.live.ingest", "Ingest.start"),
+    "hub-before-description": Point("talaia.hub.store.sites.site_registry", "SiteRegistry.said_hello"),
+    "hub-after-description": Point("talaia.hub.live.gateways.ingest", "Ingest.start"),
     "spool-before-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", call=2),
     "spool-mid-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", after=True, call=2),
     "spool-before-removal": Point("talaia.gateway.spool.journal", "Spool._remove"),

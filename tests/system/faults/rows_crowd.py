@@ -20,7 +20,7 @@ from talaia.hub import accounts
 from talaia.hub.errors import HubError
 from talaia.hub.settings import Settings
 from talaia.hub.store.database import Database
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.wire import browser, frames
 from talaia.wire.columns import Columns, pack, unpack
 

@@ -12,16 +12,16 @@ from talaia.hub.accounts import note
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.live.inbox import Inbox, Taken, answer_of
+from talaia.hub.live.files.import_inbox import Inbox, Taken, answer_of
 from talaia.hub.lock import HubRuns, hub_lock
 from talaia.hub.store.database import Database
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.store.sites.site_registry import SiteRegistry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from talaia.hub.history.parcel import Head
+    from talaia.hub.history.import_file import Head
     from talaia.hub.settings import Settings
 
 __all__ = ["deliver", "described"]

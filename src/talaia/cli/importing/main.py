@@ -18,7 +18,7 @@ from talaia.cli.importing.messages import Messages
 from talaia.cli.importing.staging import Staging
 from talaia.cli.importing.table import Table
 from talaia.cli.importing.times import TimeReader, TimeUnit
-from talaia.hub.history.parcel import FOLDER, Head, ParcelWriter, sweep
+from talaia.hub.history.import_file import FOLDER, Head, ParcelWriter, sweep
 from talaia.hub.settings import Settings
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from talaia.cli.importing.source import Findings, Source
     from talaia.cli.importing.staging import Tally
-    from talaia.hub.live.inbox import Taken
+    from talaia.hub.live.files.import_inbox import Taken
     from talaia.model.site import Site
 
 __all__ = ["main"]

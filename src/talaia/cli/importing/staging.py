@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from talaia.hub.history.parcel import Stretch
+from talaia.hub.history.import_file import Stretch
 from talaia.wire.columns import Columns, part
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.hub.history.parcel import ParcelWriter
+    from talaia.hub.history.import_file import ParcelWriter
 
 __all__ = ["Staging", "Tally"]
 

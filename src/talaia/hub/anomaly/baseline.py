@@ -9,7 +9,7 @@ from collections.abc import Sequence  # noqa: TC003 - msgspec reads the annotati
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.kept import Detector, Floats, number, span, tame
+from talaia.hub.anomaly.base import Detector, Floats, number, span, tame
 
 __all__ = ["Baseline", "Quartiles", "Sorted"]
 

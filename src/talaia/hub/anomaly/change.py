@@ -11,7 +11,7 @@ import math
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.kept import Detector, Floats, number, span, tame
+from talaia.hub.anomaly.base import Detector, Floats, number, span, tame
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Change"]

@@ -12,8 +12,8 @@ import math
 
 import msgspec
 
+from talaia.hub.anomaly.base import Detector, number, tame
 from talaia.hub.anomaly.baseline import Sorted
-from talaia.hub.anomaly.kept import Detector, number, tame
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Context"]

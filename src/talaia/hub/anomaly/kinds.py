@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.hub.anomaly.baseline import Baseline, Quartiles
 from talaia.hub.anomaly.change import Change
 from talaia.hub.anomaly.context import Context
-from talaia.hub.anomaly.nearest import Nearest
-from talaia.hub.anomaly.plain import Limits, Missing, RateOfChange, Still
-from talaia.hub.anomaly.season import Season
-from talaia.hub.anomaly.together import Together
+from talaia.hub.anomaly.ensemble import Together
+from talaia.hub.anomaly.knn_cad import Nearest
+from talaia.hub.anomaly.seasonal import Season
+from talaia.hub.anomaly.simple_rules import Limits, Missing, RateOfChange, Still
 
 if TYPE_CHECKING:
-    from talaia.hub.anomaly.kept import Detector
+    from talaia.hub.anomaly.base import Detector
 
 __all__ = ["KINDS", "Kind"]
 

@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 
 # msgspec reads it at run time.
-from talaia.hub.anomaly.kept import Floats  # noqa: TC001
+from talaia.hub.anomaly.base import Floats  # noqa: TC001
 
 __all__ = ["Rarity"]
 

@@ -9,8 +9,8 @@ from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem
 from talaia.hub.errors import HubBusy, StoreDown
 from talaia.hub.policy import BY_SCRIPT, SOCKETS, Need, allows, need_of_route
-from talaia.hub.store.browsers import KNOWN_S
-from talaia.hub.store.tokens import MARK
+from talaia.hub.store.accounts.known_browsers import KNOWN_S
+from talaia.hub.store.accounts.tokens import MARK
 
 if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.live.admission import Admission
+    from talaia.hub.live.gateways.join_queue import Admission
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.settings import Settings
-    from talaia.hub.store.sessions import Alive, Sessions
-    from talaia.hub.store.sites import GatewayKey, SiteRegistry
-    from talaia.hub.store.tokens import ApiTokens
+    from talaia.hub.store.accounts.sessions import Alive, Sessions
+    from talaia.hub.store.accounts.tokens import ApiTokens
+    from talaia.hub.store.sites.site_registry import GatewayKey, SiteRegistry
 
 __all__ = [
     "Access",

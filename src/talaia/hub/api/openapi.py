@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from fastapi import APIRouter, FastAPI, Request
 
 from talaia import __version__
-from talaia.hub.api.shapes import ProblemShape
+from talaia.hub.api.schemas.common import ProblemShape
 from talaia.hub.policy import BY_SCRIPT, Need, need_of_route
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import func, insert, select
 
-from talaia.hub.archive.looking import Facts, Looks, facts_of, looks_of, preview_of
+from talaia.hub.archive.fits_reader import Facts, Looks, facts_of, looks_of, preview_of
 from talaia.hub.archive.night import night_of
 from talaia.hub.store.tables import frames as table
 
@@ -32,7 +32,7 @@ _MOST_CACHED = 64
 
 
 class Frame(NamedTuple):
-    """One picture. Names are those of `looking.Facts`.
+    """One picture. Names are those of `fits_reader.Facts`.
 
     Attributes:
         night: local date at which its night began.

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.alarms import AlarmPages
+from talaia.hub.api.sites.alarms import AlarmPages
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.alarms import Alarms
-from talaia.hub.store.alarms import AlarmStore
-from talaia.hub.store.notices import Notices
+from talaia.hub.live.alarms.alarm_engine import Alarms
+from talaia.hub.store.alarms.alarm_states import AlarmStore
+from talaia.hub.store.alarms.notification_outbox import Notices
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
     from talaia.hub.ports import History
+    from talaia.hub.store.accounts.people import People
     from talaia.hub.store.audit import Audit
-    from talaia.hub.store.people import People
 
 __all__ = ["AlarmsFeature"]
 

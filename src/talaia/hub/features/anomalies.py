@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.anomalies import AnomalyPages
+from talaia.hub.api.sites.anomalies import AnomalyPages
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.watching import Watching
-from talaia.hub.store.learned import Learned
+from talaia.hub.live.detection.anomaly_service import Watching
+from talaia.hub.store.sites.detector_state import Learned
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms import Alarms
-    from talaia.hub.live.reporting import Reporting
+    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.live.gateways.robot_events import Reporting
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.archive import ArchivePages
-from talaia.hub.api.sky import SkyPages
+from talaia.hub.api.records.archive import ArchivePages
+from talaia.hub.api.sites.sky import SkyPages
 from talaia.hub.archive.store import Archive
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.pictures import PictureKeeper
-from talaia.hub.live.uploads import Uploads
+from talaia.hub.live.files.fits_archiver import PictureKeeper
+from talaia.hub.live.files.uploads import Uploads
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.audit import AuditPages
+from talaia.hub.api.records.audit import AuditPages
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.store.audit import Audit
 

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.descriptions import DescriptionPages
+from talaia.hub.api.sites.descriptions import DescriptionPages
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.changes import Changes
-from talaia.hub.live.describing import Describing
-from talaia.hub.store.descriptions import Descriptions
+from talaia.hub.live.gateways.change_requests import Changes
+from talaia.hub.live.gateways.description_intake import Describing
+from talaia.hub.store.sites.descriptions import Descriptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.describing import DescriptionFollower
-    from talaia.hub.live.media import Media
-    from talaia.hub.live.reporting import Reporting
+    from talaia.hub.live.gateways.description_intake import DescriptionFollower
+    from talaia.hub.live.gateways.robot_events import Reporting
+    from talaia.hub.live.pictures.picture_fanout import Media
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
-    from talaia.hub.store.sites import SiteRegistry
+    from talaia.hub.store.sites.site_registry import SiteRegistry
 
 __all__ = ["DescriptionsFeature"]
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.detecting import MODELS, Detecting
-from talaia.hub.live.live_samples import LiveSamples
+from talaia.hub.live.detection.detection_service import MODELS, Detecting
+from talaia.hub.live.gateways.live_samples import LiveSamples
 from talaia.objects.worker import Worker
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms import Alarms
-    from talaia.hub.live.media import Media
-    from talaia.hub.live.reporting import Reporting
-    from talaia.hub.live.sightings import Sightings
-    from talaia.hub.live.watching import Watching
+    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.live.detection.anomaly_service import Watching
+    from talaia.hub.live.detection.sightings import Sightings
+    from talaia.hub.live.gateways.robot_events import Reporting
+    from talaia.hub.live.pictures.picture_fanout import Media
     from talaia.hub.ports import History
 
 __all__ = ["DetectionFeature"]

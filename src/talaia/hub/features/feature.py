@@ -6,9 +6,9 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from talaia.hub.auth.seal import SEAL_FILE, seal_of
-from talaia.hub.live.browsers import Browsers
-from talaia.hub.live.fanout import Fanout
+from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
+from talaia.hub.live.pages.fanout import Fanout
+from talaia.hub.live.pages.page_connections import Browsers
 from talaia.hub.live.sites import Sites
 from talaia.hub.policy import ROUTES_OF
 from talaia.hub.store.database import Database
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fastapi import APIRouter
 
     from talaia.clock import Clock
-    from talaia.hub.auth.seal import Seal
+    from talaia.hub.auth.secret_box import Seal
     from talaia.hub.policy import Need
     from talaia.hub.settings import Settings
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.gateway_sockets import GatewaySocket
+from talaia.hub.api.sockets.gateway_sockets import GatewaySocket
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.admission import Admission
-from talaia.hub.live.gateways import Gateways
+from talaia.hub.live.gateways.join_queue import Admission
+from talaia.hub.live.gateways.link_service import Gateways
 
 if TYPE_CHECKING:
-    from talaia.hub.api.socket_admission import SocketAdmission
+    from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
     from talaia.hub.features.gateways import GatewaysFeature
-    from talaia.hub.live.describing import Describing
-    from talaia.hub.live.live_samples import LiveSamples
-    from talaia.hub.live.media import Media
-    from talaia.hub.live.reporting import Reporting
-    from talaia.hub.live.sightings import Sightings
+    from talaia.hub.live.detection.sightings import Sightings
+    from talaia.hub.live.gateways.description_intake import Describing
+    from talaia.hub.live.gateways.live_samples import LiveSamples
+    from talaia.hub.live.gateways.robot_events import Reporting
+    from talaia.hub.live.pictures.picture_fanout import Media
     from talaia.hub.ports import History
 
 __all__ = ["GatewayLinksFeature"]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.gateways import GatewayPages, Proof
+from talaia.hub.api.sites.gateways import GatewayPages, Proof
 from talaia.hub.certificate import certificate_of, fingerprint, key_hash
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.links import Links
-from talaia.hub.store.enrolment import Enrolment
-from talaia.hub.store.sites import SiteRegistry
+from talaia.hub.live.gateways.open_links import Links
+from talaia.hub.store.sites.enrolment import Enrolment
+from talaia.hub.store.sites.site_registry import SiteRegistry
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.history import HistoryPages
+from talaia.hub.api.records.history import HistoryPages
 from talaia.hub.features.feature import Feature
 from talaia.hub.history.limits import Limits
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.live.known import KnownSites
+from talaia.hub.live.offline_sites import KnownSites
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
     from talaia.hub.ports import History
-    from talaia.hub.store.sites import SiteRegistry
+    from talaia.hub.store.sites.site_registry import SiteRegistry
 
 __all__ = ["HistoryFeature"]
 

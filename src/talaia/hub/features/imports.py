@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.history.parcel import FOLDER
-from talaia.hub.live.inbox import Inbox
-from talaia.hub.live.known import ImportedSites
+from talaia.hub.history.import_file import FOLDER
+from talaia.hub.live.files.import_inbox import Inbox
+from talaia.hub.live.offline_sites import ImportedSites
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms import Alarms
+    from talaia.hub.live.alarms.alarm_engine import Alarms
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
-    from talaia.hub.store.sites import SiteRegistry
+    from talaia.hub.store.sites.site_registry import SiteRegistry
 
 __all__ = ["ImportsFeature"]
 

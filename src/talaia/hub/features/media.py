@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.gateway_sockets import GatewaySocket
-from talaia.hub.api.picture_sockets import PictureSockets
+from talaia.hub.api.sockets.gateway_sockets import GatewaySocket
+from talaia.hub.api.sockets.picture_sockets import PictureSockets
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.cameras import MediaLinks
-from talaia.hub.live.media import Media
+from talaia.hub.live.pictures.media_link import MediaLinks
+from talaia.hub.live.pictures.picture_fanout import Media
 
 if TYPE_CHECKING:
-    from talaia.hub.api.socket_admission import SocketAdmission
+    from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.links import Links
-    from talaia.hub.live.seats import Seats
+    from talaia.hub.live.gateways.open_links import Links
+    from talaia.hub.live.pages.session_registry import Seats
 
 __all__ = ["MediaFeature"]
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.notify import NotifyPages
+from talaia.hub.api.sites.notifications import NotifyPages
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.notify.delivering import Delivering
-from talaia.hub.notify.sending import Sender
-from talaia.hub.store.notify import NotifyStore
+from talaia.hub.notify.delivery_worker import Delivering
+from talaia.hub.notify.senders import Sender
+from talaia.hub.store.alarms.notification_channels import NotifyStore
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms import Alarms
+    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.store.alarms.notification_outbox import Notices
     from talaia.hub.store.audit import Audit
-    from talaia.hub.store.notices import Notices
 
 __all__ = ["NotificationsFeature"]
 

@@ -5,20 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.openapi import ApiDescription
-from talaia.hub.api.page_sockets import PageMessages, PageSockets
-from talaia.hub.api.pages import Pages
-from talaia.hub.api.sites import SitePages
+from talaia.hub.api.sites.sites import SitePages
+from talaia.hub.api.sockets.page_sockets import PageMessages, PageSockets
+from talaia.hub.api.static_pages import Pages
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.commanding import Commanding
-from talaia.hub.live.gate import Gate
+from talaia.hub.live.pages.message_authorizer import Gate
+from talaia.hub.live.pages.page_commands import Commanding
 from talaia.web import static_dir
 
 if TYPE_CHECKING:
-    from talaia.hub.api.socket_admission import SocketAdmission
+    from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
     from talaia.hub.features.sightings import SightingsFeature
-    from talaia.hub.live.reporting import Reporting
-    from talaia.hub.live.seats import Seats
+    from talaia.hub.live.gateways.robot_events import Reporting
+    from talaia.hub.live.pages.session_registry import Seats
     from talaia.hub.store.audit import Audit
 
 __all__ = ["PagesFeature"]

@@ -5,34 +5,34 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.access import Access
-from talaia.hub.api.accounts import Accounts
-from talaia.hub.api.browser_sessions import BrowserSessions
-from talaia.hub.api.limits import Limits
-from talaia.hub.api.own import OwnPages
-from talaia.hub.api.people import PeoplePages
-from talaia.hub.api.proving import Proving
-from talaia.hub.api.roles import RolePages
-from talaia.hub.api.socket_admission import SocketAdmission
-from talaia.hub.api.tokens import TokenPages
+from talaia.hub.api.accounts.authentication import Proving
+from talaia.hub.api.accounts.browser_sessions import BrowserSessions
+from talaia.hub.api.accounts.own_account import OwnPages
+from talaia.hub.api.accounts.people import PeoplePages
+from talaia.hub.api.accounts.roles import RolePages
+from talaia.hub.api.accounts.sign_in import Accounts
+from talaia.hub.api.accounts.tokens import TokenPages
+from talaia.hub.api.rate_limits import Limits
+from talaia.hub.api.sockets.socket_admission import SocketAdmission
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.admission import Admission
-from talaia.hub.live.seats import Seats
-from talaia.hub.store.browsers import KnownBrowsers
-from talaia.hub.store.factors import Factors
-from talaia.hub.store.people import People
-from talaia.hub.store.register import Register
-from talaia.hub.store.roles import Roles
-from talaia.hub.store.roster import Roster
-from talaia.hub.store.sessions import Sessions
-from talaia.hub.store.tokens import ApiTokens
-from talaia.hub.store.tries import Tries
+from talaia.hub.live.gateways.join_queue import Admission
+from talaia.hub.live.pages.session_registry import Seats
+from talaia.hub.store.accounts.account_list import Roster
+from talaia.hub.store.accounts.credentials import Register
+from talaia.hub.store.accounts.failed_logins import Tries
+from talaia.hub.store.accounts.known_browsers import KnownBrowsers
+from talaia.hub.store.accounts.mfa import Factors
+from talaia.hub.store.accounts.people import People
+from talaia.hub.store.accounts.roles import Roles
+from talaia.hub.store.accounts.sessions import Sessions
+from talaia.hub.store.accounts.tokens import ApiTokens
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
     from talaia.hub.store.audit import Audit
-    from talaia.hub.store.sites import SiteRegistry
+    from talaia.hub.store.sites.site_registry import SiteRegistry
 
 __all__ = ["PeopleFeature"]
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.gateway_sockets import GatewaySocket
-from talaia.hub.api.recordings import RecordingPages
+from talaia.hub.api.records.recordings import RecordingPages
+from talaia.hub.api.sockets.gateway_sockets import GatewaySocket
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.recordings import FileLinks, Recordings
-from talaia.hub.store.recordings import RecordingList
+from talaia.hub.live.files.recordings import FileLinks, Recordings
+from talaia.hub.store.sites.recordings import RecordingList
 
 if TYPE_CHECKING:
-    from talaia.hub.api.socket_admission import SocketAdmission
+    from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.links import Links
-    from talaia.hub.live.uploads import Uploads
+    from talaia.hub.live.files.uploads import Uploads
+    from talaia.hub.live.gateways.open_links import Links
     from talaia.hub.store.audit import Audit
 
 __all__ = ["RecordingsFeature"]

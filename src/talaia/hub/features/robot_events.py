@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.reporting import Reporting
+from talaia.hub.live.gateways.robot_events import Reporting
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms import Alarms
+    from talaia.hub.live.alarms.alarm_engine import Alarms
     from talaia.hub.store.audit import Audit
 
 __all__ = ["RobotEventsFeature"]

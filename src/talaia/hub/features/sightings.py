@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.sightings import SightingPages
+from talaia.hub.api.records.sightings import SightingPages
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.sightings import Sightings
-from talaia.hub.store.sightings import SightingStore
+from talaia.hub.live.detection.sightings import Sightings
+from talaia.hub.store.sites.sightings import SightingStore
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms import Alarms
+    from talaia.hub.live.alarms.alarm_engine import Alarms
 
 __all__ = ["SightingsFeature"]
 

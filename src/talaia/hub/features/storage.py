@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.storage import StoragePages
+from talaia.hub.api.records.storage import StoragePages
 from talaia.hub.features.feature import Feature
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
 from talaia.hub.errors import StoreError
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.store.reach import reach
+from talaia.hub.store.database_url import reach
 from talaia.hub.store.sqlite import open_sqlite
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sqlalchemy.engine.interfaces import DBAPIConnection, DBAPICursor, ExecutionContext
     from sqlalchemy.pool import ConnectionPoolEntry
 
-    from talaia.hub.store.reach import Reach
+    from talaia.hub.store.database_url import Reach
 
 __all__ = ["READERS", "Checkpoints", "address_of", "open_engine"]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from sqlalchemy import case, func, select
 
 from talaia.hub.history.forecast import WEEK_US
-from talaia.hub.history.retention import BLOCK_BYTES
+from talaia.hub.history.writing.retention import BLOCK_BYTES
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:

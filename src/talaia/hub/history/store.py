@@ -14,31 +14,31 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from talaia.hub.anomaly.watched import signal_of
-from talaia.hub.history.channels import stored_channels
+from talaia.hub.anomaly.runner import signal_of
 from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_engine
 from talaia.hub.history.errors import HistoryBusy, HistoryError
-from talaia.hub.history.flow import Stretch, flow
 from talaia.hub.history.forecast import DAY_US
-from talaia.hub.history.jobs import Append, Below, Describe, Drop, Gap, Rename, Show
-from talaia.hub.history.joined import joined
-from talaia.hub.history.ledger import Ledger
 from talaia.hub.history.limits import Limits
-from talaia.hub.history.outliers import find_outliers
-from talaia.hub.history.reader import Reader
-from talaia.hub.history.retention import too_much, too_old
-from talaia.hub.history.sensors import (
+from talaia.hub.history.queries.channels import stored_channels
+from talaia.hub.history.queries.outliers import find_outliers
+from talaia.hub.history.queries.reader import Reader
+from talaia.hub.history.queries.sample_stream import Stretch, flow
+from talaia.hub.history.queries.statistics import read_statistics
+from talaia.hub.history.queries.wide_table import joined
+from talaia.hub.history.queries.window import FARTHEST_US
+from talaia.hub.history.sensors.sensor_views import (
     kinds_of,
     read_kinds,
     remember_sensors,
     rename_sensors,
     show_sensors,
 )
-from talaia.hub.history.statistics import read_statistics
+from talaia.hub.history.sensors.view_sql import Sensor, sensors_of
 from talaia.hub.history.storage import read_storage
-from talaia.hub.history.views import Sensor, sensors_of
-from talaia.hub.history.window import FARTHEST_US
-from talaia.hub.history.writer import Writer
+from talaia.hub.history.writing.block_index import Ledger
+from talaia.hub.history.writing.retention import too_much, too_old
+from talaia.hub.history.writing.writer import Writer
+from talaia.hub.history.writing.writer_jobs import Append, Below, Describe, Drop, Gap, Rename, Show
 from talaia.hub.store.history_tables import HISTORY_TABLES
 from talaia.hub.store.tables import metadata
 
@@ -56,12 +56,12 @@ if TYPE_CHECKING:
     from typing import ParamSpec, TypeVar
 
     from talaia.clock import Clock
-    from talaia.hub.history.channels import StoredChannel
-    from talaia.hub.history.forms import ExportColumn, FileForm
-    from talaia.hub.history.outliers import Outliers
-    from talaia.hub.history.sensors import SensorKind
-    from talaia.hub.history.series import Series
-    from talaia.hub.history.statistics import Statistics
+    from talaia.hub.history.queries.channels import StoredChannel
+    from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
+    from talaia.hub.history.queries.outliers import Outliers
+    from talaia.hub.history.queries.series import Series
+    from talaia.hub.history.queries.statistics import Statistics
+    from talaia.hub.history.sensors.sensor_views import SensorKind
     from talaia.hub.history.storage import Storage
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
@@ -442,7 +442,7 @@ class HistoryStore:
         width: int,
     ) -> Iterator[bytes]:
         # Arrow takes 40 MB of memory, which a hub that exports nothing need not carry.
-        from talaia.hub.history.files import written
+        from talaia.hub.history.queries.files import written
 
         addresses = [column.address for column in columns]
         if width:

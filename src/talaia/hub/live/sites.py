@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
-from talaia.hub.anomaly.wanted import score_channels
-from talaia.hub.live.latest import Latest
+from talaia.hub.anomaly.selection import score_channels
+from talaia.hub.live.last_values import Latest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

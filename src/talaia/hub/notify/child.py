@@ -24,7 +24,7 @@ from email.utils import formatdate
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
-from talaia.hub.notify.addresses import AddressRefused, may_reach
+from talaia.hub.notify.address_policy import AddressRefused, may_reach
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -11,7 +11,7 @@ from talaia.hub.alarms.machine import What
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.hub.store.notices import Notice
+    from talaia.hub.store.alarms.notification_outbox import Notice
 
 __all__ = ["Message", "compose", "trial"]
 

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from sqlalchemy import func, insert, or_, select, update
 
 from talaia.hub.errors import StoreDown
+from talaia.hub.store.safe_text import visible
 from talaia.hub.store.tables import audit, audit_head
-from talaia.hub.store.visible import visible
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Collection, Sequence

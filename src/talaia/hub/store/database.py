@@ -13,7 +13,7 @@ from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyErro
 from sqlalchemy.ext.asyncio import create_async_engine
 
 from talaia.hub.errors import StoreDown, StoreError
-from talaia.hub.store.reach import reach
+from talaia.hub.store.database_url import reach
 from talaia.hub.store.sqlite import SqliteConnection, open_sqlite
 from talaia.hub.store.tables import write_turn
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
-    from talaia.hub.store.reach import Reach
+    from talaia.hub.store.database_url import Reach
 
 __all__ = ["Database"]
 

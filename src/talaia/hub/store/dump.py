@@ -8,7 +8,7 @@ from sqlalchemy import Column, MetaData, String, Table, create_engine, func, ins
 
 # Every table of ours must be known before `metadata` is gone through.
 from talaia.hub.store import alarm_tables as _alarm_tables, history_tables as _history_tables
-from talaia.hub.store.reach import reach
+from talaia.hub.store.database_url import reach
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:

@@ -1,0 +1,55 @@
+"""The detector we recommend: change, nearest stretches and time of day, judged together."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+
+from talaia.hub.anomaly.base import Detector
+from talaia.hub.anomaly.change import Change
+from talaia.hub.anomaly.knn_cad import Nearest
+from talaia.hub.anomaly.seasonal import Season
+
+__all__ = ["Together"]
+
+# Share of the stretches against one of the changes.
+_SHARE = 0.5
+# A departure from the rhythm of the day counts only if it is (nearly) the greatest there was.
+_SEASON_LESS = 0.30
+
+
+class Together(Detector, kw_only=True):
+    """Scores by three detectors: the first two in the mean, the third where it is sure."""
+
+    change: Change = msgspec.field(default_factory=Change)
+    nearest: Nearest = msgspec.field(default_factory=Nearest)
+    season: Season = msgspec.field(default_factory=Season)
+    scores: list[float] = msgspec.field(default_factory=lambda: [0.0, 0.0, 0.0])
+
+    def __post_init__(self) -> None:
+        """Pass the unit on."""
+        for each in (self.change, self.nearest, self.season):
+            each.unit = self.unit
+
+    def see(self, time_us: int, value: float) -> float:
+        """Score the newest sample."""
+        change = self.change.see(time_us, value)
+        nearest = self.nearest.see(time_us, value)
+        season = max(0.0, self.season.see(time_us, value) - _SEASON_LESS)
+        self.scores = [change, nearest, season]
+        both = math.sqrt((change * change + _SHARE * nearest * nearest) / (1.0 + _SHARE))
+        return max(both, season)
+
+    def why(self) -> str:
+        """Give the words of the one that speaks loudest."""
+        change, nearest, season = self.scores
+        both = math.sqrt((change * change + _SHARE * nearest * nearest) / (1.0 + _SHARE))
+        if season > both:
+            return self.season.why()
+        return self.change.why() if change >= nearest else self.nearest.why()
+
+    def forgive(self) -> bool:
+        """Let all three learn."""
+        learned = [each.forgive() for each in (self.change, self.nearest, self.season)]
+        return all(learned)

@@ -1,0 +1,97 @@
+"""KNN-CAD: conformal anomaly detection by nearest neighbours, for one signal.
+
+Written from the published description (Burnaev & Ishimtsev 2016, "Conformalized density- and
+distance-based anomaly detection in time-series data"; Ishimtsev and others 2017, "Conformal k-NN
+anomaly detector for univariate data streams"). The newest samples are a point; its strangeness is
+the mean distance to its nearest neighbours among the earlier stretches; the score is the
+conformal p-value of that strangeness among the earlier ones, on a logarithmic scale. Distances
+are Euclidean, not Mahalanobis: the decision page says what both measure.
+"""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+import numpy as np
+
+from talaia.hub.anomaly.base import Detector, Floats, number, tame
+from talaia.hub.anomaly.rarity import Rarity
+
+__all__ = ["Nearest"]
+
+# Samples in a stretch, neighbours, stretches compared with, stretches before it has an opinion.
+_LENGTH, _NEIGHBOURS, _STRETCHES, _LEAST = 19, 3, 1000, 40
+_KEPT = _STRETCHES + 2 * _LENGTH
+_MOST_FORGIVEN = 50
+
+
+class Nearest(Detector, kw_only=True):
+    """Scores how unlike any stretch of before the newest stretch is."""
+
+    rarity: Rarity = msgspec.field(default_factory=Rarity)
+    values: Floats = msgspec.field(default_factory=lambda: np.zeros(2 * _KEPT))
+    end: int = 0
+    score: float = 0.0
+    distance: float = 0.0
+    strangest: float = 0.0
+    strange: Floats = msgspec.field(default_factory=lambda: np.zeros(_LENGTH))
+    # Stretches that a person called usual, one behind the other.
+    forgiven: Floats = msgspec.field(default_factory=lambda: np.zeros(0))
+
+    def see(self, time_us: int, value: float) -> float:
+        """Score the stretch that ends with this sample."""
+        if self.end == len(self.values):
+            self.values[:_KEPT] = self.values[_KEPT:]
+            self.end = _KEPT
+        self.values[self.end] = tame(value)
+        self.end += 1
+        self.score = 0.0
+        # Neighbours do not overlap the stretch itself.
+        have = min(self.end - 2 * _LENGTH + 1, _STRETCHES)
+        if have < _LEAST - _LENGTH:
+            return 0.0
+        self.distance = self._strangeness(have)
+        self.score = self.rarity.see(self.distance)
+        self.strangest *= 0.98
+        if self.distance >= self.strangest:
+            self.strangest = self.distance
+            self.strange = self.values[self.end - _LENGTH : self.end].copy()
+        return self.score
+
+    def _strangeness(self, have: int) -> float:
+        newest = self.values[self.end - _LENGTH : self.end]
+        last = self.end - _LENGTH
+        before = self.values[last - have - _LENGTH + 1 : last]
+        stretches = np.lib.stride_tricks.sliding_window_view(before, _LENGTH)
+        apart = _squares(stretches, newest)
+        if len(self.forgiven):
+            apart = np.append(apart, _squares(self.forgiven.reshape(-1, _LENGTH), newest))
+        near = min(_NEIGHBOURS, len(apart))
+        nearest = np.sqrt(np.partition(apart, near - 1)[:near])
+        # A stretch that was called usual is usual by itself, without two others like it.
+        if len(self.forgiven) and float(apart[have:].min()) < float(np.square(nearest.mean())):
+            return math.sqrt(float(apart[have:].min()))
+        return float(nearest.mean())
+
+    def why(self) -> str:
+        """Tell how far off the nearest stretches are."""
+        off = self.distance / math.sqrt(_LENGTH)
+        return (
+            f"the newest {_LENGTH} samples look like none of before: even the nearest "
+            f"{_NEIGHBOURS} stretches are {number(off)} {self.unit}".rstrip()
+            + " off in the mean, rarely so far"
+        )
+
+    def forgive(self) -> bool:
+        """Take the strangest stretch of late among the usual ones."""
+        kept = self.forgiven[-_LENGTH * (_MOST_FORGIVEN - 1) :]
+        self.forgiven = np.concatenate([kept, self.strange])
+        self.rarity.learn(self.strangest)
+        return True
+
+
+def _squares(stretches: Floats, newest: Floats) -> Floats:
+    off = stretches - newest
+    squares: Floats = np.einsum("ij,ij->i", off, off)
+    return squares

@@ -1,0 +1,190 @@
+"""One signal with one detector as the hub runs them: scores in, anomalies and their reasons out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.hub.anomaly.base import keep, wake
+from talaia.hub.anomaly.baseline import Quartiles
+from talaia.hub.anomaly.episodes import Episodes, Turn
+from talaia.hub.anomaly.kinds import KINDS
+from talaia.hub.anomaly.simple_rules import Limits, Missing, RateOfChange, Still
+
+if TYPE_CHECKING:
+    from talaia.hub.anomaly.base import Detector
+    from talaia.model.alarms.anomaly import Watch
+
+__all__ = ["SCORES", "Began", "Ended", "Watched", "detector_of", "score_address", "signal_of"]
+
+# Between a signal's address and the detector; no other address holds it.
+SCORES = "~"
+# A score is written down when it has moved so far, and at least this often (µs).
+_MOVED = 0.05
+_EVERY_US = 60_000_000
+# What is kept: the watch, the detector, and the counts of its episodes: since, quiet, learning.
+_KEPT = tuple[bytes, bytes, tuple[int, int, int]]
+
+
+def score_address(address: str, detector: str) -> str:
+    """Name the channel on which a detector's scores are kept, beside the signal's own."""
+    return f"{address}{SCORES}{detector}"
+
+
+def signal_of(address: str) -> str:
+    """Give the signal's address for a channel of scores; every other address as it is."""
+    return address.partition(SCORES)[0]
+
+
+def detector_of(watch: Watch, unit: str) -> Detector:
+    """Make a new detector as a description asks for it."""
+    match watch.detector:
+        case "iqr":
+            return Quartiles(unit=unit, k=watch.k)
+        case "still":
+            return Still(unit=unit, within=watch.within, after_s=watch.after)
+        case "missing":
+            return Missing(unit=unit, after_s=watch.after)
+        case "rate":
+            return RateOfChange(unit=unit, most=watch.most)
+        case "limits":
+            return Limits(unit=unit, minimum=watch.minimum, maximum=watch.maximum)
+        case _:
+            return KINDS[watch.detector].make(unit=unit)
+
+
+@dataclass(frozen=True, slots=True)
+class Began:
+    """An anomaly begins: when (µs), its score and why."""
+
+    time_us: int
+    score: float
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """An anomaly is over: from its first to its last high sample (µs), its greatest score, why."""
+
+    began_us: int
+    ended_us: int
+    score: float
+    why: str
+
+
+class Watched:
+    """A detector at work.
+
+    Attributes:
+        address: of the signal.
+        watch: as the description has it.
+        score: the newest.
+        why: of the anomaly that is on, or of the last one.
+        from_us: when the newest anomaly began (µs); 0 before the first.
+        to_us: its last high sample (µs); 0 while it is on.
+        forgiven: whether a person said that the newest anomaly was none.
+        changed: whether it has learned since it was kept last.
+        late: samples that were older than the newest, and not looked at.
+
+    """
+
+    def __init__(self, address: str, unit: str, watch: Watch, kept: bytes | None = None) -> None:
+        """Go on with what was ``kept``; begin anew where there is nothing, or it does not fit."""
+        self.address, self.unit, self.watch = address, unit, watch
+        self.detector = detector_of(watch, unit)
+        kind = KINDS[watch.detector]
+        self.episodes = Episodes(
+            bar=watch.bar or kind.bar,
+            rest=watch.rest,
+            quiet=kind.quiet,
+            learning=kind.learning,
+        )
+        self.score, self.why, self.changed, self.late = 0.0, "", False, 0
+        self.from_us, self.to_us, self.forgiven = 0, 0, False
+        self._learned = False
+        self._newest_us = self._written_us = -1
+        self._written = -1.0
+        if kept is not None:
+            self._wake(kept)
+
+    def _wake(self, kept: bytes) -> None:
+        try:
+            asked, state, counts = msgspec.msgpack.decode(kept, type=_KEPT)
+            if asked == msgspec.msgpack.encode(self.watch):
+                self.detector = wake(type(self.detector), state)
+                episodes = self.episodes
+                episodes.since, episodes.quiet, episodes.learning = counts
+        except (msgspec.MsgspecError, ValueError):
+            # Of another version: it learns anew.
+            return
+
+    def keep(self) -> bytes:
+        """Give what is to be kept over a restart."""
+        self.changed = False
+        asked = msgspec.msgpack.encode(self.watch)
+        counts = (self.episodes.since, self.episodes.quiet, self.episodes.learning)
+        return msgspec.msgpack.encode((asked, keep(self.detector), counts))
+
+    @property
+    def learning(self) -> int:
+        """So many samples until it has learned; before, it tells of what is clear at the most."""
+        return self.episodes.learning
+
+    def see(self, time_us: int, value: float) -> Began | Ended | None:
+        """Look at one sample; those that are not numbers or not newer are passed over."""
+        if time_us <= self._newest_us:
+            self.late += 1
+            return None
+        if not -float("inf") < value < float("inf"):
+            return None
+        self._newest_us = time_us
+        self.changed = True
+        return self._take(time_us, self.detector.see(time_us, value))
+
+    def idle(self, time_us: int) -> Began | Ended | None:
+        """Look at the clock: some detectors are about what does not come."""
+        score = self.detector.idle(time_us)
+        if score < self.episodes.bar or time_us <= self._newest_us:
+            return None
+        return self._take(time_us, score)
+
+    def forgive(self) -> bool:
+        """Learn that the newest peak was no anomaly; false where nothing can be learned."""
+        self.changed = True
+        self.forgiven = self.detector.forgive()
+        return self.forgiven
+
+    def take_learned(self) -> bool:
+        """Tell once that it has seen enough to tell of anomalies."""
+        learned, self._learned = self._learned, False
+        return learned
+
+    def _take(self, time_us: int, score: float) -> Began | Ended | None:
+        self.score = score
+        learning = self.episodes.learning
+        turn = self.episodes.take(time_us, score)
+        self._learned = self._learned or (learning > 0 and not self.episodes.learning)
+        if turn is Turn.BEGAN:
+            self.why = self.detector.why()
+            self.from_us, self.to_us, self.forgiven = time_us, 0, False
+            return Began(time_us, score, self.why)
+        return self._close() if turn is Turn.ENDED else None
+
+    def end(self) -> Ended | None:
+        """End an anomaly that is on, because its signal is no longer watched."""
+        return None if self.episodes.began_us < 0 else self._close()
+
+    def _close(self) -> Ended:
+        ended = Ended(*self.episodes.close(), self.why)
+        self.to_us = ended.ended_us
+        return ended
+
+    def worth_writing(self, time_us: int) -> bool:
+        """Tell whether the newest score is news against the one written last, and take it so."""
+        moved = abs(self.score - self._written) >= _MOVED
+        if not moved and time_us - self._written_us < _EVERY_US:
+            return False
+        self._written, self._written_us = self.score, time_us
+        return True

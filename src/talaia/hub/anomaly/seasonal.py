@@ -1,0 +1,95 @@
+"""The time of day: the newest hours against the same hours of the days before.
+
+The day is cut into slots of five minutes, each with the mean of its samples; so the memory is
+bounded whatever the rate. A signal with a daily rhythm that leaves it, if only by staying still
+when it should move, differs from every one of the days before.
+"""
+
+from __future__ import annotations
+
+import msgspec
+import numpy as np
+
+from talaia.hub.anomaly.base import Detector, Floats, number, tame
+from talaia.hub.anomaly.rarity import Rarity
+
+__all__ = ["Season"]
+
+_SLOT_US = 300_000_000
+_DAY = 288
+_DAYS = 3
+_HOURS = 4
+_WINDOW = _HOURS * 12
+_KEPT = (_DAYS + 1) * _DAY
+# With fewer slots in common two stretches are not compared.
+_LEAST = 2
+
+
+def _nothing() -> Floats:
+    return np.full(_KEPT, np.nan)
+
+
+class Season(Detector, kw_only=True):
+    """Scores how far the newest hours are from the same hours of each of the days before."""
+
+    rarity: Rarity = msgspec.field(default_factory=Rarity)
+    means: Floats = msgspec.field(default_factory=_nothing)
+    counts: Floats = msgspec.field(default_factory=lambda: np.zeros(_KEPT))
+    slot: int = -1
+    now: float = 0.0
+    then: float = 0.0
+    off: float = -1.0
+    peak: float = 0.0
+
+    def see(self, time_us: int, value: float) -> float:
+        """Score the newest hours with this sample in them."""
+        value = tame(value)
+        slot = time_us // _SLOT_US
+        self._move(slot)
+        at = self.slot % _KEPT
+        self.counts[at] += 1.0
+        mean = self.means[at]
+        self.means[at] = value if np.isnan(mean) else mean + (value - mean) / self.counts[at]
+        self._compare()
+        if self.off < 0.0:
+            return 0.0
+        self.peak = max(self.off, self.peak * 0.98)
+        return self.rarity.see(self.off)
+
+    def _move(self, slot: int) -> None:
+        """Go on to a slot; those in between had no samples. Times that go back stay where it is."""
+        if self.slot < 0:
+            self.slot = slot
+        for each in range(max(self.slot + 1, slot - _KEPT + 1), slot + 1):
+            self.means[each % _KEPT], self.counts[each % _KEPT] = np.nan, 0.0
+        self.slot = max(self.slot, slot)
+
+    def _compare(self) -> None:
+        slots = np.arange(self.slot - _WINDOW + 1, self.slot + 1)
+        now = self.means[slots % _KEPT]
+        self.off = -1.0
+        for day in range(1, _DAYS + 1):
+            then = self.means[(slots - day * _DAY) % _KEPT]
+            both = ~np.isnan(now) & ~np.isnan(then)
+            if int(both.sum()) < _LEAST:
+                continue
+            mean_now, mean_then = float(now[both].mean()), float(then[both].mean())
+            if self.off < 0.0 or abs(mean_now - mean_then) < self.off:
+                self.now, self.then, self.off = mean_now, mean_then, abs(mean_now - mean_then)
+
+    def why(self) -> str:
+        """Compare with the day that comes nearest."""
+        if self.off < 0.0:
+            return "no earlier day to compare with yet"
+        return (
+            f"the mean of the last {_HOURS} h, {number(self.now)} {self.unit}".rstrip()
+            + f", is {number(self.off)} {self.unit}".rstrip()
+            + f" away from the same hours of the nearest of the last {_DAYS} days"
+            + f" ({number(self.then)} {self.unit}".rstrip()
+            + ")"
+        )
+
+    def forgive(self) -> bool:
+        """Count such a distance as usual."""
+        self.rarity.learn(self.peak)
+        return True

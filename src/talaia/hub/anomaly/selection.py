@@ -1,0 +1,69 @@
+"""Which detectors a site's description asks for, and the channels that their scores are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.hub.anomaly.runner import score_address
+from talaia.model.alarms.anomaly import DetectorKind, Watch
+from talaia.model.site import Channel, SignalType
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.model.site import Site
+
+__all__ = ["MOST_BY_DEFAULT", "Wish", "score_channels", "wanted"]
+
+# What `services.anomaly_detection` of a site sets to work, on how many of its signals at the most:
+# each takes 96 kB, and up to a hundred microseconds a second.
+_BY_DEFAULT = (Watch(detector=DetectorKind.TOGETHER),)
+MOST_BY_DEFAULT = 1_000
+# Samples name their channel by a number of two bytes.
+_MOST_CHANNELS = 65_536
+
+
+class Wish(NamedTuple):
+    """What watches a signal; ``thin`` where only a sample a second is looked at."""
+
+    address: str
+    unit: str
+    watches: Sequence[Watch]
+    thin: bool
+
+
+def wanted(site: Site) -> tuple[list[Wish], int]:
+    """List what is described at signals, and what `services.anomaly_detection` adds to it.
+
+    Returns:
+        The wishes, and how many signals the service leaves out since there are too many.
+
+    """
+    own, more = [], []
+    for device_id, device in site.devices.items():
+        for signal_id, signal in device.signals.items():
+            address = f"{device_id}/{signal_id}"
+            if signal.anomalies:
+                own.append(Wish(address, signal.unit, signal.anomalies, thin=False))
+            elif signal.primary and signal.type is SignalType.NUMBER:
+                more.append(Wish(address, signal.unit, _BY_DEFAULT, thin=True))
+    if site.services is None or not site.services.anomaly_detection:
+        return own, 0
+    return own + more[:MOST_BY_DEFAULT], max(0, len(more) - MOST_BY_DEFAULT)
+
+
+def score_channels(site: Site, beside: int) -> tuple[Channel, ...]:
+    """List the channels of a site's scores, as many as there are numbers for.
+
+    Args:
+        site: its description.
+        beside: how many channels it has of its own; these come first.
+
+    """
+    found = []
+    for wish in wanted(site)[0]:
+        device, _, signal = wish.address.partition("/")
+        for each in wish.watches:
+            address = score_address(wish.address, each.detector)
+            found.append(Channel(address, device, signal, "", text=False))
+    return tuple(found[: max(0, _MOST_CHANNELS - beside)])

@@ -1,0 +1,204 @@
+"""Detectors whose rule is read at a glance: still, silent, too fast, out of limits."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+
+from talaia.hub.anomaly.base import Detector, number, span, tame
+from talaia.hub.anomaly.baseline import Sorted
+
+__all__ = ["Limits", "Missing", "RateOfChange", "Still"]
+
+_LEAST = 30
+# So many times the longest usual pause, or the fastest usual change, score one half.
+_TIMES = 3.0
+
+
+class Still(Detector, kw_only=True):
+    """A flat line: the value has not moved for far longer than it ever does.
+
+    Attributes:
+        within: a change up to this is none, in the unit of the values.
+        after_s: with a number above 0, so long a standstill scores one half (s); otherwise
+            three times the longest of before does.
+
+    """
+
+    within: float = 0.0
+    after_s: float = 0.0
+    held: float = math.nan
+    since_us: int = 0
+    now_us: int = 0
+    longest_s: float = 0.0
+    changes: int = 0
+    score: float = 0.0
+
+    def see(self, time_us: int, value: float) -> float:
+        """Score how long the value has stood still."""
+        if not abs(value - self.held) <= self.within:
+            if not math.isnan(self.held):
+                self.changes += 1
+                self.longest_s = max(self.longest_s * 0.999, (time_us - self.since_us) / 1e6)
+            self.held, self.since_us = value, time_us
+        self.now_us = time_us
+        return self._score()
+
+    def _score(self) -> float:
+        still = (self.now_us - self.since_us) / 1e6
+        usual = self.after_s or (_TIMES * self.longest_s if self.changes >= _LEAST else 0.0)
+        return still / (still + usual) if usual > 0.0 and still > 0.0 else 0.0
+
+    def why(self) -> str:
+        """Say for how long."""
+        still = (self.now_us - self.since_us) / 1e6
+        usual = (
+            f"{span(self.after_s)} are allowed"
+            if self.after_s
+            else f"the longest usual standstill is {span(self.longest_s)}"
+        )
+        return f"{number(self.held)} {self.unit}".rstrip() + f" for {span(still)}; {usual}"
+
+    def forgive(self) -> bool:
+        """Take such a standstill as usual."""
+        still = (self.now_us - self.since_us) / 1e6
+        if self.after_s:
+            self.after_s = max(self.after_s, 1.1 * still)
+        self.longest_s = max(self.longest_s, still)
+        return True
+
+
+class Missing(Detector, kw_only=True):
+    """Data that do not come: a pause far longer than the usual interval.
+
+    Attributes:
+        after_s: with a number above 0, so long a pause scores one half (s); otherwise three
+            times the longest usual one does.
+
+    """
+
+    after_s: float = 0.0
+    last_us: int = -1
+    pauses: Sorted = msgspec.field(default_factory=lambda: Sorted(most=200))
+    pause_s: float = 0.0
+
+    def see(self, time_us: int, value: float) -> float:
+        """Score the pause before this sample."""
+        if self.last_us < 0:
+            self.last_us = time_us
+            return 0.0
+        score = self.idle(time_us)
+        self.pauses.add(max(time_us - self.last_us, 0) / 1e6)
+        self.last_us = max(time_us, self.last_us)
+        return score
+
+    def idle(self, time_us: int) -> float:
+        """Score the pause up to now."""
+        if self.last_us < 0:
+            return 0.0
+        self.pause_s = max(time_us - self.last_us, 0) / 1e6
+        usual = self._usual()
+        return self.pause_s / (self.pause_s + usual) if usual > 0.0 else 0.0
+
+    def _usual(self) -> float:
+        if self.after_s:
+            return self.after_s
+        return _TIMES * self.pauses.quantile(0.98) if len(self.pauses.came) >= _LEAST else 0.0
+
+    def why(self) -> str:
+        """Say for how long."""
+        usual = (
+            f"{span(self.after_s)} are allowed"
+            if self.after_s or len(self.pauses.came) < _LEAST
+            else f"usually one comes every {span(self.pauses.quantile(0.5))}"
+        )
+        return f"no sample for {span(self.pause_s)}; {usual}"
+
+    def forgive(self) -> bool:
+        """Take such a pause as usual."""
+        if self.after_s:
+            self.after_s = max(self.after_s, 1.1 * self.pause_s)
+        for _ in range(len(self.pauses.came) // 20 + 1):
+            self.pauses.add(self.pause_s)
+        return True
+
+
+class RateOfChange(Detector, kw_only=True):
+    """A value that moves faster than it should.
+
+    Attributes:
+        most: with a number above 0, so fast a change scores one half (unit/s); otherwise three
+            times the fastest usual one does.
+
+    """
+
+    most: float = 0.0
+    last_us: int = -1
+    last: float = 0.0
+    rates: Sorted = msgspec.field(default_factory=lambda: Sorted(most=1000))
+    rate: float = 0.0
+    peak: float = 0.0
+
+    def see(self, time_us: int, value: float) -> float:
+        """Score the change since the sample before."""
+        score = 0.0
+        if 0 <= self.last_us < time_us:
+            self.rate = abs(tame(value) - self.last) / ((time_us - self.last_us) / 1e6)
+            usual = self._usual()
+            score = self.rate / (self.rate + usual) if usual > 0.0 else 0.0
+            self.rates.add(self.rate)
+            self.peak = max(self.rate, self.peak * 0.98)
+        if time_us > self.last_us:
+            self.last_us, self.last = time_us, tame(value)
+        return score
+
+    def _usual(self) -> float:
+        if self.most:
+            return self.most
+        return _TIMES * self.rates.quantile(0.98) if len(self.rates.came) >= _LEAST else 0.0
+
+    def why(self) -> str:
+        """Say how fast."""
+        usual = f"up to {number(self._usual())} {self.unit}/s are allowed"
+        return f"it changes by {number(self.rate)} {self.unit}/s; {usual}"
+
+    def forgive(self) -> bool:
+        """Take such a change as usual."""
+        if self.most:
+            self.most = max(self.most, 1.1 * self.peak)
+        for _ in range(len(self.rates.came) // 20 + 1):
+            self.rates.add(self.peak)
+        self.peak = 0.0
+        return True
+
+
+class Limits(Detector, kw_only=True):
+    """A value out of the limits a person set. It learns nothing: limits are changed by hand.
+
+    Attributes:
+        minimum, maximum: in the unit of the values.
+
+    """
+
+    minimum: float | None = None
+    maximum: float | None = None
+    value: float = 0.0
+
+    def see(self, time_us: int, value: float) -> float:
+        """Score 1 outside, 0 inside."""
+        self.value = value
+        return 1.0 if self._beyond() else 0.0
+
+    def _beyond(self) -> str:
+        if self.minimum is not None and self.value < self.minimum:
+            return f"below the least of {number(self.minimum)}"
+        if self.maximum is not None and self.value > self.maximum:
+            return f"above the most of {number(self.maximum)}"
+        return ""
+
+    def why(self) -> str:
+        """Name the limit."""
+        beyond = self._beyond() or "within its limits"
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{number(self.value)}{unit} is {beyond}" + (unit if self._beyond() else "")

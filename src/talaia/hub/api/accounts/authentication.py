@@ -1,0 +1,176 @@
+"""A person proves who they are: name, password and second factor, throttled."""
+
+from __future__ import annotations
+
+import ipaddress
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.clock import SECOND
+from talaia.hub.api.access import address_of
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.auth.passwords import name_key
+from talaia.hub.store.accounts.mfa import Verdict
+from talaia.hub.store.safe_text import visible
+
+if TYPE_CHECKING:
+    from fastapi import Request
+
+    from talaia.hub.api.accounts.browser_sessions import BrowserSessions
+    from talaia.hub.auth.passwords import Passwords
+    from talaia.hub.store.accounts.failed_logins import Tries
+    from talaia.hub.store.accounts.mfa import Factors
+    from talaia.hub.store.accounts.people import People, Person
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["Ask", "Proving"]
+
+_REFUSED = {
+    Verdict.WRONG: "the code is wrong",
+    Verdict.REPLAYED: "this code was used already; wait for the next one",
+}
+# An IPv6 network that one household or one attacker has to itself.
+_PREFIX = 64
+
+
+class Ask(NamedTuple):
+    """What tries are counted by."""
+
+    user: str
+    address: str
+    browser: str
+
+
+class Proving:
+    """Checks what a person knows and has. What is wrong is counted, and more of it must wait."""
+
+    def __init__(
+        self,
+        *,
+        sessions: BrowserSessions,
+        people: People,
+        passwords: Passwords,
+        factors: Factors,
+        tries: Tries,
+        audit: Audit,
+    ) -> None:
+        """Count in ``tries``; ``sessions`` knows a browser from earlier sign-ins."""
+        self._sessions = sessions
+        self._people = people
+        self._passwords = passwords
+        self._factors = factors
+        self._tries = tries
+        self._audit = audit
+
+    async def sign_in(self, request: Request, name: str, password: str, code: str) -> Person:
+        """Check name, password and, where there is one, the second factor.
+
+        Wrong name and wrong password look alike, and take as long.
+
+        Raises:
+            ApiProblem: 401 ``wrong``, 401 ``factor``, 429 ``busy``.
+
+        """
+        ask = await self.begin(request, name)
+        person = await self._known(request, name, password, 401, "login failed")
+        if person.factor:
+            await self._second(request, ask, person, code, 401, "login failed")
+        await self.right(ask)
+        return person
+
+    async def again(self, request: Request, user: int, password: str, what: str) -> Person:
+        """Check the password of a person who is signed in; ``what`` is in the audit log else.
+
+        Raises:
+            ApiProblem: 403 ``wrong``, 429 ``busy``.
+
+        """
+        person = await self._person(user)
+        ask = await self.begin(request, person.name)
+        person = await self._known(request, person.name, password, 403, what)
+        await self.right(ask)
+        return person
+
+    async def both(
+        self, request: Request, user: int, password: str, code: str, what: str
+    ) -> Person:
+        """Check the password and the second factor of a person who is signed in.
+
+        Raises:
+            ApiProblem: 403 ``wrong``, 403 ``factor``, 429 ``busy``.
+
+        """
+        person = await self._person(user)
+        ask = await self.begin(request, person.name)
+        person = await self._known(request, person.name, password, 403, what)
+        await self._second(request, ask, person, code, 403, what)
+        await self.right(ask)
+        return person
+
+    async def begin(self, request: Request, name: str) -> Ask:
+        """Count a try as wrong before it is looked at; `right` takes it off.
+
+        Raises:
+            ApiProblem: 429 ``busy``.
+
+        """
+        browser = await self._sessions.known_browser(request, name)
+        ask = Ask(name_key(name), _network(address_of(request)), browser)
+        wait_ns = await self._tries.count(ask.user, ask.address, ask.browser)
+        if wait_ns:
+            raise ApiProblem(
+                429, "busy", "too many wrong tries; wait a little", -(-wait_ns // SECOND)
+            )
+        return ask
+
+    async def _person(self, user: int) -> Person:
+        person = await self._people.get(user)
+        if person is None:
+            raise ApiProblem(401, "unauthorized", "sign in first")
+        return person
+
+    async def _known(
+        self, request: Request, name: str, password: str, status: int, what: str
+    ) -> Person:
+        person = await self._people.find(name)
+        kept = person.password_hash if person and not person.disabled else None
+        if await self._passwords.verify(password, kept) and person is not None:
+            return person
+        self._note(request, what, name, "")
+        said = "name or password is wrong" if status == 401 else "the password is wrong"
+        raise ApiProblem(status, "wrong", said)
+
+    async def _second(
+        self, request: Request, ask: Ask, person: Person, code: str, status: int, what: str
+    ) -> None:
+        if not code:
+            # The password was right: this is the first half of a sign-in, and no wrong try.
+            await self._tries.count_unfinished(ask.user, ask.address, ask.browser)
+            raise ApiProblem(status, "factor", "the code of your second factor is needed")
+        verdict = await self._factors.use(person.id, code)
+        if verdict in _REFUSED:
+            self._note(request, what, person.name, "second factor")
+            raise ApiProblem(status, "factor", _REFUSED[verdict])
+        if verdict is Verdict.RECOVERY:
+            self._note(request, "recovery code used", person.name, "", good=True)
+
+    async def right(self, ask: Ask) -> None:
+        """Forget the wrong tries of one who has proved who they are."""
+        await self._tries.count_success(ask.user, ask.address, ask.browser)
+
+    def _note(
+        self, request: Request, what: str, name: str, message: str, *, good: bool = False
+    ) -> None:
+        self._audit.note(
+            what, who=visible(name, 200), address=address_of(request), message=message, good=good
+        )
+
+
+def _network(address: str) -> str:
+    """Give what an address is counted by: of IPv6 the network, since anyone has many addresses."""
+    try:
+        parsed = ipaddress.ip_address(address)
+    except ValueError:
+        return address
+    if isinstance(parsed, ipaddress.IPv6Address) and parsed.ipv4_mapped is None:
+        return str(ipaddress.ip_network((parsed, _PREFIX), strict=False))
+    return address

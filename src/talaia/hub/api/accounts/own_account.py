@@ -1,0 +1,142 @@
+"""One's own account: password, sessions, second factor."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, Request, Response
+
+from talaia.hub.api.access import address_of, who_of
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.schemas.account_schemas import (
+    CodeOnly,
+    FactorOffer,
+    PasswordChange,
+    PasswordOnly,
+    RecoveryCodes,
+    RemoveFactor,
+    SessionList,
+    SessionShape,
+)
+from talaia.hub.auth.passwords import check_password
+from talaia.hub.auth.totp import otp_uri, qr_svg
+from talaia.hub.errors import WeakPassword
+
+if TYPE_CHECKING:
+    from talaia.hub.api.accounts.authentication import Proving
+    from talaia.hub.api.accounts.browser_sessions import BrowserSessions
+    from talaia.hub.auth.passwords import Passwords
+    from talaia.hub.store.accounts.mfa import Factors
+    from talaia.hub.store.accounts.people import People
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["OwnPages"]
+
+
+class OwnPages:
+    """The routes of one's own account."""
+
+    def __init__(
+        self,
+        *,
+        proving: Proving,
+        sessions: BrowserSessions,
+        people: People,
+        passwords: Passwords,
+        factors: Factors,
+        audit: Audit,
+    ) -> None:
+        """Change what ``people`` and ``factors`` keep of who has passed ``proving``."""
+        self._proving = proving
+        self._sessions = sessions
+        self._people = people
+        self._passwords = passwords
+        self._factors = factors
+        self._audit = audit
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        router.post("/api/me/password", status_code=204)(self.change_password)
+        router.get("/api/me/sessions")(self.sessions)
+        router.delete("/api/me/sessions", status_code=204)(self.end_sessions)
+        router.delete("/api/me/sessions/{session}", status_code=204)(self.end_session)
+        router.post("/api/me/factor")(self.offer_factor)
+        router.post("/api/me/factor/confirm")(self.confirm_factor)
+        router.post("/api/me/factor/remove", status_code=204)(self.remove_factor)
+        return router
+
+    async def change_password(
+        self, asked: PasswordChange, request: Request, response: Response
+    ) -> None:
+        """Take another password; your other sessions end."""
+        who = who_of(request)
+        await self._proving.again(request, who.user, asked.old, "password change refused")
+        try:
+            check_password(asked.new, who.name)
+        except WeakPassword as error:
+            raise ApiProblem(422, "invalid", str(error)) from error
+        hashed = await self._passwords.hash(asked.new)
+        await self._people.change_password(who.user, hashed, who.session)
+        # No browser is known any more, but this one.
+        await self._sessions.remember_browser(who.user, response)
+        await self._sessions.follow_rights()
+        self._note(request, "password changed")
+
+    async def sessions(self, request: Request) -> SessionList:
+        """List where you are signed in."""
+        who = who_of(request)
+        return SessionList(
+            sessions=[
+                SessionShape(**each._asdict(), this=each.id == who.session)
+                for each in await self._sessions.list_open(who.user)
+            ]
+        )
+
+    async def end_session(self, session: str, request: Request, response: Response) -> None:
+        """End one of your sessions, here or elsewhere; its open sockets are closed at once."""
+        if not await self._sessions.end_one(session, request, response):
+            raise ApiProblem(404, "unknown", "you have no such session")
+        self._note(request, "session ended")
+
+    async def end_sessions(self, request: Request) -> None:
+        """End all your sessions but this one."""
+        who = who_of(request)
+        await self._sessions.end_all(who.user, keep=who.session)
+        self._note(request, "all other sessions ended")
+
+    async def offer_factor(self, asked: PasswordOnly, request: Request) -> FactorOffer:
+        """Begin a second factor. It is asked for once its first code has been confirmed."""
+        who = who_of(request)
+        await self._proving.again(request, who.user, asked.password, "second factor refused")
+        secret = await self._factors.offer(who.user)
+        if secret is None:
+            raise ApiProblem(409, "taken", "you have a second factor already; remove it first")
+        uri = otp_uri(secret, who.name)
+        return FactorOffer(secret=secret, uri=uri, qr=qr_svg(uri))
+
+    async def confirm_factor(self, asked: CodeOnly, request: Request) -> RecoveryCodes:
+        """Switch the second factor on; your other sessions end."""
+        who = who_of(request)
+        ask = await self._proving.begin(request, who.name)
+        codes = await self._factors.confirm(who.user, asked.code)
+        if codes is None:
+            raise ApiProblem(403, "factor", "the code is wrong, or no second factor was begun")
+        await self._proving.right(ask)
+        await self._sessions.end_all(who.user, keep=who.session)
+        self._note(request, "second factor set")
+        return RecoveryCodes(recovery=codes)
+
+    async def remove_factor(self, asked: RemoveFactor, request: Request) -> None:
+        """Sign in without the second factor from now on."""
+        who = who_of(request)
+        what = "second factor removal refused"
+        if not who.factor:
+            raise ApiProblem(409, "missing", "you have no second factor")
+        await self._proving.both(request, who.user, asked.password, asked.code, what)
+        await self._factors.remove(who.user)
+        await self._sessions.follow_rights()
+        self._note(request, "second factor removed")
+
+    def _note(self, request: Request, kind: str) -> None:
+        self._audit.note(kind, who=who_of(request).name, address=address_of(request))

@@ -1,0 +1,124 @@
+"""Roles and their permissions, as an admin makes and changes them."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, Request
+
+from talaia.hub.api.access import address_of, number_of, who_of
+from talaia.hub.api.accounts.sign_in import permissions_of
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.schemas.account_schemas import RoleAsk, RoleList, RoleShape
+from talaia.hub.auth.passwords import check_name
+from talaia.hub.auth.permissions import Permission, Right
+from talaia.hub.errors import NameTaken, RoleInUse, SeededRole, UnknownRole, WeakPassword
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from talaia.hub.api.schemas.common import PermissionShape
+    from talaia.hub.live.pages.session_registry import Seats
+    from talaia.hub.store.accounts.roles import Role, Roles
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["RolePages", "in_words", "read_permissions"]
+
+
+class RolePages:
+    """The routes of roles."""
+
+    def __init__(self, roles: Roles, seats: Seats, audit: Audit) -> None:
+        """Work on ``roles``; open sockets follow each change at once."""
+        self._roles = roles
+        self._seats = seats
+        self._audit = audit
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        router.get("/api/roles")(self.overview)
+        router.post("/api/roles")(self.add)
+        router.put("/api/roles/{role}")(self.change)
+        router.delete("/api/roles/{role}", status_code=204)(self.remove)
+        return router
+
+    async def overview(self) -> RoleList:
+        """List every role with its permissions."""
+        return RoleList(roles=[_shape(each) for each in await self._roles.all()])
+
+    async def add(self, asked: RoleAsk, request: Request) -> RoleShape:
+        """Make a role."""
+        given = read_permissions(asked.permissions)
+        with _refusals():
+            check_name(asked.name)
+            made = await self._roles.one(await self._roles.add(asked.name, given))
+        self._note(request, "role added", f"{asked.name}: {in_words(given)}")
+        return _shape(made)
+
+    async def change(self, role: str, asked: RoleAsk, request: Request) -> RoleShape:
+        """Give a role another name or other permissions; open pages follow at once."""
+        number, given = number_of(role, "role"), read_permissions(asked.permissions)
+        with _refusals():
+            check_name(asked.name)
+            before = await self._roles.one(number)
+            await self._roles.change(number, asked.name, given)
+            after = await self._roles.one(number)
+        await self._seats.follow()
+        was = in_words(before.grants.permissions)
+        self._note(
+            request,
+            "role changed",
+            f"{before.name}: {was} -> {asked.name}: {in_words(given)}",
+        )
+        return _shape(after)
+
+    async def remove(self, role: str, request: Request) -> None:
+        """Remove a role that nobody has."""
+        with _refusals():
+            name = await self._roles.remove(number_of(role, "role"))
+        self._note(request, "role removed", name)
+
+    def _note(self, request: Request, kind: str, message: str) -> None:
+        who = who_of(request).name
+        self._audit.note(kind, who=who, address=address_of(request), message=message)
+
+
+def read_permissions(asked: Iterable[PermissionShape]) -> list[Permission]:
+    """Read permissions, each once."""
+    found = (Permission(Right(each.right), each.site, each.device) for each in asked)
+    return list(dict.fromkeys(found))
+
+
+def in_words(given: Iterable[Permission]) -> str:
+    """Write permissions for the audit log: ``use agv/base, view agv/*``."""
+    said = sorted(f"{each.right.value} {each.site}/{each.device}" for each in given)
+    return ", ".join(said) or "no permission"
+
+
+@contextmanager
+def _refusals() -> Iterator[None]:
+    """Answer what the roles refuse."""
+    try:
+        yield
+    except WeakPassword as error:
+        raise ApiProblem(422, "invalid", str(error)) from error
+    except UnknownRole as error:
+        raise ApiProblem(404, "unknown", str(error)) from error
+    except NameTaken as error:
+        raise ApiProblem(409, "taken", str(error)) from error
+    except SeededRole as error:
+        raise ApiProblem(409, "seeded", str(error)) from error
+    except RoleInUse as error:
+        raise ApiProblem(409, "in_use", str(error)) from error
+
+
+def _shape(role: Role) -> RoleShape:
+    return RoleShape(
+        id=str(role.id),
+        name=role.name,
+        seeded=role.seeded,
+        people=role.people,
+        permissions=permissions_of(role.grants),
+    )

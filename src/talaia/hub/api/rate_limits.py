@@ -1,0 +1,104 @@
+"""How much one person may ask at once, so that a program that runs wild slows nobody else down."""
+
+from __future__ import annotations
+
+from collections import Counter
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, NamedTuple
+
+from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
+
+from talaia.clock import SECOND
+from talaia.hub.api.access import who_of
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.auth.rate_limiter import Pace
+from talaia.hub.policy import Need, need_of_route
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from talaia.clock import Clock
+    from talaia.hub.auth.permissions import Who
+
+__all__ = ["MOST_SOCKETS", "Limits"]
+
+
+class Rate(NamedTuple):
+    """So many at once, and so many a second for long."""
+
+    burst: int
+    per_s: float
+
+
+# A page of many charts asks for each of them when it is opened.
+HISTORY = Rate(burst=300, per_s=30.0)
+# Each reads much or all of a table.
+HEAVY = Rate(burst=10, per_s=0.2)
+# One of a long window keeps a core busy for seconds; a window that follows asks again and again.
+OUTLIERS = Rate(burst=30, per_s=1.0)
+ANY = Rate(burst=600, per_s=100.0)
+RATES: Mapping[str, Rate] = {
+    "/api/sites/{site}/history": HISTORY,
+    "/api/sites/{site}/last": HISTORY,
+    "/api/sites/{site}/statistics": HISTORY,
+    "/api/sites/{site}/outliers": OUTLIERS,
+    "/api/sites/{site}/stored": HISTORY,
+    "/api/sites/{site}/export": HEAVY,
+    "/api/storage": HEAVY,
+    "/api/audit/export": HEAVY,
+    # Each is a message that goes out, and a process.
+    "/api/ways/{way}/test": HEAVY,
+    "/api/me/rules/{rule}/test": HEAVY,
+    "/api/sites/{site}/alarm-preview": HISTORY,
+    "/api/audit/verify": HEAVY,
+}
+# Sockets of one person: open at once, and opened.
+MOST_SOCKETS = 100
+SOCKETS = Rate(burst=150, per_s=5.0)
+
+
+class Limits:
+    """Counts by person."""
+
+    def __init__(self, clock: Clock) -> None:
+        """Start with a clean slate."""
+        self._clock = clock
+        self._paces = {route: Pace(*rate) for route, rate in RATES.items()}
+        self._any = Pace(*ANY)
+        self._opening = Pace(*SOCKETS)
+        self._open: Counter[int] = Counter()
+
+    async def ask(self, request: Request) -> None:
+        """Let a request of a person pass the guard has let in.
+
+        Raises:
+            ApiProblem: 429 they have asked too much lately.
+
+        """
+        path = request.scope["route"].path
+        if need_of_route(request.method, path) is Need.OPEN:
+            return
+        pace = self._paces.get(path, self._any)
+        wait_ns = pace.take(who_of(request).user, self._clock.monotonic_ns())
+        if wait_ns:
+            raise ApiProblem(
+                429, "busy", "you ask too much at once; wait a little", -(-wait_ns // SECOND)
+            )
+
+    @contextmanager
+    def socket(self, who: Who) -> Iterator[bool]:
+        """Count a socket while it is open; gives False when it is one too many."""
+        allowed = (
+            self._open[who.user] < MOST_SOCKETS
+            and self._opening.take(who.user, self._clock.monotonic_ns()) == 0
+        )
+        if not allowed:
+            yield False
+            return
+        self._open[who.user] += 1
+        try:
+            yield True
+        finally:
+            self._open[who.user] -= 1
+            if not self._open[who.user]:
+                del self._open[who.user]

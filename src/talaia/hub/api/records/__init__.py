@@ -1,0 +1,1 @@
+"""What is kept, over HTTP: history, archive, recordings, sightings, audit log."""

@@ -1,0 +1,107 @@
+"""The audit log as an admin reads it: filtered, as a file, and held against its own chain."""
+
+from __future__ import annotations
+
+import csv
+import datetime as dt
+import io
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import StreamingResponse
+
+from talaia.hub.api.access import address_of, who_of
+from talaia.hub.api.schemas.common import AuditAsk, AuditChain, AuditList, AuditPage, AuditRow
+from talaia.hub.store.audit import Entry, Filter
+from talaia.hub.store.safe_text import safe_cell
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterable
+
+    from talaia.hub.store.audit import Audit, Row
+
+__all__ = ["AuditPages"]
+
+_CHUNK = 64 * 1024
+_HEAD = ("id", "time_utc", *Entry._fields)
+
+
+class AuditPages:
+    """The routes of the audit log."""
+
+    def __init__(self, audit: Audit) -> None:
+        """Read from ``audit``; that somebody took a copy is written there, too."""
+        self._audit = audit
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        router.get("/api/audit")(self.rows)
+        router.get("/api/audit/export", response_class=StreamingResponse)(self.export)
+        router.get("/api/audit/verify")(self.verify)
+        return router
+
+    async def rows(self, asked: Annotated[AuditPage, Query()]) -> AuditList:
+        """List what happened, newest first."""
+        await self._audit.written()
+        rows, more = await self._audit.find(_filter(asked), asked.limit)
+        return AuditList(rows=[_shape(row) for row in rows], more=more)
+
+    async def export(
+        self, request: Request, asked: Annotated[AuditAsk, Query()]
+    ) -> StreamingResponse:
+        """Give the rows as a CSV file, newest first. Cells that look like formulas get a '."""
+        said = ", ".join(f"{key}={value}" for key, value in asked.model_dump().items() if value)
+        name = who_of(request).name
+        self._audit.note("audit exported", who=name, address=address_of(request), message=said)
+        await self._audit.written()
+        return StreamingResponse(
+            _csv(self._audit.every(_filter(asked))),
+            media_type="text/csv; charset=utf-8",
+            headers={"Content-Disposition": 'attachment; filename="talaia-audit.csv"'},
+        )
+
+    async def verify(self, request: Request) -> AuditChain:
+        """Say whether a row was changed or is missing, since the first one."""
+        await self._audit.written()
+        found = await self._audit.verify()
+        said = f"{found.rows} rows" + (f", broken at {found.broken}" if found.broken else "")
+        self._audit.note(
+            "audit verified",
+            who=who_of(request).name,
+            address=address_of(request),
+            message=said,
+            good=not found.broken,
+        )
+        return AuditChain(ok=not found.broken, rows=found.rows, broken=found.broken)
+
+
+def _filter(asked: AuditAsk) -> Filter:
+    return Filter(**asked.model_dump(exclude={"limit"}))
+
+
+def _shape(row: Row) -> AuditRow:
+    return AuditRow(id=str(row.id), **row.entry._asdict())
+
+
+async def _csv(rows: AsyncIterator[Row]) -> AsyncIterator[str]:
+    buffer = io.StringIO(newline="")
+    lines = csv.writer(buffer)
+    lines.writerow(_HEAD)
+    async for row in rows:
+        lines.writerow(_cells(row))
+        if buffer.tell() > _CHUNK:
+            yield buffer.getvalue()
+            buffer.seek(0)
+            buffer.truncate()
+    yield buffer.getvalue()
+
+
+def _cells(row: Row) -> Iterable[str | int]:
+    entry = row.entry
+    time = dt.datetime.fromtimestamp(entry.time_us / 1e6, dt.UTC).isoformat(timespec="milliseconds")
+    return [
+        row.id,
+        time,
+        *(safe_cell(cell) if isinstance(cell, str) else int(cell) for cell in entry),
+    ]

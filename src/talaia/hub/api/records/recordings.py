@@ -1,0 +1,245 @@
+"""Recordings of raw topics and films of cameras: begun and ended, listed, shown, deleted."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, Request
+from starlette.responses import FileResponse, Response
+
+from talaia.hub.api.access import address_of, live_of, who_of
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.records.query_params import Time  # noqa: TC001 - FastAPI reads it
+from talaia.hub.api.schemas.recording_schemas import (
+    FilmListShape,
+    FilmShape,
+    RecordAskShape,
+    RecorderShape,
+    RecordingListShape,
+    RecordingShape,
+    UnfilmedShape,
+)
+from talaia.hub.auth.permissions import Right, sees_stream
+from talaia.hub.store.sites.recordings import RecordingState
+from talaia.wire.frames import RecordAsk
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.hub.auth.permissions import Grants
+    from talaia.hub.live.files.recordings import Recordings
+    from talaia.hub.live.sites import LiveSite
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.sites.recordings import Recorded
+
+__all__ = ["RecordingPages"]
+
+_MOST_FILMS = 500
+# A file may have been made by anyone who has a gateway's key: it must not act in a page.
+_STILL = {"Content-Security-Policy": "sandbox; default-src 'none'; media-src 'self'"}
+_UNDESCRIBED = "the site description says nothing of recording"
+_OFFLINE = "the gateway is not connected now"
+_UNABLE = "this gateway cannot film cameras; install talaia[camera] there, or a newer version"
+
+
+class RecordingPages:
+    """The routes of recordings."""
+
+    def __init__(self, recordings: Recordings, audit: Audit) -> None:
+        """Answer from ``recordings``."""
+        self._recordings = recordings
+        self._audit = audit
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        at = "/api/sites/{site}/recordings"
+        router.get(at)(self.overview)
+        router.post(at, status_code=202)(self.record)
+        router.get(at + "/{recording}/file", response_class=FileResponse)(self.file)
+        router.delete(at + "/{recording}", status_code=204)(self.remove)
+        at = "/api/sites/{site}/films"
+        router.get(at)(self.films)
+        router.get(at + "/{recording}/file", response_class=FileResponse)(self.film)
+        return router
+
+    async def overview(self, site: str, request: Request) -> RecordingListShape:
+        """List what was recorded, and tell whether anything is being recorded now."""
+        live, grants = live_of(request), who_of(request).grants
+        found = await self._recordings.of(site)
+        plan, now = live.description.recording, live.recorder
+        return RecordingListShape(
+            zone=live.description.zone,
+            recorder=RecorderShape(
+                described=plan is not None,
+                online=live.online,
+                on=live.online and now is not None and now.on,
+                id=now.id if now is not None else "",
+                why=now.why if now is not None else "",
+                who=now.who if now is not None else "",
+                since_us=now.since_us if now is not None else 0,
+                problem=now.problem if now is not None else "",
+                topics=list(live.description.recorded()),
+                cameras=list(live.description.filmed()),
+                filming=list(now.films) if live.online and now is not None else [],
+                can_film=now is not None and now.can_film,
+                before_s=plan.before if plan is not None else 0.0,
+                may_record=grants.may(Right.USE, site),
+                may_delete=grants.may(Right.ADMIN, site),
+            ),
+            recordings=[_shape(each) for each in found],
+        )
+
+    async def record(self, asked: RecordAskShape, request: Request) -> None:
+        """Let the gateway begin or end a recording. An event tells how it went."""
+        live, name = live_of(request), who_of(request).name
+        if live.description.recording is None:
+            raise ApiProblem(409, "undescribed", _UNDESCRIBED)
+        if live.link is None:
+            raise ApiProblem(409, "offline", _OFFLINE)
+        if asked.stream and not _is_camera(live, asked.stream):
+            raise ApiProblem(404, "unknown", "there is no such camera")
+        if asked.stream and (live.recorder is None or not live.recorder.can_film):
+            raise ApiProblem(409, "unable", _UNABLE)
+        if not asked.stream and not (live.description.recorded() or live.description.filmed()):
+            raise ApiProblem(409, "undescribed", "the site description names nothing to record")
+        live.link.send(RecordAsk(on=asked.on, who=name, why=asked.why, stream=asked.stream))
+        kind = "recording asked" if asked.on else "recording end asked"
+        about = f"film of {asked.stream}" if asked.stream else ""
+        self._note(request, kind, live.name, ": ".join(filter(None, (about, asked.why))))
+
+    async def file(self, site: str, recording: str, request: Request) -> Response:
+        """Download a recording as MCAP, or a film as MP4; ranges may be asked for."""
+        found = await self._found(site, recording)
+        return await self._sent(found, request, "attachment")
+
+    async def films(
+        self, site: str, request: Request, from_us: Time = 0, to_us: Time = 2**53
+    ) -> FilmListShape:
+        """List films that have something of a time, of the cameras that you may see."""
+        live, grants = live_of(request), who_of(request).grants
+        found = await self._recordings.between(site, from_us, to_us)
+        films = [each for each in found if _sees(grants, live, each)]
+        why_not = _why_no_film(live, may=grants.may(Right.USE, site))
+        now = live.recorder
+        rolling = now.films if live.online and now is not None else ()
+        unfilmed = _unfilmed(live, found) if grants.may(Right.VIEW, site) else []
+        return FilmListShape(
+            films=[_film(each) for each in films[:_MOST_FILMS]],
+            more=len(films) > _MOST_FILMS,
+            unfilmed=unfilmed[:_MOST_FILMS],
+            filming=[each for each in rolling if _sees_camera(grants, live, each)],
+            may_film=not why_not,
+            why_not=why_not,
+        )
+
+    async def film(self, site: str, recording: str, request: Request) -> Response:
+        """Show a film (MP4); ranges may be asked for."""
+        found = await self._recordings.find(site, recording)
+        if found is None or not _sees(who_of(request).grants, live_of(request), found):
+            raise ApiProblem(404, "unknown", "there is no such film")
+        return await self._sent(found, request, "inline")
+
+    async def _sent(self, found: Recorded, request: Request, how: str) -> Response:
+        path = self._recordings.path(found)
+        there = await asyncio.to_thread(path.is_file)
+        if found.state is not RecordingState.COMPLETE or not there:
+            raise ApiProblem(409, "incomplete", "this recording is not here as a whole")
+        if "range" not in request.headers:
+            self._note(request, "recording downloaded", found.site, found.id)
+        camera = found.stream.replace("/", "-")
+        name = f"{camera}-{found.id}.mp4" if camera else f"{found.id}.mcap"
+        kind = "video/mp4" if camera else "application/octet-stream"
+        return FileResponse(
+            path, media_type=kind, filename=f"{found.site}-{name}", content_disposition_type=how,
+            headers=_STILL,
+        )  # fmt: skip
+
+    async def remove(self, site: str, recording: str, request: Request) -> None:
+        """Delete a recording for good."""
+        found = await self._found(site, recording)
+        await self._recordings.remove(found)
+        self._note(request, "recording deleted", site, found.id)
+
+    async def _found(self, site: str, recording: str) -> Recorded:
+        found = await self._recordings.find(site, recording)
+        if found is None:
+            raise ApiProblem(404, "unknown", "there is no such recording")
+        return found
+
+    def _note(self, request: Request, kind: str, site: str, message: str) -> None:
+        name, address = who_of(request).name, address_of(request)
+        self._audit.note(kind, who=name, address=address, site=site, message=message)
+
+
+def _is_camera(live: LiveSite, stream: str) -> bool:
+    device, _, name = stream.partition("/")
+    described = live.description.devices.get(device)
+    return described is not None and name in described.streams
+
+
+def _sees(grants: Grants, live: LiveSite, recorded: Recorded) -> bool:
+    return bool(recorded.stream) and _sees_camera(grants, live, recorded.stream)
+
+
+def _sees_camera(grants: Grants, live: LiveSite, stream: str) -> bool:
+    """Tell whether a person may see a camera; of one that is no more, who may see the site."""
+    device, _, name = stream.partition("/")
+    if grants.may(Right.VIEW, live.name):
+        return True
+    return sees_stream(grants, live.description, device, name)
+
+
+def _why_no_film(live: LiveSite, *, may: bool) -> str:
+    if not may:
+        return "You do not have the right to record at this site."
+    if live.description.recording is None:
+        return _UNDESCRIBED
+    if not live.online or live.link is None:
+        return _OFFLINE
+    return "" if live.recorder is not None and live.recorder.can_film else _UNABLE
+
+
+def _unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:
+    """Pair recordings with the cameras that only they have, and no film of that time."""
+    topics = {
+        stream.source.topic: f"{name}/{key}"
+        for name, device in live.description.devices.items()
+        for key, stream in device.streams.items()
+        if stream.source.topic
+    }
+    shapes = []
+    for each in found:
+        if each.stream or each.state is not RecordingState.COMPLETE:
+            continue
+        for stream in (topics[topic] for topic in each.topics if topic in topics):
+            filmed = any(
+                film.stream == stream
+                and film.begin_us <= each.end_us
+                and film.end_us >= each.begin_us
+                for film in found
+            )
+            if not filmed:
+                shapes.append(
+                    UnfilmedShape(
+                        recording=each.id, stream=stream, begin_us=each.begin_us,
+                        end_us=each.end_us,
+                    )
+                )  # fmt: skip
+    return shapes
+
+
+def _film(recorded: Recorded) -> FilmShape:
+    told = recorded._asdict()
+    fields = {key: told[key] for key in FilmShape.model_fields if key not in ("state", "pictures")}
+    return FilmShape(**fields, state=recorded.state.value, pictures=recorded.messages)
+
+
+def _shape(recorded: Recorded) -> RecordingShape:
+    told = recorded._asdict()
+    return RecordingShape(
+        **{key: told[key] for key in RecordingShape.model_fields if key not in ("state", "topics")},
+        state=recorded.state.value,
+        topics=list(recorded.topics),
+    )

@@ -1,0 +1,115 @@
+"""What cameras have seen: found by time, camera and class, with a picture of each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import Response
+
+from talaia.hub.api.access import live_of, number_of, who_of
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.records.query_params import STILL, Time, Word
+from talaia.hub.api.schemas.sighting_schemas import (
+    LabelShape,
+    SeenShape,
+    SightingLabels,
+    SightingList,
+)
+from talaia.hub.auth.permissions import Right, sees_stream
+from talaia.hub.store.sites.sightings import SightingsAsked
+
+if TYPE_CHECKING:
+    from talaia.hub.store.sites.sightings import Kept, SightingStore
+
+__all__ = ["SightingPages", "seen_shape"]
+
+
+class SightingPages:
+    """The routes of sightings."""
+
+    def __init__(self, store: SightingStore) -> None:
+        """Answer from what is kept."""
+        self._store = store
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        at = "/api/sites/{site}/sightings"
+        router.get(at)(self.find)
+        router.get(at + "/labels")(self.labels)
+        router.get(at + "/{sighting}/picture", response_class=Response)(self.picture)
+        return router
+
+    async def find(
+        self,
+        request: Request,
+        site: str,
+        from_us: Time = 0,
+        to_us: Time = 2**53,
+        camera: Word = "",
+        label: Word = "",
+        open: bool | None = None,  # noqa: A002, FBT001 - a part of the address
+        before: Time | None = None,
+        limit: Annotated[int, Query(ge=1, le=500)] = 100,
+    ) -> SightingList:
+        """List what was in sight from one time to another, the last to begin first.
+
+        ``open`` asks for what is in sight now, or is not. ``before`` is the id of the last one of
+        a page, for the next page.
+        """
+        seen = await self._store.seen(site)
+        cameras = {
+            each for each, _ in seen if (not camera or each == camera) and _may_see(request, each)
+        }
+        asked = SightingsAsked(
+            from_us=from_us, to_us=to_us, cameras=cameras, label=label, open=open, before=before
+        )
+        found, more = await self._store.find(site, asked, limit)
+        # A database may compare names without regard to case; a right does not.
+        mine = [each for each in found if each.sighted.camera in cameras]
+        return SightingList(sightings=[seen_shape(each) for each in mine], more=more)
+
+    async def labels(self, request: Request, site: str) -> SightingLabels:
+        """List what was seen by which camera, of all that is kept."""
+        return SightingLabels(
+            labels=[
+                LabelShape(camera=camera, label=label)
+                for camera, label in await self._store.seen(site)
+                if _may_see(request, camera)
+            ]
+        )
+
+    async def picture(self, request: Request, site: str, sighting: str) -> Response:
+        """Give the picture of a moment of a sighting (JPEG)."""
+        found = await self._store.picture(site, number_of(sighting, "sighting"))
+        if found is None or not found[1] or not _may_see(request, found[0]):
+            raise ApiProblem(404, "unknown", "there is no such picture")
+        return Response(found[1], media_type="image/jpeg", headers=STILL)
+
+
+def seen_shape(kept: Kept) -> SeenShape:
+    """Say it as pages read it."""
+    sighted = kept.sighted
+    return SeenShape(
+        id=str(kept.id),
+        camera=sighted.camera,
+        label=sighted.label,
+        many=sighted.many,
+        confidence=sighted.confidence,
+        began_us=sighted.began_us,
+        ended_us=sighted.ended_us or None,
+        picture=kept.pictured,
+    )
+
+
+def _may_see(request: Request, camera: str) -> bool:
+    """Tell whether a camera's pictures are open to the person.
+
+    One that the description no longer has is open to those who have a right on its device.
+    """
+    live, grants = live_of(request), who_of(request).grants
+    device, _, stream = camera.partition("/")
+    return sees_stream(grants, live.description, device, stream) or grants.may(
+        Right.VIEW, live.name, device
+    )

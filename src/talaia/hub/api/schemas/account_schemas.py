@@ -1,0 +1,212 @@
+"""JSON bodies of accounts, people, roles and tokens; the browser's types are made from these.
+
+Times ending in ``_us`` are microseconds since the epoch (UTC); 0 says never. Ids are texts.
+"""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from talaia.hub.api.schemas.common import PermissionShape, Shape
+
+__all__ = [
+    "CodeOnly",
+    "DeviceList",
+    "DeviceSummary",
+    "FactorOffer",
+    "NewToken",
+    "PasswordChange",
+    "PasswordOnly",
+    "PersonAsk",
+    "PersonChange",
+    "PersonList",
+    "PersonShape",
+    "RecoveryCodes",
+    "RemoveFactor",
+    "RoleAsk",
+    "RoleList",
+    "RoleShape",
+    "SessionList",
+    "SessionShape",
+    "TokenAsk",
+    "TokenList",
+    "TokenShape",
+]
+
+# A name as people choose one for a person, a role or a token; the rules are in auth.passwords.
+_NAME = Field(min_length=1, max_length=200)
+_PASSWORD = Field(max_length=4096)
+_CODE = Field(min_length=1, max_length=64)
+_MOST_PERMISSIONS = 500
+
+
+class PasswordChange(Shape):
+    """Take another password."""
+
+    old: str = _PASSWORD
+    new: str = _PASSWORD
+
+
+class PasswordOnly(Shape):
+    """Prove that it is you who asks."""
+
+    password: str = _PASSWORD
+
+
+class CodeOnly(Shape):
+    """A code from the authenticator."""
+
+    code: str = _CODE
+
+
+class RemoveFactor(Shape):
+    """Prove both, to sign in without the second factor from now on."""
+
+    password: str = _PASSWORD
+    code: str = _CODE
+
+
+class FactorOffer(Shape):
+    """A secret for an authenticator: as text, as a link, and as an SVG picture of the link."""
+
+    secret: str
+    uri: str
+    qr: str
+
+
+class RecoveryCodes(Shape):
+    """Each opens once in place of a code. They are shown this once."""
+
+    recovery: list[str]
+
+
+class SessionShape(Shape):
+    """Where you are signed in; ``agent`` is what the browser calls itself."""
+
+    id: str
+    created_us: int
+    used_us: int
+    address: str
+    agent: str
+    this: bool
+
+
+class SessionList(Shape):
+    """Your sessions, the last used first."""
+
+    sessions: list[SessionShape]
+
+
+class TokenShape(Shape):
+    """A token for a script; what it says was shown once and is not kept."""
+
+    id: str
+    name: str
+    permissions: list[PermissionShape]
+    created_us: int
+    ends_us: int
+    used_us: int
+
+
+class TokenList(Shape):
+    """Your tokens that have not ended, the newest first."""
+
+    tokens: list[TokenShape]
+
+
+class TokenAsk(Shape):
+    """Make a token with some of your rights (view and use), until an end date."""
+
+    name: str = _NAME
+    ends_us: int = Field(ge=0, le=2**53)
+    permissions: list[PermissionShape] = Field(max_length=_MOST_PERMISSIONS)
+
+
+class NewToken(Shape):
+    """The token, shown this once. Send it as ``Authorization: Bearer …``."""
+
+    id: str
+    token: str
+
+
+class PersonShape(Shape):
+    """A person; ``sessions`` counts where they are signed in now."""
+
+    id: str
+    name: str
+    role: str
+    disabled: bool
+    factor: bool
+    created_us: int
+    used_us: int
+    sessions: int
+
+
+class PersonList(Shape):
+    """Everyone, by name."""
+
+    people: list[PersonShape]
+
+
+class PersonAsk(Shape):
+    """Add a person."""
+
+    name: str = _NAME
+    password: str = _PASSWORD
+    role: str = _NAME
+
+
+class PersonChange(Shape):
+    """Change what is given; the person's sessions end."""
+
+    role: str | None = Field(default=None, min_length=1, max_length=200)
+    disabled: bool | None = None
+    password: str | None = Field(default=None, max_length=4096)
+
+
+class RoleShape(Shape):
+    """A role; ``people`` counts those who have it."""
+
+    id: str
+    name: str
+    seeded: bool
+    people: int
+    permissions: list[PermissionShape]
+
+
+class RoleList(Shape):
+    """Every role, the seeded ones first."""
+
+    roles: list[RoleShape]
+
+
+class RoleAsk(Shape):
+    """A role's name and all its permissions."""
+
+    name: str = _NAME
+    permissions: list[PermissionShape] = Field(max_length=_MOST_PERMISSIONS)
+
+
+class DeviceSummary(Shape):
+    """A device that is open to you.
+
+    ``signals`` counts what you may see of it, ``stale`` those of them that are older than their
+    limit or have never come; ``public``: something of it is visible to guests.
+    """
+
+    site: str
+    site_name: str
+    device: str
+    name: str
+    kind: str
+    online: bool
+    rights: list[str]
+    public: bool
+    signals: int
+    stale: int
+
+
+class DeviceList(Shape):
+    """All devices that are open to you, by site."""
+
+    devices: list[DeviceSummary]

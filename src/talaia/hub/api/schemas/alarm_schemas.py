@@ -1,0 +1,150 @@
+"""What the routes of alarms take and give. Times ending in ``_us`` are µs since the epoch (UTC)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, StringConstraints
+
+from talaia.hub.api.schemas.common import Shape
+
+__all__ = [
+    "ActAsk",
+    "AlarmDefinition",
+    "AlarmList",
+    "AlarmPast",
+    "AlarmPastList",
+    "AlarmShape",
+    "EscalationShape",
+    "PreviewAsk",
+    "PreviewShape",
+    "SpanShape",
+]
+
+_Name = Annotated[str, StringConstraints(max_length=200, pattern=r"^[^\x00]*$")]
+_Words = Annotated[str, StringConstraints(max_length=1000, pattern=r"^[^\x00]*$")]
+_Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class EscalationShape(Shape):
+    """Who is told of an alarm that nobody has acknowledged, and how long after it was raised."""
+
+    who: _Name
+    after: _Number = 0.0
+
+
+class AlarmDefinition(Shape):
+    """An alarm, in the words of the site description; see there what each key means."""
+
+    name: _Name
+    kind: Literal[
+        "limit", "state", "stale", "anomaly", "detection", "expression", "enclosure", "gateway"
+    ]
+    signal: _Name = ""
+    above: _Number | None = None
+    below: _Number | None = None
+    hysteresis: _Number = 0.0
+    is_one_of: list[_Name] = Field(default=[], max_length=100)
+    is_not: list[_Name] = Field(default=[], max_length=100)
+    max_age: _Number | None = None
+    score: _Number = 0.0
+    stream: _Name = ""
+    label: _Name = ""
+    count: int = Field(default=1, ge=1, le=1000)
+    confidence: _Number = 0.5
+    expression: _Words = ""
+    enclosure: _Name = ""
+    severity: Literal["info", "warning", "critical"] = "warning"
+    delay: _Number = 0.0
+    clear_delay: _Number = 0.0
+    unknown_after: _Number | None = None
+    repeat: _Number | None = None
+    remind: _Number | None = None
+    escalate: list[EscalationShape] = Field(default=[], max_length=50)
+    record: bool = False
+    advice: _Words = ""
+
+
+class AlarmShape(Shape):
+    """An alarm that is open to you.
+
+    ``definition`` is what it watches; ``made``: in the page, where it can be changed too;
+    ``problem``: why it does not fit the description; ``may_use``: you may acknowledge it.
+    """
+
+    alarm: str
+    device: str
+    definition: AlarmDefinition
+    made: bool
+    problem: str
+    may_use: bool
+
+
+class AlarmList(Shape):
+    """The alarms of a site. ``may_manage``: you may make, change and remove them."""
+
+    alarms: list[AlarmShape]
+    may_manage: bool
+
+
+class ActAsk(Shape):
+    """Do something about an alarm.
+
+    ``text`` is the comment or the reason; ``to`` whom it is assigned to (empty: nobody);
+    ``until_us`` the end of the shelving.
+    """
+
+    act: Literal["acknowledge", "assign", "comment", "shelve", "unshelve"]
+    text: Annotated[_Words, StringConstraints(strip_whitespace=True)] = ""
+    to: _Name = ""
+    until_us: int = Field(default=0, ge=0, le=2**53)
+
+
+class AlarmPast(Shape):
+    """One thing that happened to an alarm; ``episode`` counts how often it was raised."""
+
+    id: str
+    what: str
+    episode: int
+    time_us: int
+    who: str
+    message: str
+
+
+class AlarmPastList(Shape):
+    """What happened to an alarm, newest first; with ``more``, ask again ``before`` the last."""
+
+    past: list[AlarmPast]
+    more: bool
+
+
+class PreviewAsk(Shape):
+    """How an alarm would have done over a window, by default the last day."""
+
+    definition: AlarmDefinition
+    hours: float = Field(default=24, gt=0, le=24 * 31, allow_inf_nan=False)
+
+
+class SpanShape(Shape):
+    """It would have been active from then to then."""
+
+    from_us: int
+    to_us: int
+    why: str
+
+
+class PreviewShape(Shape):
+    """What would have been.
+
+    ``problem`` says what does not fit, ``where`` the key it is about; then the rest is empty.
+    ``now`` is what is so now, in words; ``unknown_us``: for so long it could not be judged.
+    """
+
+    where: str = ""
+    problem: str = ""
+    from_us: int = 0
+    to_us: int = 0
+    count: int = 0
+    unknown_us: int = 0
+    spans: list[SpanShape] = Field(default=[])
+    signals: list[str] = Field(default=[])

@@ -1,0 +1,54 @@
+"""What the routes of anomaly detectors take and give."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, Field, StringConstraints
+
+from talaia.hub.api.schemas.common import Shape
+
+__all__ = ["AnomalyList", "AnomalyShape", "ForgiveAnswer", "ForgiveAsk"]
+
+
+class AnomalyShape(BaseModel):
+    """One detector at work on a signal."""
+
+    address: str = Field(description="of the signal: ``device/signal``")
+    detector: str = Field(description="its word in the site description")
+    name: str = Field(description="as people call it")
+    bar: float = Field(description="a score from here on is an anomaly")
+    score: float = Field(description="the newest, 0 to 1")
+    scores: str = Field(description="the channel of the history that holds its scores")
+    began_us: int = Field(description="since when an anomaly is on; -1 while there is none")
+    from_us: int = Field(description="when the newest anomaly began; 0 before the first")
+    to_us: int = Field(description="its last high sample; 0 while it is on")
+    why: str = Field(description="of the anomaly that is on, or of the last one")
+    forgiven: bool = Field(description="whether a person said that it was none")
+    learns: bool = Field(description="whether it can be told so: limits are changed by hand")
+    learning: int = Field(
+        description="so many samples until it has learned; before, it tells little"
+    )
+    late: int = Field(description="samples that came after newer ones and were not looked at")
+
+
+class AnomalyList(BaseModel):
+    """All detectors of a site that the person may see."""
+
+    detectors: list[AnomalyShape]
+    may_forgive: bool = Field(description="whether the person may say that one was no anomaly")
+    skipped: int = Field(description="samples that the hub had no time for, since its start")
+
+
+class ForgiveAsk(Shape):
+    """Say that the latest peak of a detector's score was no anomaly."""
+
+    address: Annotated[str, StringConstraints(max_length=200)]
+    detector: Annotated[str, StringConstraints(max_length=20)]
+    comment: Annotated[str, StringConstraints(max_length=500, strip_whitespace=True)] = ""
+
+
+class ForgiveAnswer(BaseModel):
+    """What the detector made of it."""
+
+    learned: bool = Field(description="false where it cannot: limits are changed by hand")

@@ -1,0 +1,449 @@
+"""Every JSON body of the HTTP API; the browser's types are made from these.
+
+Times ending in ``_us`` are microseconds since the epoch (UTC). Long, because the bodies of sites,
+gateways and the audit log are read together; those of people and roles are in `people_shapes`.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from talaia.hub.api.schemas.observatory_schemas import (  # noqa: TC001 - pydantic reads them
+    EnclosureShape,
+    PlaceShape,
+    PointingShape,
+    RuleShape,
+)
+from talaia.hub.api.schemas.sighting_schemas import SeenShape  # noqa: TC001 - pydantic reads it
+
+__all__ = [
+    "ArgumentShape",
+    "AuditAsk",
+    "AuditChain",
+    "AuditList",
+    "AuditPage",
+    "AuditRow",
+    "CodeAsk",
+    "CodeShape",
+    "CommandShape",
+    "DetectShape",
+    "DeviceShape",
+    "DriveShape",
+    "EnrolAnswer",
+    "EnrolAsk",
+    "EventList",
+    "EventShape",
+    "GapShape",
+    "GatewayList",
+    "GatewayShape",
+    "Health",
+    "HistoryAnswer",
+    "LoginAsk",
+    "Me",
+    "OpenCodeShape",
+    "PermissionShape",
+    "ProblemShape",
+    "ReconnectAsk",
+    "SeriesShape",
+    "SetupAsk",
+    "SignalShape",
+    "SiteShape",
+    "SiteSummary",
+    "StreamShape",
+]
+
+# The short name of a site or a device, or all of them.
+_PLACE = Field(pattern=r"^(\*|[a-z][a-z0-9_]{0,62})$")
+
+
+class Shape(BaseModel):
+    """A key that is not described is an error, not a silence."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="after")
+    def _no_nul(self) -> Self:
+        # PostgreSQL stores none, and no text that people write holds one.
+        if any(isinstance(value, str) and "\0" in value for value in self.__dict__.values()):
+            raise ValueError("a text holds the character NUL")
+        return self
+
+
+class ProblemShape(Shape):
+    """What went wrong: a word for programs, a sentence for people."""
+
+    code: str
+    message: str
+
+
+class Health(Shape):
+    """The hub answers."""
+
+    ok: bool
+
+
+class LoginAsk(Shape):
+    """Sign in; ``code`` is of the authenticator, or a recovery code, where there is a factor."""
+
+    name: str = Field(min_length=1, max_length=200)
+    password: str = Field(max_length=4096)
+    code: str = Field(default="", max_length=64)
+
+
+class SetupAsk(Shape):
+    """Make the first admin, with the token of the set-up link."""
+
+    token: str = Field(min_length=1, max_length=200)
+    name: str = Field(min_length=1, max_length=200)
+    password: str = Field(max_length=4096)
+
+
+class PermissionShape(Shape):
+    """A right (view, use or admin) on a site and a device; ``*`` stands for each of them."""
+
+    right: Literal["view", "use", "admin"]
+    site: str = _PLACE
+    device: str = _PLACE
+
+
+class Me(Shape):
+    """Who is signed in, until when unless used, and until when at most.
+
+    ``admin`` holds for the whole hub; ``factor``: you sign in with a second factor.
+    """
+
+    name: str
+    role: str
+    admin: bool
+    factor: bool
+    idle_ends_us: int
+    ends_us: int
+    permissions: list[PermissionShape]
+
+
+class SiteSummary(Shape):
+    """A site in the list.
+
+    ``devices`` and ``signals`` count what you may see, ``stale`` those of the signals that are
+    older than their limit or have never come.
+    """
+
+    site: str
+    name: str
+    zone: str
+    online: bool
+    since_us: int
+    last_seen_us: int
+    why: str
+    loop_ms: float
+    skew_ms: float
+    rival_us: int
+    devices: int
+    signals: int
+    stale: int
+
+
+class SignalShape(Shape):
+    """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds.
+
+    ``public``: everybody who is signed in may see it.
+    """
+
+    id: str
+    address: str
+    name: str
+    type: str
+    unit: str
+    decimals: int
+    minimum: float | None
+    maximum: float | None
+    states: list[str]
+    frame: str
+    max_age: float
+    primary: bool
+    public: bool
+    channels: list[str]
+
+
+class DetectShape(Shape):
+    """What of a camera's pictures is counted: classes, and how sure (0 to 1) at the least."""
+
+    classes: list[str]
+    confidence: float
+
+
+class StreamShape(Shape):
+    """A camera. ``max_rate`` is in Hz; ``detect`` is null where nothing is looked for."""
+
+    id: str
+    address: str
+    name: str
+    max_rate: float
+    public: bool
+    detect: DetectShape | None = None
+
+
+class ArgumentShape(Shape):
+    """One argument of a command."""
+
+    id: str
+    name: str
+    type: str
+    unit: str
+    minimum: float | None
+    maximum: float | None
+    max_length: int
+    default: bool | int | float | str | None
+
+
+class CommandShape(Shape):
+    """A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early."""
+
+    id: str
+    name: str
+    description: str
+    confirm: bool
+    timeout: float
+    cancellable: bool
+    arguments: list[ArgumentShape]
+
+
+class DriveShape(Shape):
+    """How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software)."""
+
+    max_speed: float
+    max_reverse: float
+    max_turn: float
+    rate: float
+    ttl: float
+    lease: float
+    picture: str
+    position: str
+    stop: bool
+
+
+class DeviceShape(Shape):
+    """A device as far as you may see it; ``rights`` are yours: view, use, admin.
+
+    ``link_loss`` says what its gateway does with it when the hub is out of reach, ``pointing``
+    where a telescope may not point. ``unguarded``: a dome or telescope that nothing closes or
+    parks by itself.
+    """
+
+    id: str
+    name: str
+    kind: str
+    signals: list[SignalShape]
+    streams: list[StreamShape]
+    commands: list[CommandShape]
+    drive: DriveShape | None
+    public: bool
+    link_loss: str
+    pointing: PointingShape | None
+    rights: list[str]
+    unguarded: bool
+
+
+class SiteShape(Shape):
+    """A site as far as you may see it; ``rules`` are its interlocks, ``enclosures`` its roofs."""
+
+    site: str
+    name: str
+    zone: str
+    online: bool
+    since_us: int
+    last_seen_us: int
+    catalogue: str
+    place: PlaceShape | None
+    devices: list[DeviceShape]
+    rules: list[RuleShape]
+    enclosures: list[EnclosureShape]
+
+
+class GapShape(Shape):
+    """Samples that are lost, and why."""
+
+    from_us: int
+    to_us: int
+    reason: str
+
+
+class SeriesShape(Shape):
+    """One channel's samples.
+
+    Every one (``exact``) or the least and greatest of each bucket (``minmax``). ``v`` is null
+    where there is no number; ``text`` is there for texts only.
+    """
+
+    address: str
+    kind: str
+    t_us: list[int]
+    v: list[float | None]
+    text: list[str] | None = None
+    gaps: list[GapShape]
+
+
+class HistoryAnswer(Shape):
+    """A window of the history."""
+
+    series: list[SeriesShape]
+
+
+class EventShape(Shape):
+    """Something that happened. ``sighting``: what a camera saw, while it is kept."""
+
+    id: str
+    time_us: int
+    kind: str
+    device: str
+    who: str
+    message: str
+    good: bool
+    sighting: SeenShape | None = None
+
+
+class EventList(Shape):
+    """The newest events first. ``more``: older ones of the window were left out."""
+
+    events: list[EventShape]
+    more: bool
+
+
+class GatewayShape(Shape):
+    """A gateway that has, or had, a key.
+
+    ``revoked_us`` is 0 while the key is good, ``seen_us`` 0 before its first link; address and
+    version are those of its last link.
+    """
+
+    id: str
+    site: str
+    name: str
+    created_us: int
+    revoked_us: int
+    seen_us: int
+    address: str
+    version: str
+    online: bool
+
+
+class OpenCodeShape(Shape):
+    """A one-time code that can still be used. What it says was shown once and is not kept."""
+
+    id: str
+    site: str
+    created_us: int
+    expires_us: int
+
+
+class GatewayList(Shape):
+    """All gateways, and the codes by which others may enrol."""
+
+    gateways: list[GatewayShape]
+    codes: list[OpenCodeShape]
+
+
+class CodeAsk(Shape):
+    """Make a one-time code for the gateway of a site; ``name`` is what people call it."""
+
+    site: str = Field(pattern=r"^[a-z][a-z0-9_]{0,62}$")
+    name: str = Field(default="", max_length=100)
+
+
+class CodeShape(Shape):
+    """A one-time code, shown once.
+
+    ``command`` is what to run beside the robot, ``qr`` the same as an SVG picture, and
+    ``fingerprint`` that of the hub's certificate (empty where a proxy holds it).
+    """
+
+    id: str
+    code: str
+    expires_us: int
+    command: str
+    fingerprint: str
+    qr: str
+
+
+class EnrolAsk(Shape):
+    """Use a one-time code; ``name`` is what the gateway calls itself."""
+
+    code: str = Field(min_length=1, max_length=200)
+    name: str = Field(default="", max_length=100)
+
+
+class EnrolAnswer(Shape):
+    """The gateway's own key, told once; ``fingerprint`` is that of the hub's certificate."""
+
+    site: str
+    gateway: str
+    key: str
+    fingerprint: str
+
+
+class ReconnectAsk(Shape):
+    """Dial again (no device), or let the gateway connect anew to one device."""
+
+    device: str = Field(default="", max_length=200)
+
+
+class AuditRow(Shape):
+    """One row of the audit log."""
+
+    id: str
+    time_us: int
+    kind: str
+    who: str
+    address: str
+    site: str
+    device: str
+    message: str
+    good: bool
+
+
+# A text to look for; no database holds a NUL.
+_TEXT = Field(default=None, max_length=200, pattern=r"^[^\x00]*$")
+
+
+class AuditAsk(Shape):
+    """Which rows of the audit log are meant; what is left out does not matter.
+
+    ``kind`` is its beginning: ``command`` finds all about commands, ``command,stop`` all about
+    either. ``from_us`` is included, ``to_us`` is not; ``before`` is the id of a row, for the ones
+    after it in the list.
+    """
+
+    who: str | None = _TEXT
+    site: str | None = _TEXT
+    device: str | None = _TEXT
+    kind: str | None = _TEXT
+    good: bool | None = None
+    from_us: int | None = Field(default=None, ge=0, le=2**53)
+    to_us: int | None = Field(default=None, ge=0, le=2**53)
+    before: int | None = Field(default=None, ge=0, le=2**53)
+
+
+class AuditPage(AuditAsk):
+    """The same, and how many rows at most."""
+
+    limit: int = Field(default=100, ge=1, le=1000)
+
+
+class AuditList(Shape):
+    """Rows, newest first; with ``more``, ask again with the last one's id as ``before``."""
+
+    rows: list[AuditRow]
+    more: bool
+
+
+class AuditChain(Shape):
+    """Whether every row follows from the one before.
+
+    ``rows`` counts those that do; ``broken`` is the id of the first that does not, or 0.
+    """
+
+    ok: bool
+    rows: int
+    broken: int

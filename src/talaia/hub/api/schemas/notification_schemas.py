@@ -1,0 +1,170 @@
+"""What the routes of ways, rules and browsers take and give. Secrets go in, and never out."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, StringConstraints, model_validator
+
+from talaia.hub.api.schemas.common import Shape
+from talaia.model.units.time_zones import known_zones
+
+__all__ = [
+    "NoticeRuleShape",
+    "PushAsk",
+    "PushBrowserShape",
+    "PushList",
+    "RuleAsk",
+    "RuleList",
+    "WayAsk",
+    "WayChoice",
+    "WayChoiceList",
+    "WayList",
+    "WayShape",
+    "WentShape",
+    "WriteOnly",
+]
+
+_Line = Annotated[str, StringConstraints(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")]
+_Secret = Annotated[str, StringConstraints(max_length=2000, pattern=r"^[^\x00-\x1f\x7f]*$")]
+# One address and nothing else: it goes into a header.
+_MAIL = re.compile(r"[^\s\x00-\x1f\x7f<>(),:;\"\\@]{1,64}@[A-Za-z0-9.\-]{1,190}\Z")
+_Severity = Literal["info", "warning", "critical"]
+_Minute = Annotated[int, Field(ge=0, le=1439)]
+
+
+class WriteOnly(Shape):
+    """Secrets of a way; what is left out stays as it is, an empty text removes it."""
+
+    password: _Secret | None = None
+    url: _Secret | None = None
+    token: _Secret | None = None
+
+
+class WayAsk(Shape):
+    """A server that messages go to.
+
+    Mail: ``host``, ``port``, ``security``, ``sender``, and ``user`` with the secret ``password``.
+    Webhook: the secrets ``url`` and ``token`` (sent as a bearer token). Chat: the secret ``url``,
+    as apprise writes it (``ntfys://…``, ``matrixs://…``, ``tgram://…``). Push: ``sender``, an
+    address at which a push service may reach you.
+    """
+
+    name: Annotated[_Line, StringConstraints(min_length=1, strip_whitespace=True)]
+    kind: Literal["mail", "webhook", "chat", "push"]
+    host: Annotated[str, StringConstraints(max_length=200, pattern=r"^[A-Za-z0-9.\-:]*$")] = ""
+    port: int = Field(default=587, ge=1, le=65535)
+    security: Literal["starttls", "tls", "none"] = "starttls"
+    sender: str = Field(default="", max_length=255)
+    user: _Line = ""
+    secrets: WriteOnly = WriteOnly()
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if self.kind in {"mail", "push"} and not _MAIL.match(self.sender):
+            raise ValueError("sender: expected one mail address")
+        if self.kind == "mail" and not self.host:
+            raise ValueError("host: expected the name of the mail server")
+        return self
+
+
+class WayShape(Shape):
+    """A way, as an admin sees it; ``secrets`` names those that are set, and no more."""
+
+    id: str
+    name: str
+    kind: Literal["mail", "webhook", "chat", "push"]
+    host: str
+    port: int
+    security: Literal["starttls", "tls", "none"]
+    sender: str
+    user: str
+    secrets: list[str]
+
+
+class WayList(Shape):
+    """All ways."""
+
+    ways: list[WayShape]
+
+
+class WayChoice(Shape):
+    """A way that you can be told by."""
+
+    id: str
+    name: str
+    kind: Literal["mail", "webhook", "chat", "push"]
+
+
+class WayChoiceList(Shape):
+    """All ways that you can be told by."""
+
+    ways: list[WayChoice]
+
+
+class RuleAsk(Shape):
+    """Tell me of alarms.
+
+    ``site`` may be ``*``; ``target`` is where to, for mail. Quiet hours are minutes of the day in
+    ``zone``; none where both are the same. ``group_s``: what follows so soon comes along.
+    """
+
+    site: str = Field(pattern=r"^(\*|[a-z][a-z0-9_]{0,62})$")
+    way: str = Field(pattern=r"^[0-9]{1,18}$")
+    target: _Line = ""
+    least: _Severity = "warning"
+    over: bool = True
+    quiet_from: _Minute = 0
+    quiet_to: _Minute = 0
+    quiet_least: _Severity = "critical"
+    zone: str = Field(default="UTC", max_length=64)
+    group_s: int = Field(default=10, ge=0, le=3600)
+
+    @model_validator(mode="after")
+    def _known(self) -> Self:
+        if self.zone not in known_zones():
+            raise ValueError("zone: there is no such time zone")
+        return self
+
+
+class NoticeRuleShape(RuleAsk):
+    """One of your rules."""
+
+    id: str
+
+
+class RuleList(Shape):
+    """Your rules."""
+
+    rules: list[NoticeRuleShape]
+
+
+class WentShape(Shape):
+    """How a test went: ``sent``, or what went wrong, in the words of whoever refused it."""
+
+    sent: bool
+    problem: str
+
+
+class PushAsk(Shape):
+    """A browser's subscription, as its Push API gives it."""
+
+    endpoint: Annotated[str, StringConstraints(max_length=1500, pattern=r"^https://[!-~]+$")]
+    p256dh: str = Field(max_length=200, pattern=r"^[A-Za-z0-9_\-=]+$")
+    auth: str = Field(max_length=100, pattern=r"^[A-Za-z0-9_\-=]+$")
+
+
+class PushBrowserShape(Shape):
+    """A browser of yours that takes messages."""
+
+    id: str
+    agent: str
+    created_us: int
+
+
+class PushList(Shape):
+    """Your browsers; ``key`` is what a browser needs to subscribe, empty where push is not set."""
+
+    key: str
+    browsers: list[PushBrowserShape]

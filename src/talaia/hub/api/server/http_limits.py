@@ -1,0 +1,105 @@
+"""HTTP as uvicorn reads it, with bounds: how long a head may be, and how long it may take."""
+
+from __future__ import annotations
+
+import json
+from http import HTTPStatus
+from typing import TYPE_CHECKING
+
+from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol, RequestResponseCycle
+
+from talaia.hub.api.server.response_headers import guarding_headers
+
+if TYPE_CHECKING:
+    import asyncio
+
+__all__ = ["HubProtocol"]
+
+MAX_HEAD = 64 * 1024
+HEAD_S = 15.0
+BODY_S = 60.0
+
+
+class HubProtocol(HttpToolsProtocol):
+    """One connection. Whoever dawdles or babbles is sent away, before it costs memory."""
+
+    _timer: asyncio.TimerHandle | None = None
+    _in_head = True
+    _head = 0
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Wait for a head, but not for ever."""
+        super().connection_made(transport)
+        self._arm(HEAD_S)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Wait no more."""
+        self._disarm()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Count what a head has so far."""
+        super().data_received(data)
+        if self._in_head and not self.transport.is_closing():
+            self._head += len(data)
+            if self._head > MAX_HEAD:
+                self._end(431, "head", f"a request's head holds at most {MAX_HEAD} bytes")
+
+    def on_message_begin(self) -> None:
+        """Begin a head."""
+        super().on_message_begin()
+        self._in_head, self._head = True, 0
+        self._arm(HEAD_S)
+
+    def on_headers_complete(self) -> None:
+        """Go on to the body, which may take longer."""
+        super().on_headers_complete()
+        self._in_head = False
+        self._arm(BODY_S)
+
+    def on_message_complete(self) -> None:
+        """Wait no more; the next head is uvicorn's matter until it begins."""
+        super().on_message_complete()
+        self._disarm()
+
+    def handle_websocket_upgrade(self) -> None:
+        """Hand the connection over."""
+        self._disarm()
+        super().handle_websocket_upgrade()
+
+    def send_400_response(self, msg: str) -> None:
+        """Say no in our form, with our headers."""
+        self._end(400, "invalid", msg)
+
+    def _end(self, status: int, code: str, message: str) -> None:
+        self._disarm()
+        body = json.dumps({"code": code, "message": message}).encode()
+        headers = [
+            *guarding_headers("", tls=self.scheme == "https"),
+            ("Content-Type", "application/problem+json"),
+            ("Content-Length", str(len(body))),
+            ("Cache-Control", "no-store"),
+            ("Connection", "close"),
+        ]
+        lines = [f"HTTP/1.1 {status} {HTTPStatus(status).phrase}"]
+        lines += [f"{name.lower()}: {value}" for name, value in headers]
+        self.transport.write("\r\n".join(lines).encode("ascii") + b"\r\n\r\n" + body)
+        self.transport.close()
+
+    def _arm(self, seconds: float) -> None:
+        self._disarm()
+        self._timer = self.loop.call_later(seconds, self._late)
+
+    def _disarm(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _late(self) -> None:
+        self._timer = None
+        cycle: RequestResponseCycle | None = self.cycle
+        if cycle is not None and cycle.response_started:
+            # It has its answer; what it still sends is not wanted.
+            self.transport.close()
+        elif not self.transport.is_closing():
+            self._end(408, "late", "the request took too long")

@@ -1,0 +1,176 @@
+"""What stands before every request: Host, Origin, size, and the headers of every answer."""
+
+from __future__ import annotations
+
+import ipaddress
+from typing import TYPE_CHECKING, NamedTuple
+
+from starlette.datastructures import Headers, MutableHeaders
+
+from talaia.hub.api.problems import problem
+from talaia.hub.api.server.proxies import Proxies
+from talaia.hub.api.server.response_headers import guarding_headers
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+    from talaia.hub.settings import Settings
+
+__all__ = ["Shield", "host_name", "same_origin"]
+
+_SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
+_GATEWAY = "/gateway/"
+_ENROL = "/api/enrol"
+_API = "/api/"
+_STRANGE = frozenset("\"' ;,\\/@?#<>")
+_SECURE = frozenset({"https", "wss"})
+
+
+class _No(NamedTuple):
+    """A refusal."""
+
+    status: int
+    code: str
+    said: str
+
+
+def host_name(host: str) -> str:
+    """Give the name in a Host header: without port and brackets, in lower case."""
+    if host.startswith("["):
+        return host[1:].split("]", 1)[0].lower()
+    return host.rsplit(":", 1)[0].lower() if host.count(":") == 1 else host.lower()
+
+
+def same_origin(origin: str | None, host: str, *, tls: bool) -> bool:
+    """Tell whether a page of this very scheme, host and port is asking."""
+    return origin is not None and origin == f"{'https' if tls else 'http'}://{host}"
+
+
+class Shield:
+    """ASGI around the application."""
+
+    def __init__(self, app: ASGIApp, settings: Settings) -> None:
+        """Guard ``app``; hosts, proxies and the body's limit come from ``settings``."""
+        self._app = app
+        self._proxies = Proxies(settings.proxies)
+        self._hosts = settings.host_names
+        self._max_body = settings.max_body
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Refuse, or pass on with our headers on the answer."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+        scope = self._proxies.look_through(scope)
+        tls = scope["scheme"] in _SECURE
+        headers = Headers(scope=scope)
+        hosts = headers.getlist("host")
+        host = hosts[0] if len(hosts) == 1 and self._is_ours(hosts[0], scope) else ""
+        dressed = _dressed(scope, host, send, tls=tls)
+        if len(hosts) > 1:
+            no: _No | None = _No(400, "host", "say once which host is meant")
+        elif not host:
+            no = _No(421, "host", "this hub is not known by that name; add it with --allow-host")
+        elif scope["type"] == "websocket":
+            no = _of_socket(scope["path"], headers, host, tls=tls)
+        else:
+            no = self._of_request(scope, headers, host, tls=tls)
+        if no is None:
+            await self._app(scope, receive, dressed)
+        else:
+            await _refuse(no, scope, receive, dressed)
+
+    def _is_ours(self, host: str, scope: Scope) -> bool:
+        if not _STRANGE.isdisjoint(host):
+            return False
+        name = host_name(host)
+        if name in self._hosts:
+            return True
+        # The very address that was dialled. A page of somebody else's name cannot bring it about
+        # that a browser says this: that is what the list is against.
+        server = scope.get("server")
+        return server is not None and _same_address(name, server[0])
+
+    def _of_request(self, scope: Scope, headers: Headers, host: str, *, tls: bool) -> _No | None:
+        length = headers.get("content-length")
+        if "transfer-encoding" in headers:
+            return _No(411, "length", "say how long the body is")
+        if length is not None and (not length.isdecimal() or int(length) > self._max_body):
+            return _No(413, "too_large", f"a body holds at most {self._max_body} bytes")
+        path, site = scope["path"], headers.get("sec-fetch-site")
+        if scope["method"] in _SAFE:
+            if path.startswith(_API) and site in {"cross-site", "same-site"}:
+                return _No(403, "origin", "a page of another origin may not ask this")
+            return None
+        kind = headers.get("content-type", "").split(";", 1)[0].strip().lower()
+        if kind != "application/json" and (kind or length not in {None, "0"}):
+            return _No(415, "type", "send JSON (Content-Type: application/json)")
+        if not _may_change(path, headers, host, tls=tls):
+            return _No(403, "origin", "a page of another origin may not ask this")
+        return None
+
+
+def _may_change(path: str, headers: Headers, host: str, *, tls: bool) -> bool:
+    """Tell whether what may change something comes from a page of ours, or from no page at all.
+
+    A browser names the origin of the page that asks. Programs have none; they are let in where no
+    cookie could speak for somebody who does not know: with a token of their own, and to enrol.
+    """
+    origin = headers.get("origin")
+    if origin is not None:
+        return same_origin(origin, host, tls=tls)
+    site = headers.get("sec-fetch-site")
+    if site is not None:
+        return site == "same-origin"
+    return path == _ENROL or _bearer(headers)
+
+
+def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | None:
+    origin = headers.get("origin")
+    if path.startswith(_GATEWAY):
+        # A gateway is no page; a page must not speak to this door whatever key it has.
+        return _No(403, "origin", "this is no door for pages") if origin is not None else None
+    if origin is None and "cookie" not in headers and _bearer(headers):
+        # A script with a token of its own; a page cannot send one when it opens a socket.
+        return None
+    if not same_origin(origin, host, tls=tls):
+        return _No(403, "origin", "a page of another origin may not connect")
+    return None
+
+
+def _bearer(headers: Headers) -> bool:
+    return headers.get("authorization", "").lower().startswith("bearer ")
+
+
+def _same_address(name: str, own: str) -> bool:
+    try:
+        return ipaddress.ip_address(name) == ipaddress.ip_address(own)
+    except ValueError:
+        return False
+
+
+async def _refuse(no: _No, scope: Scope, receive: Receive, send: Send) -> None:
+    answer = problem(*no)
+    if scope["type"] == "http":
+        await answer(scope, receive, send)
+        return
+    # Before the upgrade, as an ordinary answer: a browser's console shows the status.
+    await receive()
+    start = {"status": no.status, "headers": answer.raw_headers}
+    await send({"type": "websocket.http.response.start", **start})
+    await send({"type": "websocket.http.response.body", "body": bytes(answer.body)})
+
+
+def _dressed(scope: Scope, host: str, send: Send, *, tls: bool) -> Send:
+    async def dressed(message: Message) -> None:
+        if message["type"] in {"http.response.start", "websocket.http.response.start"}:
+            headers = MutableHeaders(scope=message)
+            for name, value in guarding_headers(host, tls=tls):
+                # What others have sent us is locked up more tightly by its own route.
+                if not headers.get(name, "").startswith("sandbox"):
+                    headers[name] = value
+            if scope["path"].startswith("/api"):
+                headers["Cache-Control"] = "no-store"
+        await send(message)
+
+    return dressed

@@ -1,0 +1,1 @@
+"""Sites over HTTP: what they are, their gateways, alarms and anomalies."""

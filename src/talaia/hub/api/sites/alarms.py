@@ -1,0 +1,270 @@
+"""Alarms: listed, acknowledged, assigned, put aside, made and tried out."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Annotated
+
+import msgspec
+from fastapi import APIRouter, Query, Request
+
+from talaia.hub.alarms.conditions import Condition
+from talaia.hub.alarms.machine import (
+    Acknowledge,
+    Assign,
+    Comment,
+    Event,
+    NotNow,
+    Shelve,
+    Unshelve,
+)
+from talaia.hub.alarms.preview import Track, preview
+from talaia.hub.api.access import address_of, known_live_of, who_of
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.schemas.alarm_schemas import (
+    ActAsk,
+    AlarmDefinition,
+    AlarmList,
+    AlarmPast,
+    AlarmPastList,
+    AlarmShape,
+    PreviewAsk,
+    PreviewShape,
+    SpanShape,
+)
+from talaia.hub.auth.permissions import ANY, Right, sees_device
+from talaia.hub.store.alarms.alarm_states import Made
+from talaia.model.alarms.alarm import Alarm, AlarmKind
+from talaia.model.checks.alarm_checks import Addresses, alarm_findings
+
+if TYPE_CHECKING:
+    from talaia.clock import Clock
+    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.live.alarms.alarm_state import LiveAlarm
+    from talaia.hub.live.sites import LiveSite
+    from talaia.hub.ports import History
+    from talaia.hub.store.accounts.people import People
+    from talaia.hub.store.alarms.alarm_states import AlarmStore
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["AlarmPages"]
+
+_ID = re.compile(r"[a-z][a-z0-9_]{0,62}\Z")
+_LONGEST_SHELF_US = 30 * 86_400 * 1_000_000
+_WIDTH = 1500
+_MOST_MADE = 500
+
+
+class AlarmPages:
+    """The routes of alarms."""
+
+    def __init__(
+        self,
+        alarms: Alarms,
+        store: AlarmStore,
+        people: People,
+        history: History,
+        audit: Audit,
+        clock: Clock,
+    ) -> None:
+        """Answer from ``alarms``; what has been is in ``store`` and ``history``."""
+        self._alarms = alarms
+        self._store = store
+        self._people = people
+        self._history = history
+        self._audit = audit
+        self._clock = clock
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        at = "/api/sites/{site}/alarms"
+        router.get(at)(self.overview)
+        router.get(at + "/{alarm}/history")(self.past)
+        router.post(at + "/{alarm}/act", status_code=204)(self.act)
+        router.put(at + "/{alarm}", status_code=204)(self.define)
+        router.delete(at + "/{alarm}", status_code=204)(self.remove)
+        router.post("/api/sites/{site}/alarm-preview")(self.preview)
+        return router
+
+    async def overview(self, site: str, request: Request) -> AlarmList:
+        """List the alarms that are open to you; how they stand is told over the socket."""
+        grants = who_of(request).grants
+        return AlarmList(
+            may_manage=grants.may(Right.ADMIN, site),
+            alarms=[
+                AlarmShape(
+                    alarm=each.about.alarm,
+                    device=each.about.device,
+                    definition=_shape(each.alarm),
+                    made=each.made,
+                    problem=each.problem,
+                    may_use=grants.may(Right.USE, site, each.about.device or ANY),
+                )
+                for each in self._alarms.of(site)
+                if each.alarm is not None and grants.may(Right.VIEW, site, each.about.device or ANY)
+            ],
+        )
+
+    async def past(
+        self,
+        site: str,
+        alarm: str,
+        request: Request,
+        limit: Annotated[int, Query(ge=1, le=500)] = 50,
+        before: Annotated[int, Query(ge=0, le=2**53)] = 2**53,
+    ) -> AlarmPastList:
+        """List what has happened to an alarm, newest first."""
+        self._found(request, site, alarm, Right.VIEW)
+        found = await self._store.past(site, alarm, limit + 1, before)
+        return AlarmPastList(
+            more=len(found) > limit,
+            past=[
+                AlarmPast(
+                    id=str(each.id),
+                    what=each.happened.what.value,
+                    episode=each.happened.episode,
+                    time_us=each.happened.time_us,
+                    who=each.happened.who,
+                    message=each.happened.message,
+                )
+                for each in found[:limit]
+            ],
+        )
+
+    async def act(self, site: str, alarm: str, asked: ActAsk, request: Request) -> None:
+        """Acknowledge, assign, comment, shelve or unshelve an alarm."""
+        found = self._found(request, site, alarm, Right.USE)
+        event = await self._event(asked, who_of(request).name)
+        try:
+            await self._alarms.act(found, event)
+        except NotNow as error:
+            raise ApiProblem(409, "not_now", str(error)) from error
+
+    async def define(self, site: str, alarm: str, asked: AlarmDefinition, request: Request) -> None:
+        """Make an alarm, or change one that was made here."""
+        live = known_live_of(request)
+        if not _ID.match(alarm):
+            raise ApiProblem(
+                422, "invalid", "the short name takes small letters, digits and _, 63 at most"
+            )
+        if alarm in live.description.alarms:
+            raise ApiProblem(409, "described", "the site description has it; change it there")
+        known = self._alarms.find(site, alarm)
+        if known is None and sum(each.made for each in self._alarms.of(site)) >= _MOST_MADE:
+            raise ApiProblem(409, "too_many", f"a site has at most {_MOST_MADE} alarms made here")
+        definition = _alarm(asked)
+        finding = next(iter(alarm_findings(Addresses(live.description), "$", definition)), None)
+        if finding is not None:
+            raise ApiProblem(422, "invalid", str(finding).removeprefix("$."))
+        text = msgspec.json.encode(definition).decode()
+        who = who_of(request).name
+        await self._alarms.define(live, Made(site, alarm, text, who, self._now_us()))
+        self._note(request, "alarm changed" if known else "alarm made", live, definition.name)
+
+    async def remove(self, site: str, alarm: str, request: Request) -> None:
+        """Remove an alarm that was made here."""
+        live = known_live_of(request)
+        known = self._alarms.find(site, alarm)
+        if known is not None and not known.made:
+            raise ApiProblem(409, "described", "the site description has it; remove it there")
+        if not await self._alarms.forget(live, alarm):
+            raise ApiProblem(404, "unknown", "there is no such alarm")
+        self._note(request, "alarm removed", live, known.about.name if known else alarm)
+
+    async def preview(self, site: str, asked: PreviewAsk, request: Request) -> PreviewShape:
+        """Try an alarm on what has been."""
+        described, alarm = Addresses(known_live_of(request).description), _alarm(asked.definition)
+        finding = next(iter(alarm_findings(described, "$", alarm)), None)
+        if finding is not None:
+            where = finding.where.removeprefix("$").removeprefix(".")
+            return PreviewShape(
+                where=where, problem=f"{finding.problem}; {finding.remedy}".rstrip("; ")
+            )
+        if alarm.kind in {AlarmKind.ANOMALY, AlarmKind.DETECTION}:
+            return PreviewShape(
+                problem="what detectors say is not in the history of signals: no preview"
+            )
+        if alarm.kind in {AlarmKind.ENCLOSURE, AlarmKind.GATEWAY}:
+            return PreviewShape(
+                problem="enclosures and links are not in the history of signals: no preview"
+            )
+        condition = Condition(described, alarm)
+        to_us = self._now_us()
+        from_us = to_us - round(asked.hours * 3600 * 1e6)
+        found = await self._history.read(site, condition.channels, from_us, to_us, _WIDTH)
+        step = (to_us - from_us) // _WIDTH
+        tracks = {
+            each.address: Track(each.time_us, each.value, each.texts, 0 if each.exact else 2 * step)
+            for each in found
+        }
+        said = preview(condition, tracks, from_us, to_us)
+        return PreviewShape(
+            from_us=from_us,
+            to_us=to_us,
+            count=said.times,
+            unknown_us=said.unknown_us,
+            spans=[SpanShape(**span._asdict()) for span in said.spans],
+            signals=list(condition.channels),
+        )
+
+    async def _event(self, asked: ActAsk, who: str) -> Event:
+        now = self._now_us()
+        match asked.act:
+            case "acknowledge":
+                return Acknowledge(now, who, asked.text)
+            case "comment":
+                if not asked.text:
+                    raise ApiProblem(422, "invalid", "the comment is empty")
+                return Comment(now, who, asked.text)
+            case "assign":
+                if asked.to and await self._people.find(asked.to) is None:
+                    raise ApiProblem(422, "invalid", f"there is nobody called {asked.to!r}")
+                return Assign(now, who, asked.to)
+            case "shelve":
+                if asked.until_us > now + _LONGEST_SHELF_US:
+                    raise ApiProblem(422, "invalid", "an alarm is shelved for 30 days at most")
+                return Shelve(now, who, asked.until_us, asked.text)
+            case "unshelve":
+                return Unshelve(now, who)
+
+    def _found(self, request: Request, site: str, alarm: str, right: Right) -> LiveAlarm:
+        """Find an alarm that somebody has a right on.
+
+        Raises:
+            ApiProblem: 404 there is none, or they may not know of its device; 403 they may know of
+                it, and no more.
+
+        """
+        grants = who_of(request).grants
+        found = self._alarms.find(site, alarm)
+        device = (found.about.device or ANY) if found else ANY
+        described = known_live_of(request).description
+        if found is not None and grants.may(right, site, device):
+            return found
+        if found is None or not (
+            grants.may(Right.VIEW, site, device)
+            or sees_device(grants, described, found.about.device)
+        ):
+            raise ApiProblem(404, "unknown", "there is no such alarm")
+        raise ApiProblem(403, "forbidden", "you do not have the right to do this")
+
+    def _note(self, request: Request, kind: str, live: LiveSite, message: str) -> None:
+        name, address = who_of(request).name, address_of(request)
+        self._audit.note(kind, who=name, address=address, site=live.name, message=message)
+
+    def _now_us(self) -> int:
+        return self._clock.wall_ns() // 1000
+
+
+def _alarm(asked: AlarmDefinition) -> Alarm:
+    said = asked.model_dump()
+    said["is"] = said.pop("is_one_of")
+    return msgspec.convert(said, Alarm)
+
+
+def _shape(alarm: Alarm) -> AlarmDefinition:
+    said = msgspec.to_builtins(alarm)
+    if "is" in said:
+        said["is_one_of"] = said.pop("is")
+    return AlarmDefinition(**said)

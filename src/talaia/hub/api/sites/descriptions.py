@@ -1,0 +1,270 @@
+"""The description of a site: its versions, what differs, and changes that the gateway judges."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Annotated, Any
+
+import msgspec
+from fastapi import APIRouter, Query, Request
+
+from talaia.hub.api.access import address_of, known_live_of, number_of, who_of
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.schemas.description_schemas import (
+    ChangeAnswer,
+    CheckAnswer,
+    CheckAsk,
+    DescribeAsk,
+    DescriptionList,
+    DescriptionText,
+    DifferenceAnswer,
+    DifferenceShape,
+    EditAnswer,
+    EditAsk,
+    FindingShape,
+    RestoreAsk,
+    VersionShape,
+)
+from talaia.model.checks.identifiers import Finding
+from talaia.model.checks.site_checks import check
+from talaia.model.errors import DescriptionError
+from talaia.model.schema import site_schema
+from talaia.model.yaml_text.diff import difference, unified
+from talaia.model.yaml_text.load import load_site, site_of_plain
+from talaia.model.yaml_text.save import saved
+from talaia.model.yaml_text.source_lines import Places
+from talaia.wire.frames import ChangePhase
+from talaia.wire.sealing import MAX_TEXT, digest_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from talaia.hub.live.gateways.change_requests import Changes
+    from talaia.hub.live.sites import LiveSite
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.sites.descriptions import Descriptions
+    from talaia.model.site import Site
+    from talaia.wire.frames import ChangeState, Problem
+
+__all__ = ["DescriptionPages"]
+
+_PAGE = 50
+_MOST_LINES = 5_000
+_MOST_FINDINGS = 200
+_PHASE = {
+    ChangePhase.APPLIED: "applied",
+    ChangePhase.REFUSED: "refused",
+    ChangePhase.WAITING: "unknown",
+}
+_Number = Annotated[int, Query(ge=0, le=2**53)]
+
+
+class DescriptionPages:
+    """The routes of descriptions."""
+
+    def __init__(self, versions: Descriptions, changes: Changes, audit: Audit) -> None:
+        """Answer from ``versions``; hand changes on by ``changes``."""
+        self._versions = versions
+        self._changes = changes
+        self._audit = audit
+        # Reading a large description takes a second of a thread: one at a time for all.
+        self._reading = asyncio.Lock()
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        at = "/api/sites/{site}/descriptions"
+        router.get(at)(self.overview)
+        router.post(at)(self.send)
+        router.post(at + "/check")(self.check)
+        router.post(at + "/edit")(self.edit)
+        router.get(at + "/{number}")(self.text)
+        router.get(at + "/{number}/difference")(self.difference)
+        router.post(at + "/{number}/restore")(self.restore)
+        router.get("/api/description-schema")(self.schema)
+        return router
+
+    async def overview(
+        self, site: str, request: Request, below: _Number = 2**53
+    ) -> DescriptionList:
+        """List the versions, the newest first, and say whether another can be sent."""
+        live = known_live_of(request)
+        found = await self._versions.of(site, below, _PAGE + 1)
+        newest = found[0].number if below == 2**53 and found else 0
+        problem = live.problem
+        return DescriptionList(
+            zone=live.description.zone,
+            online=live.online,
+            accepts=live.accepts,
+            editable=live.online and bool(live.source) and live.accepts not in ("", "no"),
+            digest=digest_of(live.source) if live.source else "",
+            versions=[
+                VersionShape(**each._asdict(), current=each.number == newest)
+                for each in found[:_PAGE]
+            ],
+            more=len(found) > _PAGE,
+            problem=problem.message if problem is not None else "",
+            findings=_told(problem.problems) if problem is not None else [],
+        )
+
+    async def text(self, site: str, number: str) -> DescriptionText:
+        """Give a version's text."""
+        found = await self._text(site, number)
+        return DescriptionText(
+            number=int(number),
+            digest=digest_of(found),
+            text=found,
+            site=await self._read(_plain, found),
+        )
+
+    async def difference(self, site: str, number: str, to: _Number) -> DifferenceAnswer:
+        """Hold a version against another one."""
+        before, after = await self._text(site, number), await self._text(site, str(to))
+        parts, lines = await self._read(_differ, before, after)
+        return DifferenceAnswer(
+            before=int(number),
+            after=to,
+            parts=parts,
+            lines=lines[:_MOST_LINES],
+            long=len(lines) > _MOST_LINES,
+        )
+
+    async def check(self, site: str, asked: CheckAsk, request: Request) -> CheckAnswer:
+        """Say what does not fit in a text, as ``talaia check`` does."""
+        known_live_of(request)
+        findings = await self._read(_check, asked.text)
+        parts, lines = [], []
+        if asked.against:
+            before = await self._text(site, str(asked.against))
+            parts, lines = await self._read(_differ, before, asked.text)
+        return CheckAnswer(
+            findings=findings,
+            site=await self._read(_plain, asked.text),
+            parts=parts,
+            lines=lines[:_MOST_LINES],
+        )
+
+    async def edit(self, asked: EditAsk, request: Request) -> EditAnswer:
+        """Write a change into a text: comments, order and spelling of the rest survive."""
+        known_live_of(request)
+        made: EditAnswer = await self._read(_edit, asked.text, asked.site)
+        return made
+
+    async def send(self, asked: DescribeAsk, request: Request) -> ChangeAnswer:
+        """Ask the gateway to go by a text, and give its answer."""
+        return await self._send(asked.text, asked.base, "edited here", request)
+
+    async def restore(
+        self, site: str, number: str, asked: RestoreAsk, request: Request
+    ) -> ChangeAnswer:
+        """Ask the gateway to go back to a version, and give its answer."""
+        text = await self._text(site, number)
+        return await self._send(text, asked.base, f"back to version {int(number)}", request)
+
+    async def schema(self) -> dict[str, Any]:
+        """Give the JSON schema of descriptions."""
+        return site_schema()
+
+    async def _send(self, text: str, base: str, note: str, request: Request) -> ChangeAnswer:
+        live, name = known_live_of(request), who_of(request).name
+        if len(text.encode()) > MAX_TEXT:
+            raise ApiProblem(413, "too_large", "a description has 4 MiB at the most")
+        if live.link is None:
+            raise ApiProblem(409, "offline", "the gateway is not connected now")
+        if not live.source:
+            problem = "this gateway's description is not one YAML file, so it is changed there"
+            raise ApiProblem(409, "undescribed", problem)
+        if base != digest_of(live.source):
+            problem = "the description has been changed meanwhile; load it anew"
+            raise ApiProblem(409, "changed", problem)
+        findings = await self._read(_check, text)
+        if findings:
+            return ChangeAnswer(
+                phase="refused",
+                message="the description cannot be used as written",
+                findings=findings,
+            )
+        self._note(request, live, "description change asked", f"{note} {digest_of(text)[:12]}")
+        state = await self._changes.ask(live, text, name, note)
+        return await self._answer(state, text)
+
+    async def _answer(self, state: ChangeState, text: str) -> ChangeAnswer:
+        phase: Any = _PHASE[state.phase]
+        findings = [Finding(each.where, each.problem, each.remedy) for each in state.problems]
+        shapes = await self._read(_placed, findings, text) if findings else []
+        return ChangeAnswer(phase=phase, message=state.message, findings=shapes)
+
+    async def _text(self, site: str, number: str) -> str:
+        text = await self._versions.text(site, number_of(number, "version"))
+        if text is None:
+            raise ApiProblem(404, "unknown", "there is no such version")
+        return text
+
+    async def _read(self, work: Any, *args: Any) -> Any:  # noqa: ANN401 - gives what ``work`` gives
+        async with self._reading:
+            return await asyncio.to_thread(work, *args)
+
+    def _note(self, request: Request, live: LiveSite, kind: str, message: str) -> None:
+        name, address = who_of(request).name, address_of(request)
+        self._audit.note(kind, who=name, address=address, site=live.name, message=message)
+
+
+def _check(text: str) -> list[FindingShape]:
+    try:
+        findings = check(load_site(text))
+    except DescriptionError as error:
+        findings = [Finding(error.where, error.problem, error.remedy)]
+    return _placed(findings, text)
+
+
+def _placed(findings: Iterable[Finding], text: str) -> list[FindingShape]:
+    places = Places(text)
+    shapes = []
+    for each in list(findings)[:_MOST_FINDINGS]:
+        line, column = places.of(each.where)
+        shapes.append(FindingShape(**each._asdict(), line=line, column=column))
+    return shapes
+
+
+def _told(problems: Iterable[Problem]) -> list[FindingShape]:
+    return [
+        FindingShape(where=each.where, problem=each.problem, remedy=each.remedy, line=0, column=0)
+        for each in problems
+    ]
+
+
+def _plain(text: str) -> dict[str, Any] | None:
+    try:
+        return _builtins(load_site(text))
+    except DescriptionError:
+        return None
+
+
+def _builtins(site: Site) -> dict[str, Any]:
+    plain: dict[str, Any] = msgspec.to_builtins(site)
+    return plain
+
+
+def _differ(before: str, after: str) -> tuple[list[DifferenceShape], list[str]]:
+    lines = unified(before, after)
+    try:
+        parts = difference(load_site(before), load_site(after))
+    except DescriptionError:
+        # Kept by a version that knew other words: the lines say it all the same.
+        parts = []
+    return [
+        DifferenceShape(kind=each.kind.value, path=each.path, before=each.before, after=each.after)
+        for each in parts
+    ], lines
+
+
+def _edit(text: str, plain: dict[str, Any]) -> EditAnswer:
+    try:
+        site = site_of_plain(plain)
+        made = saved(text, site)
+    except DescriptionError as error:
+        finding = FindingShape(
+            where=error.where, problem=error.problem, remedy=error.remedy, line=0, column=0
+        )
+        return EditAnswer(text="", findings=[finding])
+    return EditAnswer(text=made, findings=_placed(check(site), made))

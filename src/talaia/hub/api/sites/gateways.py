@@ -1,0 +1,220 @@
+"""Gateways as an admin manages them, and the door by which a new one enrols."""
+
+from __future__ import annotations
+
+import io
+import shlex
+from typing import TYPE_CHECKING, NamedTuple
+
+import segno
+from fastapi import APIRouter, Request
+
+from talaia.clock import SECOND
+from talaia.hub.api.access import address_of, who_of
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.schemas.common import (
+    CodeAsk,
+    CodeShape,
+    EnrolAnswer,
+    EnrolAsk,
+    GatewayList,
+    GatewayShape,
+    OpenCodeShape,
+    ReconnectAsk,
+)
+from talaia.hub.auth.rate_limiter import Pace
+from talaia.hub.store.sites.enrolment import Refused
+from talaia.wire.enrolment import EnrolmentCode, pin_of, read_code
+from talaia.wire.errors import CodeMistyped
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.clock import Clock
+    from talaia.hub.live.gateways.open_links import Links
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.sites.enrolment import Enrolment
+    from talaia.hub.store.sites.site_registry import KnownGateway, SiteRegistry
+
+__all__ = ["GatewayPages", "Proof"]
+
+_REFUSED = {
+    Refused.UNKNOWN: "this code is not known; compare it with the page, or make a new one there",
+    Refused.EXPIRED: "this code is too old (a code is good for 15 minutes); make a new one",
+    Refused.USED: "this code was used already; make a new one for another gateway",
+}
+
+
+class Proof(NamedTuple):
+    """How this hub proves itself: SHA-256 of its certificate, as browsers show it, and of its key.
+
+    Both are empty where it speaks plain text, on loopback or behind a proxy.
+    """
+
+    fingerprint: str = ""
+    key_hash: str = ""
+
+
+class GatewayPages:
+    """The routes of gateways."""
+
+    def __init__(
+        self,
+        registry: SiteRegistry,
+        enrolment: Enrolment,
+        links: Links,
+        audit: Audit,
+        clock: Clock,
+        proof: Callable[[], Proof],
+    ) -> None:
+        """Ask ``proof`` for the certificate of now each time: it may have been renewed."""
+        self._registry = registry
+        self._enrolment = enrolment
+        self._links = links
+        self._audit = audit
+        self._clock = clock
+        self._proof = proof
+        self._pace = Pace(burst=10, per_s=0.2)
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        router.get("/api/gateways")(self.overview)
+        router.post("/api/gateways/codes")(self.offer)
+        router.delete("/api/gateways/codes/{code}", status_code=204)(self.withdraw)
+        router.post("/api/gateways/{gateway}/revoke", status_code=204)(self.revoke)
+        router.post("/api/gateways/{gateway}/reconnect", status_code=202)(self.reconnect)
+        router.post("/api/enrol")(self.enrol)
+        return router
+
+    async def overview(self) -> GatewayList:
+        """List all gateways that have or had a key, and the codes that can still be used."""
+        online = self._links.online()
+        known, codes = await self._registry.gateways(), await self._enrolment.open()
+        return GatewayList(
+            gateways=[
+                GatewayShape(
+                    **{**each._asdict(), "id": str(each.id)},
+                    online=each.id in online,
+                )
+                for each in known
+            ],
+            codes=[
+                OpenCodeShape(
+                    id=str(each.id),
+                    site=each.site,
+                    created_us=each.created_us,
+                    expires_us=each.expires_us,
+                )
+                for each in codes
+            ],
+        )
+
+    async def offer(self, asked: CodeAsk, request: Request) -> CodeShape:
+        """Make a one-time code, good for 15 minutes. It is shown once."""
+        made, secret = await self._enrolment.offer(asked.site, asked.name)
+        proof = self._proof()
+        code = str(EnrolmentCode(secret, pin_of(proof.key_hash) if proof.key_hash else ""))
+        command = _command(request, code, asked.site)
+        self._note(request, "gateway code made", asked.site, asked.name)
+        return CodeShape(
+            id=str(made.id),
+            code=code,
+            expires_us=made.expires_us,
+            command=command,
+            fingerprint=proof.fingerprint,
+            qr=_qr(command),
+        )
+
+    async def withdraw(self, code: str, request: Request) -> None:
+        """Take a code back that was not used."""
+        found = await self._enrolment.withdraw(_number(code))
+        if found is None:
+            raise ApiProblem(404, "unknown", "there is no such code, or it was used")
+        self._note(request, "gateway code withdrawn", found.site, found.name)
+
+    async def revoke(self, gateway: str, request: Request) -> None:
+        """Make a gateway's key void; its link is closed at once."""
+        found = await self._find(gateway)
+        if not await self._registry.revoke(found.id):
+            raise ApiProblem(409, "revoked", "this gateway's key is void already")
+        self._links.hang_up(found.id, "its key was revoked")
+        self._note(request, "gateway revoked", found.site, found.name)
+
+    async def reconnect(self, gateway: str, asked: ReconnectAsk, request: Request) -> None:
+        """Let a gateway dial again, or connect anew to one device. An event tells how it went."""
+        found = await self._find(gateway)
+        name = who_of(request).name
+        if found.id not in self._links.online():
+            raise ApiProblem(409, "offline", "this gateway is not connected now")
+        if not asked.device:
+            self._note(request, "gateway reconnect asked", found.site, found.name)
+            self._links.hang_up(found.id, f"{name} asked it to dial again")
+        elif not self._links.reconnect(found.id, asked.device, name):
+            raise ApiProblem(404, "unknown", "this gateway has no such device")
+        else:
+            self._note(
+                request, "device reconnect asked", found.site, found.name, device=asked.device
+            )
+
+    async def enrol(self, asked: EnrolAsk, request: Request) -> EnrolAnswer:
+        """Trade a one-time code for a gateway's own key; the site's earlier key is void then."""
+        address = address_of(request)
+        wait_ns = self._pace.take(address, self._clock.monotonic_ns())
+        if wait_ns:
+            raise ApiProblem(429, "busy", "too many tries; wait a little", -(-wait_ns // SECOND))
+        try:
+            code = read_code(asked.code)
+        except CodeMistyped as error:
+            self._refused(address, "mistyped")
+            raise ApiProblem(422, "mistyped", str(error)) from error
+        done = await self._enrolment.redeem(code.secret, asked.name)
+        if isinstance(done, Refused):
+            self._refused(address, done.value)
+            status = 404 if done is Refused.UNKNOWN else 410
+            raise ApiProblem(status, done.value, _REFUSED[done])
+        for before in done.replaced:
+            self._links.hang_up(before, "another gateway has enrolled for this site")
+        self._audit.note("gateway enrolled", address=address, site=done.site, message=asked.name)
+        return EnrolAnswer(
+            site=done.site,
+            gateway=str(done.gateway),
+            key=done.key,
+            fingerprint=self._proof().fingerprint,
+        )
+
+    async def _find(self, gateway: str) -> KnownGateway:
+        found = await self._registry.gateway(_number(gateway))
+        if found is None:
+            raise ApiProblem(404, "unknown", "there is no such gateway")
+        return found
+
+    def _note(
+        self, request: Request, kind: str, site: str, message: str, *, device: str = ""
+    ) -> None:
+        name, address = who_of(request).name, address_of(request)
+        self._audit.note(kind, who=name, address=address, site=site, device=device, message=message)
+
+    def _refused(self, address: str, why: str) -> None:
+        self._audit.note("gateway enrol refused", address=address, message=why, good=False)
+
+
+def _number(text: str) -> int:
+    """Read an id of a path; what is no number is nobody's."""
+    return int(text) if text.isascii() and text.isdecimal() and len(text) < 19 else 0
+
+
+def _command(request: Request, code: str, site: str) -> str:
+    """Write what to run beside the robot; the Host header was held against the list of ours."""
+    hub = f"{request.url.scheme}://{request.headers['host']}"
+    plain = ["--allow-plain"] if request.url.scheme == "http" else []
+    words = ["talaia", "gateway", "enrol", hub, code, "--key-file", f"{site}.key", *plain]
+    return shlex.join(words)
+
+
+def _qr(text: str) -> str:
+    out = io.BytesIO()
+    segno.make(text, error="m", micro=False).save(
+        out, kind="svg", border=2, xmldecl=False, svgns=True, omitsize=True
+    )
+    return out.getvalue().decode()

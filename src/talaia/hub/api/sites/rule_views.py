@@ -1,0 +1,153 @@
+"""A site's rules, roofs and place as a person may see them. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.schemas.observatory_schemas import (
+    CapabilitiesShape,
+    ConditionShape,
+    EnclosurePartShape,
+    EnclosureShape,
+    LimitShape,
+    PlaceShape,
+    PointingShape,
+    RuleShape,
+    SightingShape,
+    SlewShape,
+)
+from talaia.hub.auth.permissions import Right, sees_device, sees_signal
+from talaia.model.interlocks.capabilities import capabilities_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from talaia.hub.auth.permissions import Grants
+    from talaia.model.interlocks.enclosure import Enclosure, EnclosurePart, Pointing, Sighting
+    from talaia.model.interlocks.interlock import Condition
+    from talaia.model.site import Site
+
+__all__ = ["describe_enclosures", "describe_place", "describe_pointing", "describe_rules"]
+
+
+def describe_place(site: Site, grants: Grants) -> PlaceShape | None:
+    """Say where a site is, to those who may view something of it beyond what is public."""
+    viewed = grants.devices(Right.VIEW, site.site)
+    if site.place is None or (viewed is not None and not viewed):
+        return None
+    return PlaceShape(
+        latitude=site.place.latitude,
+        longitude=site.place.longitude,
+        elevation=site.place.elevation,
+    )
+
+
+def describe_pointing(pointing: Pointing) -> PointingShape:
+    """Say where a telescope may not point, and by which commands it is pointed."""
+    return PointingShape(
+        commands=[
+            SlewShape(command=name, ra=each.ra, dec=each.dec, alt=each.alt, az=each.az)
+            for name, each in pointing.commands.items()
+        ],
+        horizon=pointing.horizon,
+        sun=pointing.sun,
+    )
+
+
+def describe_rules(site: Site, grants: Grants) -> list[RuleShape]:
+    """Say when each interlock is unsafe, by the signals that the person sees."""
+    made = []
+    for name, rule in site.interlocks.items():
+        seen = [each for each in rule.when if _sees_all(site, grants, each.signals())]
+        targets = [each for each in rule.refuse if _sees(site, grants, each)]
+        if not seen and not targets:
+            continue
+        made.append(
+            RuleShape(
+                id=name,
+                name=rule.name,
+                conditions=[_condition(each) for each in seen],
+                hidden=len(rule.when) - len(seen),
+                targets=targets,
+                dwell=max([rule.dwell, *(each.dwell or 0.0 for each in rule.when)]),
+            )
+        )
+    return made
+
+
+def describe_enclosures(site: Site, grants: Grants) -> list[EnclosureShape]:
+    """Say by which sensors each roof is closed, to those who see all of them."""
+    return [
+        EnclosureShape(
+            id=name,
+            name=roof.name,
+            closed=[_sighting(each) for each in roof.closed],
+            moving=[_sighting(each) for each in roof.moving],
+            close=roof.close.command,
+            stop=roof.stop,
+            unsafe=list(roof.unsafe),
+            position=roof.position,
+            segments=[_part(key, each) for key, each in roof.segments.items()],
+            flap=None if roof.flap is None else _part("flap", roof.flap),
+            can=CapabilitiesShape(**capabilities_of(site, roof)._asdict()),
+        )
+        for name, roof in site.enclosures.items()
+        if _sees_all(site, grants, _signals(roof))
+    ]
+
+
+def _signals(roof: Enclosure) -> list[str]:
+    """Name all signals that say how a roof stands."""
+    found = [each.signal for each in (*roof.closed, *roof.moving)]
+    for part in roof.parts().values():
+        found += [each.signal for each in part.closed]
+        found += [part.position] if part.position else []
+    return [*found, *([roof.position] if roof.position else [])]
+
+
+def _part(key: str, part: EnclosurePart) -> EnclosurePartShape:
+    closed = [_sighting(each) for each in part.closed]
+    return EnclosurePartShape(id=key, name=part.name, closed=closed, position=part.position)
+
+
+def _sighting(sighting: Sighting) -> SightingShape:
+    return SightingShape(
+        signal=sighting.signal,
+        states=list(sighting.is_one_of),
+        above=sighting.above,
+        below=sighting.below,
+    )
+
+
+def _sees_all(site: Site, grants: Grants, signals: Iterable[str]) -> bool:
+    places = (each.partition("/") for each in signals)
+    return all(sees_signal(grants, site, device, signal) for device, _, signal in places)
+
+
+def _sees(site: Site, grants: Grants, target: str) -> bool:
+    return sees_device(grants, site, target.partition("/")[0])
+
+
+def _condition(condition: Condition) -> ConditionShape:
+    alone = condition.signal or condition.sun is not None
+    limits = condition.all_of or ((condition,) if alone else ())
+    return ConditionShape(
+        limits=[_limit(each) for each in limits],
+        lasting=condition.lasting,
+        link_lost=condition.link_lost,
+        sun=condition.sun or "",
+    )
+
+
+def _limit(condition: Condition) -> LimitShape:
+    return LimitShape(
+        signal=condition.signal,
+        minus=condition.minus,
+        humidity=condition.humidity,
+        above=condition.above,
+        until_below=condition.until_below,
+        below=condition.below,
+        until_above=condition.until_above,
+        states=list(condition.is_one_of),
+        safe_states=list(condition.is_not),
+    )

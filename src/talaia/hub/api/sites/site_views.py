@@ -1,0 +1,245 @@
+"""A site's description as a person may see it. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.hub.api.schemas.account_schemas import DeviceSummary
+from talaia.hub.api.schemas.common import (
+    ArgumentShape,
+    CommandShape,
+    DetectShape,
+    DeviceShape,
+    DriveShape,
+    SignalShape,
+    SiteShape,
+    SiteSummary,
+    StreamShape,
+)
+from talaia.hub.api.sites.rule_views import (
+    describe_enclosures,
+    describe_place,
+    describe_pointing,
+    describe_rules,
+)
+from talaia.hub.auth.permissions import Grants, Right, sees_device, sees_signal, sees_stream
+from talaia.model.derived_signals import detect_of
+from talaia.model.interlocks.unguarded import unguarded_devices
+from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, parts_of
+from talaia.model.units.unit import unit_of
+
+if TYPE_CHECKING:
+    from talaia.hub.live.sites import LiveSite
+    from talaia.model.detection import Detect
+    from talaia.model.site import Command, Device, Drive, Signal, Site
+
+__all__ = ["describe", "list_devices", "summarise"]
+
+# Sees only what is public.
+_GUEST = Grants()
+
+
+def describe(live: LiveSite, grants: Grants) -> SiteShape:
+    """Describe a site, leaving out what is not open to the person."""
+    site = live.description
+    return SiteShape(
+        site=site.site,
+        name=site.name,
+        zone=site.zone,
+        online=live.online,
+        since_us=live.since_us,
+        last_seen_us=live.last_seen_us,
+        catalogue=live.edition,
+        place=describe_place(site, grants),
+        devices=[
+            _device(site, device_id, device, grants)
+            for device_id, device in site.devices.items()
+            if sees_device(grants, site, device_id)
+        ],
+        rules=describe_rules(site, grants),
+        enclosures=describe_enclosures(site, grants),
+    )
+
+
+def summarise(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
+    """Say in short how a site is."""
+    site = live.description
+    seen, fresh = _signals(live, grants, now_ns)
+    return SiteSummary(
+        site=site.site,
+        name=site.name,
+        zone=site.zone,
+        online=live.online,
+        since_us=live.since_us,
+        last_seen_us=live.last_seen_us,
+        why=live.why,
+        loop_ms=live.loop_ms,
+        skew_ms=live.skew_ms,
+        rival_us=live.rival_us,
+        devices=sum(sees_device(grants, site, device) for device in site.devices),
+        signals=len(seen),
+        stale=len(seen - fresh),
+    )
+
+
+def list_devices(live: LiveSite, grants: Grants, now_ns: int) -> list[DeviceSummary]:
+    """Say in short how each device is that is open to the person."""
+    site = live.description
+    seen, fresh = _signals(live, grants, now_ns)
+    return [
+        DeviceSummary(
+            site=site.site,
+            site_name=site.name,
+            device=device_id,
+            name=device.name,
+            kind=device.kind,
+            online=live.online,
+            rights=list(grants.rights(site.site, device_id)),
+            public=sees_device(_GUEST, site, device_id),
+            signals=sum(of == device_id for of, _ in seen),
+            stale=sum(of == device_id for of, _ in seen - fresh),
+        )
+        for device_id, device in site.devices.items()
+        if sees_device(grants, site, device_id)
+    ]
+
+
+def _signals(
+    live: LiveSite, grants: Grants, now_ns: int
+) -> tuple[set[tuple[str, str]], set[tuple[str, str]]]:
+    """Give the signals a person sees, and those of them that are not older than their limit."""
+    site = live.description
+    ages = {
+        (device_id, signal_id): signal.max_age
+        for device_id, device in site.devices.items()
+        for signal_id, signal in device.signals.items()
+        if sees_signal(grants, site, device_id, signal_id)
+    }
+    arrived = live.latest.arrived_ns
+    fresh = {
+        (channel.device, channel.signal)
+        for at, channel in enumerate(live.channels)
+        if arrived[at] != np.iinfo(np.int64).min
+        and now_ns - int(arrived[at])
+        <= ages.get((channel.device, channel.signal), 0.0) * 1_000_000_000
+    }
+    return set(ages), fresh
+
+
+def _device(site: Site, device_id: str, device: Device, grants: Grants) -> DeviceShape:
+    uses = grants.may(Right.USE, site.site, device_id)
+    views = grants.may(Right.VIEW, site.site, device_id)
+    return DeviceShape(
+        id=device_id,
+        name=device.name,
+        kind=device.kind,
+        signals=[
+            _signal(device_id, signal_id, signal)
+            for signal_id, signal in device.signals.items()
+            if sees_signal(grants, site, device_id, signal_id)
+        ],
+        streams=[
+            StreamShape(
+                id=stream_id,
+                address=f"{device_id}/{stream_id}",
+                name=stream.name,
+                max_rate=stream.max_rate,
+                public=stream.visibility is Visibility.PUBLIC,
+                detect=_detect(detect_of(site, stream)),
+            )
+            for stream_id, stream in device.streams.items()
+            if sees_stream(grants, site, device_id, stream_id)
+        ],
+        commands=[_command(*each) for each in device.commands.items()] if uses else [],
+        drive=_drive(device.drive) if device.drive and views else None,
+        public=device.visibility is Visibility.PUBLIC,
+        link_loss=_link_loss(site, device) if views else "",
+        pointing=describe_pointing(device.pointing) if device.pointing and views else None,
+        unguarded=device_id in unguarded_devices(site),
+        rights=[str(right) for right in grants.rights(site.site, device_id)],
+    )
+
+
+def _link_loss(site: Site, device: Device) -> str:
+    """Say what is done with a device without the hub; empty when there is nothing to say."""
+    said = []
+    if device.drive is not None:
+        stops = device.drive.link_loss is LinkLoss.STOP
+        said.append("stops at once" if stops else "stops if it is being driven from here")
+    if device.link_loss is not None:
+        steps = (step.command.partition("/") for step in device.link_loss.run)
+        names = ", then ".join(
+            f"{site.devices[at].name}: {site.devices[at].commands[what].name}"
+            for at, _, what in steps
+        )
+        said.append(f"after {device.link_loss.after:g} s {names}")
+    return "; ".join(said)
+
+
+def _signal(device_id: str, signal_id: str, signal: Signal) -> SignalShape:
+    address = f"{device_id}/{signal_id}"
+    decimals = signal.decimals
+    if decimals < 0:
+        decimals = unit_of(address, signal.unit).decimals
+    return SignalShape(
+        id=signal_id,
+        address=address,
+        name=signal.name,
+        type=signal.type,
+        unit=signal.unit,
+        decimals=decimals,
+        minimum=signal.minimum,
+        maximum=signal.maximum,
+        states=list(signal.states),
+        frame=signal.frame if signal.type is SignalType.POSITION else "",
+        max_age=signal.max_age,
+        primary=signal.primary,
+        public=signal.visibility is Visibility.PUBLIC,
+        channels=[address + (f".{part}" if part else "") for part in parts_of(signal)],
+    )
+
+
+def _detect(detect: Detect | None) -> DetectShape | None:
+    if detect is None:
+        return None
+    return DetectShape(classes=list(detect.classes), confidence=detect.confidence)
+
+
+def _command(command_id: str, command: Command) -> CommandShape:
+    return CommandShape(
+        id=command_id,
+        name=command.name,
+        description=command.description,
+        confirm=command.confirm,
+        timeout=command.timeout,
+        cancellable=command.kind is CommandKind.ACTION,
+        arguments=[
+            ArgumentShape(
+                id=argument_id,
+                name=argument.name or argument_id,
+                type=argument.type,
+                unit=argument.unit,
+                minimum=argument.minimum,
+                maximum=argument.maximum,
+                max_length=argument.max_length,
+                default=argument.default,
+            )
+            for argument_id, argument in command.arguments.items()
+        ],
+    )
+
+
+def _drive(drive: Drive) -> DriveShape:
+    return DriveShape(
+        max_speed=drive.max_speed,
+        max_reverse=drive.max_speed if drive.max_reverse is None else drive.max_reverse,
+        max_turn=drive.max_turn,
+        rate=drive.rate,
+        ttl=drive.ttl,
+        lease=drive.lease,
+        picture=drive.picture,
+        position=drive.position,
+        stop=True,
+    )

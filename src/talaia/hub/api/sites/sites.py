@@ -1,0 +1,139 @@
+"""Sites and their events."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import APIRouter, Query, Request
+
+from talaia.hub.api.access import live_of, who_of
+from talaia.hub.api.records.query_params import Time  # noqa: TC001 - FastAPI reads it
+from talaia.hub.api.records.sightings import seen_shape
+from talaia.hub.api.schemas.account_schemas import DeviceList
+from talaia.hub.api.schemas.common import (
+    EventList,
+    EventShape,
+    Health,
+    SiteShape,
+    SiteSummary,
+)
+from talaia.hub.api.sites.site_views import describe, list_devices, summarise
+from talaia.hub.auth.permissions import Right, sees_site
+from talaia.hub.live.detection.sightings import KIND as SIGHTING
+from talaia.hub.store.audit import Filter
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.clock import Clock
+    from talaia.hub.api.schemas.sighting_schemas import SeenShape
+    from talaia.hub.live.sites import Sites
+    from talaia.hub.store.audit import Audit, Row
+    from talaia.hub.store.sites.sightings import SightingStore
+
+__all__ = ["SitePages"]
+
+# No database holds a NUL.
+_Text = Annotated[str | None, Query(max_length=200, pattern=r"^[^\x00]*$")]
+
+
+class SitePages:
+    """The routes of sites."""
+
+    def __init__(self, sites: Sites, audit: Audit, sightings: SightingStore, clock: Clock) -> None:
+        """Answer from what is live and what was written down."""
+        self._sites = sites
+        self._audit = audit
+        self._sightings = sightings
+        self._clock = clock
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter()
+        router.get("/api/health")(self.health)
+        router.get("/api/sites")(self.overview)
+        router.get("/api/devices")(self.devices)
+        router.get("/api/sites/{site}")(self.one)
+        router.get("/api/sites/{site}/events")(self.events)
+        return router
+
+    async def health(self) -> Health:
+        """Say that the hub answers; no more, since nobody has to be signed in."""
+        return Health(ok=True)
+
+    async def overview(self, request: Request) -> list[SiteSummary]:
+        """List the sites that are open to you."""
+        grants = who_of(request).grants
+        now = self._clock.monotonic_ns()
+        return [
+            summarise(live, grants, now)
+            for live in self._sites
+            if sees_site(grants, live.description)
+        ]
+
+    async def devices(self, request: Request) -> DeviceList:
+        """List all devices that are open to you, with how each is."""
+        grants, now = who_of(request).grants, self._clock.monotonic_ns()
+        return DeviceList(
+            devices=[each for live in self._sites for each in list_devices(live, grants, now)]
+        )
+
+    async def one(self, request: Request, site: str) -> SiteShape:
+        """Describe a site as far as it is open to you."""
+        return describe(live_of(request), who_of(request).grants)
+
+    async def events(
+        self,
+        request: Request,
+        site: str,
+        limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+        from_us: Time = 0,
+        to_us: Time = 2**53,
+        before: Time | None = None,
+        kind: _Text = None,
+        who: _Text = None,
+        device: _Text = None,
+        text: _Text = None,
+        good: bool | None = None,  # noqa: FBT001 - a part of the address
+    ) -> EventList:
+        """List what happened at a site, newest first, of the devices you may view.
+
+        ``from_us`` and ``to_us`` are both included. ``before`` is the id of the last one of a
+        page, for the next page; ``kind`` is its beginning, or several with commas between;
+        ``text`` stands anywhere in it.
+        A device that the description no longer has is open to those who have a right on it.
+        """
+        devices = who_of(request).grants.devices(Right.VIEW, site)
+        wanted = Filter(
+            site=site, from_us=from_us, to_us=to_us + 1, before=before, kind=kind, who=who,
+            device=device, text=text, good=good, devices=devices,
+        )  # fmt: skip
+        rows, more = await self._audit.find(wanted, limit)
+        sighted = await self._sighted(site, rows)
+        return EventList(
+            more=more,
+            events=[
+                EventShape(
+                    id=str(number),
+                    time_us=entry.time_us,
+                    kind=entry.kind,
+                    device=entry.device,
+                    who=entry.who,
+                    message=entry.message,
+                    good=entry.good,
+                    sighting=sighted.get((entry.time_us, entry.device)),
+                )
+                for number, entry in rows
+                # A database may compare names without regard to case; a right does not.
+                if devices is None or entry.device in devices
+            ],
+        )
+
+    async def _sighted(self, site: str, rows: Sequence[Row]) -> dict[tuple[int, str], SeenShape]:
+        """Find the sightings that lines are about, by the time and the device of the line."""
+        times = {row.entry.time_us for row in rows if row.entry.kind == SIGHTING}
+        found = await self._sightings.noted(site, times)
+        return {
+            (each.noted_us, each.sighted.camera.partition("/")[0]): seen_shape(each)
+            for each in found
+        }

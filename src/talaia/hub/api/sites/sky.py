@@ -1,0 +1,45 @@
+"""Names of the sky, for those who want to point a telescope at them."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from talaia.hub.api.schemas.observatory_schemas import SkyList, SkyObject
+from talaia.hub.api.sites import sky_names
+
+__all__ = ["SkyPages"]
+
+
+class SkyPages:
+    """The route of names; it knows nothing but what a catalogue says."""
+
+    def router(self) -> APIRouter:
+        """Give the route."""
+        router = APIRouter()
+        router.get("/api/sites/{site}/sky")(self.find)
+        return router
+
+    async def find(
+        self, site: str, name: Annotated[str, Query(min_length=1, max_length=60)]
+    ) -> SkyList:
+        """Find what goes by a name: NGC, IC, Messier, or what people call it."""
+        found = await asyncio.to_thread(sky_names.look_up, name)
+        return SkyList(
+            available=sky_names.is_there(),
+            objects=[
+                SkyObject(
+                    name=each.name,
+                    also=list(each.also),
+                    kind=each.kind,
+                    constellation=each.constellation,
+                    ra_deg=each.ra_deg,
+                    dec_deg=each.dec_deg,
+                    magnitude=None if math.isnan(each.magnitude) else each.magnitude,
+                )
+                for each in found
+            ],
+        )

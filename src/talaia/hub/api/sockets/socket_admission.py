@@ -1,0 +1,52 @@
+"""Who may open a WebSocket, and how many at once."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.access import deny
+from talaia.hub.api.rate_limits import MOST_SOCKETS
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from starlette.websockets import WebSocket
+
+    from talaia.hub.api.access import Access
+    from talaia.hub.api.rate_limits import Limits
+    from talaia.hub.auth.permissions import Who
+    from talaia.hub.store.sites.site_registry import GatewayKey
+
+__all__ = ["SocketAdmission", "speaks_json"]
+
+
+class SocketAdmission:
+    """Lets sockets in, or sends them away before the upgrade."""
+
+    def __init__(self, *, access: Access, limits: Limits) -> None:
+        """Know who asks by ``access``; ``limits`` counts the sockets of each person."""
+        self._access = access
+        self._limits = limits
+
+    @asynccontextmanager
+    async def admit_person(self, socket: WebSocket) -> AsyncIterator[Who | None]:
+        """Give who opens a socket, and count it while it is open; None: they were sent away."""
+        who = await self._access.admit(socket)
+        if who is None:
+            yield None
+            return
+        with self._limits.socket(who) as allowed:
+            if not allowed:
+                message = f"at most {MOST_SOCKETS} connections at once; close some pages"
+                await deny(socket, 429, "busy", message)
+            yield who if allowed else None
+
+    async def admit_gateway(self, socket: WebSocket) -> GatewayKey | None:
+        """Give the key of the gateway that opens a socket; None: it was sent away."""
+        return await self._access.admit_gateway(socket)
+
+
+def speaks_json(socket: WebSocket) -> bool:
+    """Tell whether a page asked for JSON instead of MessagePack."""
+    return socket.query_params.get("form") == "json"

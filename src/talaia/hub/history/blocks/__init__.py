@@ -1,0 +1,1 @@
+"""How samples are laid down: batches, blocks, sums of them."""

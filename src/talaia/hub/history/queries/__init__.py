@@ -1,0 +1,1 @@
+"""Windows of the history read back: points, statistics, tables."""

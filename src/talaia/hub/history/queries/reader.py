@@ -1,0 +1,253 @@
+"""Windows of the history, read at the width of a chart.
+
+Samples come from memory (what is not in a block yet), from blocks, and, where there are too many
+to draw, from rollups. A window is covered by the widest buckets that fit its pixels; its two ends,
+which cut through buckets, by narrower ones, and what is left of them by the samples themselves.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from sqlalchemy import select, union_all
+
+from talaia.hub.history.blocks.block import Samples, concatenate, in_order
+from talaia.hub.history.blocks.cache import BlockCache
+from talaia.hub.history.blocks.columns import columns_of
+from talaia.hub.history.blocks.rollup import cover, tier_for
+from talaia.hub.history.blocks.rows import to_float
+from talaia.hub.history.queries.downsample import edges_of, extremes, groups, pixel_width, steps_of
+from talaia.hub.history.queries.series import HistoryGap, Series, empty_series
+from talaia.hub.history.queries.window import (
+    FARTHEST_US,
+    Window,
+    gaps_of,
+    kept_bodies,
+    outside_rollups,
+    overlapping,
+    raw,
+)
+from talaia.hub.history.queries.window_query import window_of
+from talaia.hub.store import history_tables as tables
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
+    from numpy.typing import NDArray
+    from sqlalchemy import Connection, Engine
+
+    from talaia.hub.history.blocks.rollup import Piece
+    from talaia.hub.history.limits import Limits
+    from talaia.hub.history.writing.block_index import Ledger
+
+__all__ = ["Reader"]
+
+_block = tables.block
+
+
+class Reader:
+    """Reads in whatever thread it is called; never waits for a write."""
+
+    def __init__(self, engine: Engine, ledger: Ledger, limits: Limits) -> None:
+        """Read by ``engine``, and look into the ledger's tails."""
+        self._engine = engine
+        self._ledger = ledger
+        self._limits = limits
+        self._cache = BlockCache(limits.cached)
+
+    @property
+    def cached_bytes(self) -> int:
+        """Memory that blocks which were read lately take."""
+        return self._cache.bytes
+
+    def read(
+        self,
+        site: str,
+        addresses: Sequence[str],
+        from_us: int,
+        to_us: int,
+        width: int,
+        steps: Collection[str] = (),
+    ) -> list[Series]:
+        """Read a window of several channels; see `HistoryStore.read`."""
+        asked = [
+            (address, window_of(self._ledger, site, address, from_us, to_us))
+            for address in addresses
+        ]
+        with self._engine.begin() as connection:
+            gaps = gaps_of(connection, site, *_within(from_us, to_us))
+            return [
+                empty_series(address, gaps)
+                if found is None
+                else self._series(connection, address, *found, width, gaps, address in steps)
+                for address, found in asked
+            ]
+
+    def last(
+        self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
+    ) -> dict[str, tuple[int, float, str]]:
+        """Find each channel's newest sample up to ``to_us``; see `HistoryStore.last`."""
+        asked = [
+            (address, window_of(self._ledger, site, address, -FARTHEST_US, to_us))
+            for address in addresses
+        ]
+        found = {}
+        with self._engine.begin() as connection:
+            for address, known in asked:
+                if known is None:
+                    continue
+                window, held = known
+                tail = in_order(held).between(window.from_us, window.to_us)
+                both = concatenate([*_newest_blocks(connection, self._cache, window, tail), tail])
+                if not both.time_us.size:
+                    continue
+                # Of equal times the one that came last; the tail came after the blocks.
+                at = both.time_us.size - 1 - int(np.argmax(both.time_us[::-1]))
+                text = both.texts.get(at, "")
+                found[address] = (int(both.time_us[at]), float(both.value[at]), text)
+        return found
+
+    def _series(
+        self,
+        connection: Connection,
+        address: str,
+        window: Window,
+        held: Samples,
+        width: int,
+        gaps: list[HistoryGap],
+        steps: bool,  # noqa: FBT001 - one of many, and never written as a literal
+    ) -> Series:
+        tail = in_order(held).between(window.from_us, window.to_us)
+        span_us = window.to_us - window.from_us + 1
+        most = max(self._limits.raw, 2 * width)
+        blocks = overlapping(connection, window, most)
+        tier = 0
+        if blocks is None:
+            tier = tier_for(pixel_width(span_us, width) or span_us)
+        if tier:
+            pixel_us = pixel_width(span_us, width, tier)
+            names = _STEPS if steps else _LINES
+            rolled = _rolled(connection, self._cache, window, tier, pixel_us, names)
+            if not rolled.texts and not tail.texts:
+                points = in_order(concatenate([rolled, tail]))
+                return _drawn(address, points, pixel_us, gaps, steps)
+        if blocks is None:
+            blocks = overlapping(connection, window, FARTHEST_US) or ()
+        samples, unread = raw(connection, blocks, window, self._limits.texts, self._cache)
+        gaps = [*gaps, *unread]
+        samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
+        if samples.time_us.size <= 2 * width:
+            return Series(address, *samples, not unread, gaps)
+        return _drawn(address, samples, pixel_width(span_us, width), gaps, steps)
+
+
+def _within(from_us: int, to_us: int) -> tuple[int, int]:
+    return max(-FARTHEST_US, int(from_us)), min(FARTHEST_US, int(to_us))
+
+
+def _drawn(
+    address: str,
+    samples: Samples,
+    pixel_us: int,
+    gaps: list[HistoryGap],
+    steps: bool,  # noqa: FBT001 - handed on
+) -> Series:
+    starts = groups(samples.time_us, pixel_us)
+    if samples.texts:
+        kept = edges_of(starts, samples.time_us.size)
+    elif steps:
+        kept = steps_of(samples.value, starts)
+    else:
+        kept = np.unique(np.concatenate(extremes(samples.value, starts)))
+    return Series(address, *samples.chosen(kept), exact=False, gaps=gaps)
+
+
+# Of a state, a chart needs what held last, too.
+_LINES = ("low_us", "low", "high_us", "high")
+_STEPS = (*_LINES, "last_us", "last")
+
+
+def _rolled(
+    connection: Connection,
+    cache: BlockCache,
+    window: Window,
+    tier: int,
+    pixel_us: int,
+    names: Sequence[str],
+) -> Samples:
+    """Give points that hold the extremes of each pixel: of rollups, and of what is in none."""
+    pieces = cover(window.from_us, window.to_us + 1, tier)
+    wide = [piece for piece in pieces if piece.width_us]
+    parts = []
+    if wide:
+        table = tables.rollup
+        query = select(*(table.c[name] for name in names))
+        columns = columns_of(
+            connection,
+            union_all(
+                *(
+                    query.where(
+                        table.c.channel_id == window.channel,
+                        table.c.width_us == piece.width_us,
+                        table.c.bucket_us >= piece.from_us,
+                        table.c.bucket_us < piece.past_us,
+                    )
+                    for piece in wide
+                )
+            ),
+        )
+        if columns:
+            parts.append(_points(columns[0::2], columns[1::2]))
+    inside: list[Any] = []
+    cut: list[tuple[int, Piece]] = []
+    for number, row in outside_rollups(connection, window, pieces):
+        piece = pieces[number]
+        one_pixel = not pixel_us or row.first_us // pixel_us == row.last_us // pixel_us
+        whole = piece.from_us <= row.first_us and row.last_us < piece.past_us
+        if one_pixel and whole and row.numbers:
+            inside.append([getattr(row, name) for name in names])
+        else:
+            cut.append((row.id, piece))
+    read = kept_bodies(connection, sorted({number for number, _ in cut}), window.run, cache)
+    if inside:
+        listed = list(zip(*inside, strict=True))
+        values = [to_float(column) for column in listed[1::2]]
+        parts.append(_points([np.array(each, np.int64) for each in listed[0::2]], values))
+    parts += [
+        read[number].between(piece.from_us, piece.past_us - 1)
+        for number, piece in cut
+        if number in read
+    ]
+    return concatenate(parts)
+
+
+def _points(
+    times_us: Sequence[NDArray[np.int64]], values: Sequence[NDArray[np.float64]]
+) -> Samples:
+    return Samples(np.concatenate(times_us), np.concatenate(values), {})
+
+
+def _newest_blocks(
+    connection: Connection, cache: BlockCache, window: Window, tail: Samples
+) -> list[Samples]:
+    """Read what may hold the newest sample of a window, unless the tail's newest is newer."""
+    columns = (_block.c.id, _block.c.first_us, _block.c.last_us)
+    order = (_block.c.last_us.desc(), _block.c.id.desc())
+    # All of the block that ends last is in the window: the newest is its last sample ...
+    whole = connection.execute(
+        select(*columns)
+        .where(_block.c.channel_id == window.channel, _block.c.id < window.before_block)
+        .where(_block.c.last_us <= window.to_us)
+        .order_by(*order)
+        .limit(1)
+    ).first()
+    # ... or it is in a block that goes on beyond the window's end.
+    reach = window._replace(from_us=window.to_us)
+    cut = connection.execute(select(*columns).where(*reach.blocks())).all()
+    found = [*cut, whole] if whole is not None else cut
+    if tail.time_us.size and all(row.last_us <= tail.time_us[-1] for row in found):
+        return []
+    read = kept_bodies(connection, sorted({row.id for row in found}), window.run, cache)
+    # In the order of their numbers, which is that in which they came.
+    return [in_order(read[i]).between(window.from_us, window.to_us) for i in sorted(read)]

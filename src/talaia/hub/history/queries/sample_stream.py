@@ -1,0 +1,97 @@
+"""All samples of a channel, in order of time, a piece at a time.
+
+A database transaction lasts for one piece only: one that stays open while a slow reader takes an
+hour over a download would keep SQLite's journal from being emptied. Blocks never change, and
+memory is looked at once before the first of them, so the pieces fit each other all the same.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from sqlalchemy import and_, or_, select
+
+from talaia.hub.history.blocks.block import EMPTY, Samples, concatenate, in_order
+from talaia.hub.history.queries.window import FARTHEST_US, bodies
+from talaia.hub.history.queries.window_query import window_of
+from talaia.hub.store import history_tables as tables
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from sqlalchemy import Engine
+
+    from talaia.hub.history.writing.block_index import Ledger
+
+__all__ = ["Stretch", "flow"]
+
+# Blocks of a piece: what is held at once is a few times as much.
+AT_ONCE = 16
+_block = tables.block
+# Larger than every block's id: memory holds what came after them.
+_TAIL = 2**63 - 1
+
+
+class Stretch(NamedTuple):
+    """Samples in order of time; none that is still to come lies before ``past_us``."""
+
+    samples: Samples
+    past_us: int
+
+
+def flow(
+    engine: Engine, ledger: Ledger, site: str, address: str, from_us: int, to_us: int
+) -> Iterator[Stretch]:
+    """Give a channel's samples of a window, both ends included; memory is looked at now.
+
+    Samples with one time stamp come in the order in which they were stored.
+    """
+    found = window_of(ledger, site, address, from_us, to_us)
+    if found is None:
+        return iter(())
+    window, held = found
+    tail = in_order(held).between(window.from_us, window.to_us)
+
+    def pieces() -> Iterator[Stretch]:
+        # What was read and is not given yet, by block: later blocks may lie among it.
+        waiting: dict[int, Samples] = {_TAIL: tail} if tail.time_us.size else {}
+        after = (-(2**63), 0)
+        more = True
+        while more:
+            query = (
+                select(_block.c.id, _block.c.first_us)
+                .where(
+                    *window.blocks(),
+                    or_(
+                        _block.c.first_us > after[0],
+                        and_(_block.c.first_us == after[0], _block.c.id > after[1]),
+                    ),
+                )
+                .order_by(_block.c.first_us, _block.c.id)
+                .limit(AT_ONCE + 1)
+            )
+            with engine.begin() as connection:
+                rows = connection.execute(query).all()
+                read = bodies(connection, [row.id for row in rows[:AT_ONCE]])
+            more = len(rows) > AT_ONCE
+            past_us = rows[AT_ONCE].first_us if more else FARTHEST_US + 1
+            if more:
+                after = (rows[AT_ONCE - 1].first_us, rows[AT_ONCE - 1].id)
+            for number, samples in read.items():
+                waiting[number] = samples.between(window.from_us, window.to_us)
+            ready, waiting = _split(waiting, past_us)
+            yield Stretch(ready, max(past_us, window.from_us))
+
+    return pieces()
+
+
+def _split(waiting: dict[int, Samples], past_us: int) -> tuple[Samples, dict[int, Samples]]:
+    """Take what lies before a time, in order of time, and what is left of each block."""
+    before, left = [], {}
+    for number in sorted(waiting):
+        samples = waiting[number]
+        before.append(samples.between(-(2**63), past_us - 1))
+        rest = samples.between(past_us, 2**63 - 1)
+        if rest.time_us.size:
+            left[number] = rest
+    return (in_order(concatenate(before)) if before else EMPTY), left

@@ -1,0 +1,172 @@
+"""Where in the database the samples of a window are."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from sqlalchemy import func, literal, or_, select, union_all
+
+from talaia.hub.history.blocks.block import Samples, concatenate, decode
+from talaia.hub.history.blocks.rows import summary_of
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.queries.series import HistoryGap
+from talaia.hub.store import history_tables as tables
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from sqlalchemy import ColumnElement, Connection
+
+    from talaia.hub.history.blocks.cache import BlockCache
+    from talaia.hub.history.blocks.rollup import Piece
+
+__all__ = [
+    "FARTHEST_US",
+    "Window",
+    "bodies",
+    "count_in_blocks",
+    "gaps_of",
+    "kept_bodies",
+    "outside_rollups",
+    "overlapping",
+    "raw",
+]
+
+_LOG = logging.getLogger(__name__)
+FARTHEST_US = 2**62
+_BODIES_AT_ONCE = 200
+_FEW = 200
+_block = tables.block
+
+
+class Window(NamedTuple):
+    """One channel and one stretch of time, both ends included.
+
+    ``run`` counts the ledger's loads; `BlockCache` needs it.
+    """
+
+    channel: int
+    from_us: int
+    to_us: int
+    longest_us: int
+    before_block: int
+    run: int
+
+    def blocks(self) -> list[ColumnElement[bool]]:
+        """Tell the blocks that overlap it."""
+        return [
+            _block.c.channel_id == self.channel,
+            _block.c.first_us <= self.to_us,
+            _block.c.first_us >= max(self.from_us - self.longest_us, -(2**63)),
+            _block.c.last_us >= self.from_us,
+            _block.c.id < self.before_block,
+        ]
+
+
+def count_in_blocks(connection: Connection, window: Window) -> int:
+    """Count the samples of the blocks that overlap a window."""
+    query = select(func.coalesce(func.sum(_block.c.samples), 0)).where(*window.blocks())
+    return int(connection.scalar(query) or 0)
+
+
+def overlapping(connection: Connection, window: Window, most: int) -> Sequence[Any] | None:
+    """List the blocks that overlap a window; None if they hold more than ``most`` samples."""
+    query = (
+        select(_block.c.id, _block.c.first_us, _block.c.last_us, _block.c.samples)
+        .where(*window.blocks())
+        .order_by(_block.c.first_us, _block.c.id)
+    )
+    # Of a long window the first few tell that there are too many.
+    rows = connection.execute(query.limit(_FEW)).all()
+    if sum(row.samples for row in rows) > most:
+        return None
+    if len(rows) < _FEW:
+        return rows
+    return connection.execute(query).all() if count_in_blocks(connection, window) <= most else None
+
+
+def raw(
+    connection: Connection,
+    found: Sequence[Any],
+    window: Window,
+    most_texts: int,
+    cache: BlockCache | None = None,
+) -> tuple[Samples, list[HistoryGap]]:
+    """Read blocks that overlap a window, and tell which stretches could not be read, and why.
+
+    Samples come in the order of their blocks, which is that in which they came.
+    """
+    blocks = sorted(found, key=lambda row: row.last_us)
+    read: dict[int, Samples] = {}
+    unread: list[HistoryGap] = []
+    size = 0
+    while blocks and (size < most_texts or not any(part.texts for part in read.values())):
+        some = blocks[-_BODIES_AT_ONCE:]
+        del blocks[-_BODIES_AT_ONCE:]
+        read.update(kept_bodies(connection, [row.id for row in some], window.run, cache))
+        size = sum(part.time_us.size for part in read.values())
+        unread += [
+            HistoryGap(row.first_us, row.last_us, "a part of the database is damaged")
+            for row in some
+            if row.id not in read
+        ]
+    if blocks:
+        why = "too many texts to show at once"
+        unread.append(HistoryGap(window.from_us, blocks[-1].last_us, why))
+    return concatenate([read[number] for number in sorted(read)]), unread
+
+
+def kept_bodies(
+    connection: Connection, ids: Sequence[int], run: int, cache: BlockCache | None
+) -> dict[int, Samples]:
+    """Read blocks by their numbers, those that a cache holds from there; see `bodies`."""
+    if cache is None:
+        return bodies(connection, ids)
+    found = cache.found(run, ids)
+    if len(found) < len(ids):
+        read = bodies(connection, [number for number in ids if number not in found])
+        cache.keep(run, read)
+        found.update(read)
+    return found
+
+
+def bodies(connection: Connection, ids: Sequence[int]) -> dict[int, Samples]:
+    """Read blocks by their numbers; those that are gone or damaged are left out."""
+    table = tables.body
+    found: dict[int, Samples] = {}
+    for at in range(0, len(ids), _BODIES_AT_ONCE):
+        query = select(table).where(table.c.block_id.in_(ids[at : at + _BODIES_AT_ONCE]))
+        for number, data in connection.execute(query):
+            try:
+                found[number] = decode(data)
+            except HistoryError as error:
+                _LOG.error("block %d cannot be read and is left out: %s", number, error)
+    return found
+
+
+def outside_rollups(
+    connection: Connection, window: Window, pieces: Sequence[Piece]
+) -> list[tuple[int, Any]]:
+    """List the blocks that the rollups of a piece do not hold, with the piece's number."""
+    columns = [_block.c.id, _block.c.first_us, *summary_of(_block)]
+    queries = [
+        select(literal(number).label("piece"), *columns).where(
+            *window._replace(from_us=piece.from_us, to_us=piece.past_us - 1).blocks(),
+            or_(_block.c.finest_us == 0, _block.c.finest_us > piece.width_us),
+        )
+        for number, piece in enumerate(pieces)
+    ]
+    return [(row.piece, row) for row in connection.execute(union_all(*queries))]
+
+
+def gaps_of(connection: Connection, site: str, from_us: int, to_us: int) -> list[HistoryGap]:
+    """List the recorded gaps of a site that touch a window."""
+    gap, boot = tables.gap, tables.boot
+    query = (
+        select(gap.c.from_us, gap.c.to_us, gap.c.reason)
+        .join(boot, boot.c.id == gap.c.boot_id)
+        .where(boot.c.site == site, gap.c.from_us <= to_us, gap.c.to_us >= from_us)
+        .order_by(gap.c.from_us, gap.c.to_us)
+    )
+    return [HistoryGap(*row) for row in connection.execute(query)]

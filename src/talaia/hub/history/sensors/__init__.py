@@ -1,0 +1,1 @@
+"""Views and plain rows for people with an SQL client."""

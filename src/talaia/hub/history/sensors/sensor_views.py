@@ -1,0 +1,201 @@
+"""Keeps what each sensor is, and its view, in step with the site descriptions."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import time
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from sqlalchemy import delete, insert, inspect, select, update
+
+from talaia.hub.history.sensors.view_sql import CreateView, DropView, view_name
+from talaia.hub.store import history_tables as tables
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from sqlalchemy import Connection, Engine, Row
+
+    from talaia.hub.history.sensors.view_sql import Sensor
+
+__all__ = [
+    "SensorKind",
+    "kinds_of",
+    "read_kinds",
+    "remember_sensors",
+    "rename_sensors",
+    "show_sensors",
+]
+
+_LOG = logging.getLogger(__name__)
+# A view that is made otherwise than before is made anew.
+_VERSION = "1"
+_sensor = tables.sensor
+# Every view makes the database's own list of what it holds longer, which each connection reads
+# whole: at ten thousand, one more takes longer than a second.
+MOST_VIEWS = 1000
+# So many views are made, and so many sensors written down, in one transaction: others write in
+# between.
+_AT_ONCE = 20
+_ROWS_AT_ONCE = 500
+_BETWEEN_S = 0.02
+_LONGEST_NAME = 200
+
+
+class SensorKind(NamedTuple):
+    """What a signal was when it was last described.
+
+    Attributes:
+        type: a word of `SignalType`; empty if it was described by a version that kept none.
+        decimals: as in the description.
+
+    """
+
+    name: str
+    unit: str
+    type: str
+    states: tuple[str, ...]
+    decimals: int
+
+
+def kinds_of(sensors: list[Sensor]) -> dict[str, SensorKind]:
+    """Give what signals are, by their addresses."""
+    return {
+        each.address: SensorKind(
+            each.shown[:_LONGEST_NAME], each.unit, each.type.value, each.states, each.decimals
+        )
+        for each in sensors
+    }
+
+
+def read_kinds(engine: Engine) -> dict[tuple[str, str], SensorKind]:
+    """Give what all signals of all times were, by site and address."""
+    with engine.begin() as connection:
+        rows = connection.execute(select(_sensor)).all()
+    return {(row.site, row.address): _kind(row) for row in rows}
+
+
+def remember_sensors(engine: Engine, site: str, sensors: list[Sensor]) -> list[Sensor]:
+    """Write down what each sensor is; one that is no longer described stays as it was.
+
+    Returns:
+        Those that need a view made, or made anew.
+
+    """
+    with engine.begin() as connection:
+        rows = connection.execute(select(_sensor).where(_sensor.c.site == site)).all()
+    known = {row.address: row for row in rows}
+    kinds = kinds_of(sensors)
+    other = [
+        each
+        for each in sensors
+        if each.address not in known or _kind(known[each.address]) != kinds[each.address]
+    ]
+    for first in range(0, len(other), _ROWS_AT_ONCE):
+        with engine.begin() as connection:
+            taken = set(inspect(connection).get_table_names())
+            taken |= set(connection.scalars(select(_sensor.c.view_name)))
+            for each in other[first : first + _ROWS_AT_ONCE]:
+                name = known[each.address].view_name if each.address in known else ""
+                if not name:
+                    name = view_name(site, each.address, each.channels[0], taken)
+                    taken.add(name)
+                _remember(connection, site, each, name)
+    return [
+        each
+        for each in sensors
+        if each.address not in known or known[each.address].made_of != _made_of(each)
+    ]
+
+
+def rename_sensors(engine: Engine, site: str, moves: Mapping[str, str]) -> None:
+    """Let sensors go on under other addresses; their views keep their names, for who asks them."""
+    with engine.begin() as connection:
+        known = set(connection.scalars(select(_sensor.c.address).where(_sensor.c.site == site)))
+        for old, new in moves.items():
+            if old in known and new not in known:
+                connection.execute(
+                    update(_sensor)
+                    .where(_sensor.c.site == site, _sensor.c.address == old)
+                    .values(address=new)
+                )
+
+
+def show_sensors(
+    engine: Engine, site: str, sensors: list[Sensor], ended: Callable[[], bool] = lambda: False
+) -> int:
+    """Make the views of sensors that are remembered and need one.
+
+    A sensor that is no longer described keeps its view, as it keeps its history. A site has at
+    most `MOST_VIEWS` of them; ``ended`` is asked now and then.
+
+    Returns:
+        How many views were made.
+
+    """
+    if not sensors:
+        return 0
+    with engine.connect() as connection:
+        rows = connection.execute(select(_sensor).where(_sensor.c.site == site)).all()
+    names = {row.address: row.view_name for row in rows}
+    made = {row.address for row in rows if row.made_of}
+    room = max(0, MOST_VIEWS - len(made - {each.address for each in sensors}))
+    if len(sensors) > room:
+        _LOG.warning("%s has many signals; of each further one there is no view for SQL", site)
+    wanted = sensors[:room]
+    for first in range(0, len(wanted), _AT_ONCE):
+        if ended():
+            return first
+        if first:
+            # There is one connection that writes; whoever waits for it gets it now.
+            time.sleep(_BETWEEN_S)
+        with engine.begin() as connection:
+            for each in wanted[first : first + _AT_ONCE]:
+                _show(connection, site, each, names[each.address])
+    _LOG.info("%d sensors of %s have their views", len(wanted), site)
+    return len(wanted)
+
+
+def _show(connection: Connection, site: str, sensor: Sensor, name: str) -> None:
+    connection.execute(DropView(name))
+    connection.execute(CreateView(name, sensor))
+    connection.execute(
+        update(_sensor)
+        .where(_sensor.c.site == site, _sensor.c.address == sensor.address)
+        .values(made_of=_made_of(sensor))
+    )
+
+
+def _remember(connection: Connection, site: str, sensor: Sensor, name: str) -> None:
+    same = (_sensor.c.site == site, _sensor.c.address == sensor.address)
+    connection.execute(delete(_sensor).where(*same))
+    connection.execute(
+        insert(_sensor),
+        {
+            "site": site,
+            "address": sensor.address,
+            "view_name": name,
+            "shown_name": sensor.shown[:_LONGEST_NAME],
+            "unit": sensor.unit,
+            "made_of": "",
+            "type": sensor.type.value,
+            "states": json.dumps(sensor.states),
+            "decimals": sensor.decimals,
+        },
+    )
+
+
+def _kind(row: Row[Any]) -> SensorKind:
+    return SensorKind(
+        row.shown_name,
+        row.unit,
+        row.type or "",
+        tuple(json.loads(row.states or "[]")),
+        -1 if row.decimals is None else row.decimals,
+    )
+
+
+def _made_of(sensor: Sensor) -> str:
+    return hashlib.sha256(repr((_VERSION, *sensor)).encode()).hexdigest()[:32]

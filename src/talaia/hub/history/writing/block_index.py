@@ -1,0 +1,431 @@
+"""What is stored, and how a group of batches becomes one commit.
+
+A batch goes into the journal as it came. When a channel has a block's worth of samples in memory,
+they are made a block after the commit, while nobody waits; the next commit writes it, too. When no
+channel needs a journal row any more, the row is deleted. Each channel records up to which row it
+is done in the same transaction, so after a crash at any point the journal and the saved tails give
+back exactly what was in memory.
+
+Only the writing thread comes here. The file is longer than 300 lines because a group's plan, its
+commit and its reading back after a crash must agree on every column: they are read together.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from sqlalchemy import delete, func, insert, select
+
+from talaia.hub.history.blocks.block import concatenate, decode
+from talaia.hub.history.blocks.journal import part_of, read_row, write_row
+from talaia.hub.history.blocks.journal_rows import JournalRows
+from talaia.hub.history.blocks.ranges import Ranges
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.sensors.plain_rows import Recent
+from talaia.hub.history.writing.bulk_writes import insert_rows, put_rows
+from talaia.hub.history.writing.channel_ids import Names
+from talaia.hub.history.writing.compaction import Newest, Saved, Sealed, read_newest, save, seal
+from talaia.hub.history.writing.open_blocks import Chunk, Tails
+from talaia.hub.history.writing.retention import drop
+from talaia.hub.history.writing.writer_jobs import (
+    Append,
+    Below,
+    Describe,
+    Drop,
+    Gap,
+    Rename,
+    Show,
+    checked,
+)
+from talaia.hub.store import history_tables as tables
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from sqlalchemy import Connection, Engine
+
+    from talaia.clock import Clock
+    from talaia.hub.history.limits import Limits
+    from talaia.hub.history.writing.retention import Doomed
+    from talaia.hub.history.writing.writer_jobs import Job
+
+__all__ = ["Ledger"]
+
+_LOG = logging.getLogger(__name__)
+
+
+class _Plan(NamedTuple):
+    """What of the tails the next commit writes, and the number of the first of its blocks."""
+
+    first_block: int
+    seals: list[Sealed]
+    saves: list[Saved]
+
+
+class _Draft:
+    """What the next commit writes."""
+
+    def __init__(self) -> None:
+        self.rows: list[dict[str, Any]] = []
+        self.gaps: list[dict[str, Any]] = []
+        self.chunks: list[Chunk] = []
+        self.seals: list[Sealed] = []
+        self.saves: list[Saved] = []
+        self.recent: list[dict[str, Any]] = []
+        self.doomed: list[Doomed] = []
+        self.newest: dict[int, Newest] = {}
+        self.ranges: dict[int, set[int]] = {}
+        self.named = False
+        self.samples = 0
+
+    def __bool__(self) -> bool:
+        return bool(self.rows or self.gaps or self.recent or self.named or self.doomed)
+
+    def size(self) -> int:
+        bodies = sum(len(row["body"]) for row in self.rows)
+        return bodies + sum(each.size() for each in self.seals)
+
+
+class Ledger:
+    """The writing side's picture of the database.
+
+    Attributes:
+        names: numbers of channels and boots.
+        tails: what is not in blocks; readers look at it too.
+        run: how often all was loaded; from one time to the next no block's number is given twice.
+        written: bytes of the last commit's bodies.
+
+    """
+
+    def __init__(self, engine: Engine, clock: Clock, limits: Limits) -> None:
+        """Use ``engine`` to write; `load` comes before anything else."""
+        self._engine = engine
+        self._clock = clock
+        self._limits = limits
+        self.names = Names()
+        self.tails = Tails(1, 0, limits.recent)
+        self.run = 0
+        self._recent = Recent()
+        self._newest: dict[int, Newest] = {}
+        self._written_ranges: dict[int, set[int]] = {}
+        self._stored: dict[int, Ranges] = {}
+        self._settled: dict[int, Ranges] = {}
+        self._changed: set[int] = set()
+        self._next_row = 1
+        self._next_block = 1
+        self._journal = JournalRows()
+        self._plan: _Plan | None = None
+        self._samples = 0
+        self.written = 0
+
+    def load(self) -> None:
+        """Read what is stored; also after a commit of which nobody knows whether it happened."""
+        names = Names()
+        self._newest, self._written_ranges = {}, {}
+        self._stored, self._settled, self._changed = {}, {}, set()
+        self._journal = JournalRows()
+        self._plan = None
+        with self._engine.begin() as connection:
+            names.load(connection)
+            self._load_ranges(connection)
+            last_block = connection.scalar(select(func.max(tables.body.c.block_id))) or 0
+            self._next_block = last_block + 1
+            done = max(names.saved_row.values(), default=0)
+            tails = Tails(self._next_block, done, self._limits.recent)
+            for row in connection.execute(select(tables.tail)):
+                # One damaged row must not keep the hub from starting.
+                try:
+                    tails.restore(row.channel_id, decode(row.body))
+                except HistoryError as error:
+                    _LOG.error("samples of channel %d are lost: %s", row.channel_id, error)
+            self._next_row = done + 1
+            self._replay(connection, names, tails)
+        # Readers see the old state or the new one, never half of it.
+        self.names, self.tails, self.run = names, tails, self.run + 1
+
+    def store(self, jobs: Sequence[Job]) -> list[HistoryError | int]:
+        """Commit a group of jobs and give each one's answer; only `Below`'s number means anything.
+
+        Raises:
+            SQLAlchemyError: nothing is known of this commit; `load` before anything else.
+
+        """
+        draft = _Draft()
+        answers = [self._answer(job, draft) for job in jobs]
+        if draft:
+            if self._plan is not None:
+                draft.seals, draft.saves = self._plan.seals, self._plan.saves
+            with self._engine.begin() as connection:
+                last_gone = self._write(connection, draft)
+            self._committed(draft, last_gone)
+            self.written = draft.size()
+        return answers
+
+    def plan(self) -> None:
+        """Choose what of the tails the next commit writes, and compress it.
+
+        It is little at a time, so that no commit is slow, and comes after a commit was answered,
+        so that nobody waits for it who does not send at once.
+        """
+        if self._plan is not None:
+            return
+        tails = self.tails
+        if tails.is_due():
+            tails.deal()
+        enough = self._enough()
+        # Twice as many as come, so that they are never more than a few behind.
+        budget = 1 + self._samples // (enough // 2)
+        self._samples = 0
+        # The fullest first: of channels that run in step, none falls behind for good.
+        sizes = [(tail.size, channel) for channel, tail in tails.items().items()]
+        due = [(size, channel) for size, channel in sizes if size >= enough]
+        chosen = [channel for _, channel in sorted(due, reverse=True)[:budget]]
+        saved: list[int] = []
+        full = self._journal.samples > self._limits.journal + 2 * enough * len(tails.items())
+        if full and len(chosen) < budget:
+            waiting = [
+                (tail.oldest_row, channel)
+                for channel, tail in tails.items().items()
+                if tail.oldest_row is not None and channel not in chosen
+            ]
+            for _, channel in sorted(waiting)[: budget - len(chosen)]:
+                full_enough = tails.items()[channel].size >= self._limits.block // 2
+                (chosen if full_enough else saved).append(channel)
+        if chosen or saved:
+            first_block = self._next_block
+            saves = [
+                save(channel, tails.dealt_row, concatenate(tails.items()[channel].parts))
+                for channel in saved
+            ]
+            self._plan = _Plan(first_block, [self._seal(each, enough) for each in chosen], saves)
+
+    def _load_ranges(self, connection: Connection) -> None:
+        for row in connection.execute(select(tables.stored_range)):
+            self._written_ranges.setdefault(row.boot_id, set()).add(row.first_seq)
+            self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
+            self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
+        for row in connection.execute(select(tables.gap)):
+            self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.last_seq + 1)
+
+    def _replay(self, connection: Connection, names: Names, tails: Tails) -> None:
+        rows = connection.execution_options(yield_per=500).execute(
+            select(tables.hot).order_by(tables.hot.c.id)
+        )
+        saved = np.zeros(max(names.saved_row, default=0) + 1, np.int64)
+        for channel, last in names.saved_row.items():
+            saved[channel] = last
+        for row in rows:
+            past = row.first_seq + row.samples
+            self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
+            self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
+            self._changed.add(row.boot_id)
+            try:
+                columns = read_row(row.body)
+            except HistoryError as error:
+                _LOG.error("%d samples of the journal are lost: %s", row.samples, error)
+                continue
+            ids = names.by_id(row.catalogue_id).channels[columns.channel]
+            chunk = Chunk(row.id, ids, columns.time_us, columns.value, columns.texts)
+            tails.add([_only(chunk, np.flatnonzero(saved[ids] < row.id))])
+            if tails.is_due():
+                tails.deal()
+            self._journal.append(row.id, row.samples)
+            self._next_row = max(self._next_row, row.id + 1)
+        tails.deal()
+
+    def _answer(self, job: Job, draft: _Draft) -> HistoryError | int:
+        try:
+            match job:
+                case Append():
+                    self._take(job, draft)
+                case Gap():
+                    self._take_gap(job, draft)
+                case Below():
+                    boot = self.names.boots.get((job.site, job.boot), 0)
+                    return self._settled.get(boot, Ranges()).contiguous()
+                case Describe():
+                    now_us = self._clock.wall_ns() // 1_000
+                    self.names.catalogue(job.site, job.addresses, now_us)
+                    draft.named = True
+                case Rename():
+                    self.names.rename(job.site, job.moves)
+                    draft.named = True
+                case Drop():
+                    draft.doomed += job.doomed
+                case Show():
+                    if self.tails.deal() and self._plan is not None:
+                        # It is of the tails as they were.
+                        self._next_block = self._plan.first_block
+                        self._plan = None
+                    draft.recent = self._recent.rows(self.tails.items())
+        except (HistoryError, UnicodeEncodeError) as error:
+            # One batch that cannot be kept must not take the others of its commit with it.
+            if isinstance(error, HistoryError):
+                return error
+            return HistoryError(f"a text is not Unicode: {error}")
+        return 0
+
+    def _take(self, job: Append, draft: _Draft) -> None:
+        columns = checked(job)
+        # Packing may refuse, so it comes before anything is remembered.
+        boot = self.names.boot(job.site, job.boot)
+        now_us = self._clock.wall_ns() // 1_000
+        catalogue = self.names.catalogue(job.site, job.addresses, now_us)
+        stored = self._stored.setdefault(boot, Ranges())
+        parts = [
+            (first, part_of(columns, first - job.first, past - job.first))
+            for first, past in stored.missing(job.first, job.first + len(columns))
+        ]
+        packed = [(first, part, write_row(part)) for first, part in parts]
+        for first, part, body in packed:
+            row = self._next_row
+            self._next_row += 1
+            draft.rows.append(
+                {
+                    "id": row,
+                    "boot_id": boot,
+                    "catalogue_id": catalogue.id,
+                    "first_seq": first,
+                    "samples": len(part),
+                    "body": body,
+                }
+            )
+            ids = catalogue.channels[part.channel]
+            draft.chunks.append(Chunk(row, ids, part.time_us, part.value, part.texts))
+            draft.samples += len(part)
+            stored.add(first, first + len(part))
+            self._settled.setdefault(boot, Ranges()).add(first, first + len(part))
+            self._changed.add(boot)
+
+    def _take_gap(self, job: Gap, draft: _Draft) -> None:
+        if not 0 <= job.first <= job.last + 1 or job.from_us > job.to_us:
+            raise HistoryError(
+                f"a gap from {job.first} to {job.last}, {job.from_us} to {job.to_us} µs, ends "
+                "before it begins"
+            )
+        job.reason.encode()
+        boot = self.names.boot(job.site, job.boot)
+        draft.gaps.append(
+            {
+                "boot_id": boot,
+                "first_seq": job.first,
+                "last_seq": job.last,
+                "from_us": job.from_us,
+                "to_us": job.to_us,
+                "reason": job.reason.replace("\0", "�"),
+            }
+        )
+        self._settled.setdefault(boot, Ranges()).add(job.first, job.last + 1)
+
+    def _enough(self) -> int:
+        """Tell how many samples a channel may hold before it is sealed."""
+        limits = self._limits
+        share = limits.held // max(1, len(self.tails.items()))
+        return max(limits.block, min(limits.largest, share))
+
+    def _seal(self, channel: int, block: int) -> Sealed:
+        tail = self.tails.items()[channel]
+        sealed = seal(
+            channel,
+            self.tails.dealt_row,
+            self._next_block,
+            self.names.longest_us[channel],
+            concatenate(tail.parts),
+            block,
+            was_saved=tail.saved,
+        )
+        self._next_block += len(sealed.blocks)
+        # Before the commit: a reader that looks back too far loses nothing.
+        self.names.longest_us[channel] = sealed.longest_us
+        return sealed
+
+    def _write(self, connection: Connection, draft: _Draft) -> int:
+        self.names.write(connection)
+        insert_rows(connection, tables.hot, draft.rows)
+        for row in draft.gaps:
+            _write_gap(connection, row)
+        if draft.recent:
+            self._recent.write(connection, draft.recent)
+        if draft.doomed:
+            drop(connection, draft.doomed)
+            # The rollup rows that were known to be the last may be gone.
+            for each in draft.doomed:
+                self._newest.pop(each.channel, None)
+        for sealed in draft.seals:
+            channel = sealed.channel
+            newest = self._newest.get(channel)
+            if newest is None:
+                newest = read_newest(connection, channel)
+            draft.newest[channel] = sealed.write(connection, newest)
+        for saved in draft.saves:
+            saved.write(connection)
+        return self._delete_done(connection, draft)
+
+    def _delete_done(self, connection: Connection, draft: _Draft) -> int:
+        """Delete journal rows that nobody needs; a range of numbers stands for them then."""
+        most = self._limits.delete + 4 * len(draft.rows)
+        count = min(most, self._journal.below(self.tails.needed_row()))
+        if count and (count == most or self._journal.samples > self._limits.journal // 8):
+            last = self._journal.oldest(count)
+            self._write_ranges(connection, draft)
+            connection.execute(delete(tables.hot).where(tables.hot.c.id <= last))
+            return last
+        return 0
+
+    def _write_ranges(self, connection: Connection, draft: _Draft) -> None:
+        """Write the ranges of changed boots; those that were joined with others go."""
+        table = tables.stored_range
+        rows = []
+        for boot in self._changed:
+            ranges = list(self._stored[boot])
+            draft.ranges[boot] = {first for first, _ in ranges}
+            for first in self._written_ranges.get(boot, set()) - draft.ranges[boot]:
+                gone = (table.c.boot_id == boot, table.c.first_seq == first)
+                connection.execute(delete(table).where(*gone))
+            rows += [
+                {"boot_id": boot, "first_seq": first, "past_seq": past} for first, past in ranges
+            ]
+        put_rows(connection, table, rows)
+
+    def _committed(self, draft: _Draft, last_gone: int) -> None:
+        self._plan = None
+        self._samples += draft.samples
+        self.names.written()
+        self._newest.update(draft.newest)
+        self._written_ranges.update(draft.ranges)
+        for each in draft.seals:
+            self.names.saved_row[each.channel] = each.row
+        self.tails.sealed([each.channel for each in draft.seals], self._next_block)
+        for saved in draft.saves:
+            self.names.saved_row[saved.channel] = saved.row
+            tail = self.tails.items()[saved.channel]
+            tail.saved, tail.oldest_row = True, None
+        if last_gone:
+            self._changed.clear()
+            self._journal.forget(last_gone)
+        self.tails.add(draft.chunks)
+        for row in draft.rows:
+            self._journal.append(row["id"], row["samples"])
+
+
+def _only(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:
+    if positions.size == chunk.time_us.size:
+        return chunk
+    place = {int(old): new for new, old in enumerate(positions)}
+    return Chunk(
+        chunk.row,
+        chunk.channel[positions],
+        chunk.time_us[positions],
+        chunk.value[positions],
+        {place[p]: text for p, text in chunk.texts.items() if p in place},
+    )
+
+
+def _write_gap(connection: Connection, row: dict[str, Any]) -> None:
+    table = tables.gap
+    key = ("boot_id", "first_seq", "last_seq", "from_us")
+    same = [table.c[name] == row[name] for name in key]
+    if connection.execute(select(table.c.boot_id).where(*same)).first() is None:
+        connection.execute(insert(table), row)

@@ -1,0 +1,190 @@
+"""Samples that are not in a block yet, held in memory for each channel.
+
+Batches come many channels at a time and are committed every few milliseconds; taking each apart
+at once would be most of the hub's work. So they wait as they came (*recent*) and are dealt out to
+the channels' *tails* a few thousand samples at a time. One thread writes, any thread reads.
+"""
+
+from __future__ import annotations
+
+import threading
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
+
+from talaia.hub.history.blocks.block import Samples, concatenate
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["Chunk", "Snapshot", "Tail", "Tails"]
+
+_PARTS = 64
+
+
+class Chunk(NamedTuple):
+    """Samples of one journal row; the arrays have the shape (n,).
+
+    Attributes:
+        row: the journal row's id.
+        channel: channel ids, not catalogue indexes.
+
+    """
+
+    row: int
+    channel: NDArray[np.int64]
+    time_us: NDArray[np.int64]
+    value: NDArray[np.float64]
+    texts: dict[int, str]
+
+
+class Tail:
+    """What of one channel is not in a block.
+
+    Attributes:
+        oldest_row: the first journal row whose samples are nowhere but in the journal; None if
+            all of them are in the saved tail.
+        saved: a saved tail of this channel is in the database.
+
+    """
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self.parts: list[Samples] = []
+        self.size = 0
+        self.oldest_row: int | None = None
+        self.saved = False
+
+    def add(self, samples: Samples) -> None:
+        """Put samples at the end."""
+        if len(self.parts) >= _PARTS:
+            # A slow channel gets its samples one by one; a thousand small arrays are slow to read.
+            self.parts = [concatenate(self.parts)]
+        self.parts.append(samples)
+        self.size += samples.time_us.size
+
+
+class Snapshot(NamedTuple):
+    """What of one channel stood in memory at one moment.
+
+    Attributes:
+        samples: in the order in which they came.
+        block: blocks with this id or a higher one are not to be read, since their samples are
+            still here.
+
+    """
+
+    samples: Samples
+    block: int
+
+
+class Tails:
+    """All tails, and the batches that are still to be dealt out to them."""
+
+    def __init__(self, block: int, row: int, recent: int) -> None:
+        """Start empty.
+
+        Args:
+            block: id that the next block will get.
+            row: journal rows up to this one have been dealt out.
+            recent: deal out when so many samples wait.
+
+        """
+        self._lock = threading.Lock()
+        self._recent: list[Chunk] = []
+        self._waiting = 0
+        self._tails: dict[int, Tail] = {}
+        self._enough = recent
+        self.block = block
+        self.dealt_row = row
+
+    def items(self) -> Mapping[int, Tail]:
+        """Give the tails by channel id; for the writing thread only."""
+        return self._tails
+
+    def add(self, chunks: list[Chunk]) -> None:
+        """Take batches that have been committed, in order of their rows."""
+        with self._lock:
+            self._recent.extend(chunks)
+            self._waiting += sum(chunk.time_us.size for chunk in chunks)
+
+    def is_due(self) -> bool:
+        """Tell whether enough batches wait to be dealt out."""
+        return self._waiting >= self._enough
+
+    def restore(self, channel: int, samples: Samples) -> None:
+        """Take a tail that was saved in the database."""
+        tail = self._tails.setdefault(channel, Tail())
+        tail.add(samples)
+        tail.saved = True
+
+    def deal(self) -> bool:
+        """Take the waiting batches apart, by channel; tell whether there were any."""
+        chunks = self._recent
+        if not chunks:
+            return False
+        dealt = _deal(chunks)
+        with self._lock:
+            for channel, row, samples in dealt:
+                tail = self._tails.setdefault(channel, Tail())
+                tail.add(samples)
+                if tail.oldest_row is None:
+                    tail.oldest_row = row
+            self._recent, self._waiting = [], 0
+            self.dealt_row = chunks[-1].row
+        return True
+
+    def sealed(self, channels: list[int], block: int) -> None:
+        """Forget the tails of these channels: they are in blocks below ``block`` now."""
+        with self._lock:
+            for channel in channels:
+                del self._tails[channel]
+            self.block = block
+
+    def needed_row(self) -> int:
+        """Give the first journal row that must not be deleted."""
+        rows = [tail.oldest_row for tail in self._tails.values() if tail.oldest_row is not None]
+        return min(rows, default=self.dealt_row + 1)
+
+    def snapshot(self, channel: int) -> Snapshot:
+        """Give what is held of a channel; from any thread."""
+        with self._lock:
+            tail = self._tails.get(channel)
+            parts = list(tail.parts) if tail is not None else []
+            recent = list(self._recent)
+            block = self.block
+        for chunk in recent:
+            positions = np.flatnonzero(chunk.channel == channel)
+            if positions.size:
+                samples = Samples(chunk.time_us, chunk.value, chunk.texts)
+                parts.append(samples.chosen(positions))
+        return Snapshot(concatenate(parts), block)
+
+
+def _deal(chunks: list[Chunk]) -> list[tuple[int, int, Samples]]:
+    """Give channel, first row and samples of each channel, in the order in which they came."""
+    ids = np.concatenate([chunk.channel for chunk in chunks])
+    if not ids.size:  # after a start, all of it may have been in blocks already
+        return []
+    together = concatenate([Samples(c.time_us, c.value, c.texts) for c in chunks])
+    if bool((ids == ids[0]).all()):
+        first = next(chunk.row for chunk in chunks if chunk.time_us.size)
+        return [(int(ids[0]), first, together if len(chunks) > 1 else _own(together))]
+    sizes = [chunk.time_us.size for chunk in chunks]
+    rows = np.repeat(np.array([chunk.row for chunk in chunks], np.int64), sizes)
+    order = np.argsort(ids, kind="stable")
+    in_turn = together.chosen(order)
+    ids = ids[order]
+    starts = np.flatnonzero(np.concatenate(([True], ids[1:] != ids[:-1])))
+    bounds = [*starts.tolist(), ids.size]
+    return [
+        (int(ids[first]), int(rows[order[first]]), _own(in_turn.part(first, past)))
+        for first, past in pairwise(bounds)
+    ]
+
+
+def _own(samples: Samples) -> Samples:
+    # A view would keep the whole batch of all channels in memory for as long as this channel.
+    return Samples(samples.time_us.copy(), samples.value.copy(), samples.texts)

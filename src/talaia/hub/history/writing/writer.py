@@ -1,0 +1,207 @@
+"""The thread that writes: everything that waits goes into one commit.
+
+The first batch after a pause is committed at once. Under load a commit waits for a moment
+after the last one began, so that many small batches share one wait for the disk; `ENOUGH` samples
+end the waiting. Callers wait for their commit, which presses back on who sends too much.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple
+
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
+
+from talaia.clock import SECOND
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.writing.writer_jobs import Append
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.clock import Clock
+    from talaia.hub.history.engine import Checkpoints
+    from talaia.hub.history.writing.block_index import Ledger
+    from talaia.hub.history.writing.writer_jobs import Job
+
+__all__ = ["Writer"]
+
+ENOUGH = 512
+# More than this in one commit only makes the others wait longer.
+MOST = 65_536
+
+_LOG = logging.getLogger(__name__)
+Answer = int | HistoryError
+
+
+class _Waiting(NamedTuple):
+    job: Job
+    answer: asyncio.Future[int]
+
+
+class Writer:
+    """Takes jobs on the event loop and does them in its own thread, in order."""
+
+    def __init__(
+        self, ledger: Ledger, checkpoints: Checkpoints, clock: Clock, linger_s: float
+    ) -> None:
+        """Prepare; `start` begins."""
+        self._ledger = ledger
+        self._checkpoints = checkpoints
+        self._clock = clock
+        self._linger_s = linger_s
+        self._changed = threading.Condition()
+        self._queue: deque[_Waiting] = deque()
+        self._samples = 0
+        self._ending = False
+        # Why the last commit failed; empty when it did not.
+        self.trouble = ""
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._thread: threading.Thread | None = None
+
+    async def start(self) -> None:
+        """Load the ledger and begin to write.
+
+        Raises:
+            HistoryError: the database cannot be opened, or its tables are missing.
+
+        """
+        self._loop = asyncio.get_running_loop()
+        try:
+            await asyncio.to_thread(self._ledger.load)
+        except SQLAlchemyError as error:
+            raise HistoryError(
+                f"the database cannot be read: {getattr(error, 'orig', None) or error}",
+                "check that it can be reached and that its tables are up to date",
+            ) from error
+        self._thread = threading.Thread(target=self._run, name="history-writer", daemon=True)
+        self._thread.start()
+
+    async def stop(self) -> None:
+        """Write what waits, then end the thread."""
+        with self._changed:
+            self._ending = True
+            self._changed.notify()
+        if self._thread is not None:
+            await asyncio.to_thread(self._thread.join)
+
+    async def do(self, job: Job) -> int:
+        """Wait until a job is durable.
+
+        Raises:
+            HistoryError: it is not stored.
+
+        """
+        if self._loop is None:
+            raise HistoryError("it is not open", "call open first")
+        waiting = _Waiting(job, self._loop.create_future())
+        size = len(job.columns) if isinstance(job, Append) else ENOUGH
+        with self._changed:
+            if self._ending:
+                raise HistoryError("it is closed")
+            was = self._samples
+            self._queue.append(waiting)
+            self._samples += size
+            # Waking the thread for each batch would cost more than storing it.
+            if len(self._queue) == 1 or was < ENOUGH <= self._samples:
+                self._changed.notify()
+        return await waiting.answer
+
+    def _run(self) -> None:
+        began = self._clock.monotonic_ns() - SECOND
+        while group := self._next_group(began):
+            began = self._clock.monotonic_ns()
+            answers = self._answers([each.job for each in group])
+            if self._loop is not None and not self._loop.is_closed():
+                self._loop.call_soon_threadsafe(_tell, group, answers)
+            try:
+                self._checkpoints.after_commit(self._ledger.written)
+                self._ledger.written = 0
+                self._plan()
+            except Exception:  # noqa: BLE001 - told below, with its trace
+                # Without this thread nothing would be stored and everybody would wait for ever.
+                _LOG.exception("what follows a commit failed; storing goes on")
+
+    def _answers(self, jobs: Sequence[Job]) -> Sequence[Answer]:
+        """Store, and have an answer for each job whatever happens."""
+        try:
+            return self._store(jobs)
+        except Exception as error:  # noqa: BLE001 - told to those who wait
+            _LOG.exception("storing failed in a way nobody foresaw; it goes on")
+            self.trouble = _reason(error)
+            refusal = HistoryError(
+                f"nothing can be stored: {error!r}", "it is tried again with the next batch"
+            )
+            return [refusal] * len(jobs)
+
+    def _next_group(self, began: int) -> list[_Waiting]:
+        with self._changed:
+            while not self._queue and not self._ending:
+                self._changed.wait()
+            lingered_s = (self._clock.monotonic_ns() - began) / SECOND
+            if lingered_s < self._linger_s:
+                self._changed.wait_for(
+                    lambda: self._samples >= ENOUGH or self._ending, self._linger_s - lingered_s
+                )
+            group: list[_Waiting] = []
+            size = 0
+            while self._queue and size < MOST:
+                each = self._queue.popleft()
+                size += len(each.job.columns) if isinstance(each.job, Append) else ENOUGH
+                group.append(each)
+            self._samples -= size
+            return group
+
+    def _store(self, jobs: Sequence[Job]) -> Sequence[Answer]:
+        try:
+            if self.trouble:
+                self._ledger.load()
+            answers = self._ledger.store(jobs)
+        except Exception as error:  # noqa: BLE001 - told to those who wait; the thread goes on
+            return self._failed(jobs, error)
+        if self.trouble:
+            _LOG.warning("history is stored again")
+        self.trouble = ""
+        return answers
+
+    def _plan(self) -> None:
+        if self.trouble:
+            return
+        try:
+            self._ledger.plan()
+        except Exception as error:  # noqa: BLE001 - what is committed is safe; the thread goes on
+            _LOG.error("samples cannot be made blocks; it is tried again: %r", error)
+            # Read anew before the next commit: what is planned in memory may be half of it.
+            self.trouble = _reason(error)
+
+    def _failed(self, jobs: Sequence[Job], error: Exception) -> Sequence[Answer]:
+        reason = getattr(error, "orig", None) or error
+        if not self.trouble:
+            _LOG.error("history cannot be stored; it waits at the gateways: %r", reason)
+        self.trouble = _reason(error)
+        if len(jobs) == 1 or isinstance(error, OperationalError):
+            refusal = HistoryError(
+                f"nothing can be stored: {reason}", "it is tried again with the next batch"
+            )
+            return [refusal] * len(jobs)
+        # One of them is refused by the database; let the others not suffer for it.
+        return [self._store([job])[0] for job in jobs]
+
+
+def _reason(error: Exception) -> str:
+    """Say why, for people; never empty."""
+    reason = getattr(error, "orig", None) or error
+    return str(reason) or type(reason).__name__
+
+
+def _tell(group: Sequence[_Waiting], answers: Sequence[Answer]) -> None:
+    for each, answer in zip(group, answers, strict=True):
+        if each.answer.done():  # its caller was cancelled
+            continue
+        if isinstance(answer, HistoryError):
+            each.answer.set_exception(answer)
+        else:
+            each.answer.set_result(answer)

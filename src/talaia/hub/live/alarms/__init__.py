@@ -1,0 +1,1 @@
+"""Live alarms: conditions judged, states kept and shown."""

@@ -1,0 +1,391 @@
+"""The alarms of all sites: samples and news in; states, messages and marks out.
+
+Two halves. The first never waits (`SiteAlarms`): it holds each sample against the conditions that
+look at it, and puts what begins or ceases to count into a queue. The second, here, takes the
+queue, one thing after the other, what people ask for among it, and tells nobody of anything
+before it is in the database. What cannot be written waits there, and is tried again.
+
+Long, because all that comes of an alarm is told here, in its order.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.clock import SECOND
+from talaia.hub.alarms.conditions import Seen
+from talaia.hub.alarms.machine import Event, NotNow, Phase, Retire, State, What, step
+from talaia.hub.errors import StoreDown
+from talaia.hub.live.alarms.alarm_state import LiveAlarm, alarm_news, event_news, ghost
+from talaia.hub.live.alarms.site_alarms import SiteAlarms
+from talaia.hub.store.alarms.alarm_states import Change, Made
+from talaia.model.alarms.alarm import Alarm
+from talaia.model.alarms.standard_alarms import standard_alarms
+from talaia.wire.frames import RecordAsk
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from talaia.clock import Clock
+    from talaia.hub.alarms.machine import Happened
+    from talaia.hub.live.pages.page_connections import Browser, Browsers
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import AnomalyNews, Sighting
+    from talaia.hub.store.alarms.alarm_states import AlarmStore
+    from talaia.hub.store.alarms.notification_outbox import Notices
+    from talaia.model.site import Site
+    from talaia.wire.columns import Columns
+
+__all__ = ["Alarms"]
+
+_LOG = logging.getLogger(__name__)
+# Conditions are looked at so often at least: values age, delays end (s).
+_TICK_S = 0.5
+_TICK_NS = round(_TICK_S * SECOND)
+_RETRY_S = 1.0
+# Without a look for so long something is wrong with whoever looks.
+_LONGEST_LOOK_NS = 10 * SECOND
+# A batch of what happened is one transaction of at most so many.
+_MOST_A_COMMIT = 200
+
+
+class _Ask(NamedTuple):
+    """Something to be done to an alarm; ``done`` gets the outcome, where a person waits for it."""
+
+    live: LiveAlarm
+    event: Event
+    done: asyncio.Future[State] | None = None
+
+
+class Alarms:
+    """Watches, decides, writes down, and tells."""
+
+    def __init__(
+        self,
+        sites: Sites,
+        browsers: Browsers,
+        store: AlarmStore,
+        notices: Notices,
+        clock: Clock,
+    ) -> None:
+        """Begin without any; `open` brings back what the database has."""
+        self._sites = sites
+        self._browsers = browsers
+        self._store = store
+        self._notices = notices
+        self._clock = clock
+        self._of: dict[str, SiteAlarms] = {}
+        self._states: dict[tuple[str, str], State] = {}
+        self._made: dict[str, dict[str, Made]] = {}
+        self._queue: deque[_Ask] = deque()
+        self._news = asyncio.Event()
+        self._stopping = False
+        self._looked_ns = clock.monotonic_ns()
+        self._wake_delivery: Callable[[], None] = lambda: None
+
+    def on_notice(self, wake: Callable[[], None]) -> None:
+        """Call ``wake`` when something may have been put into the outbox."""
+        self._wake_delivery = wake
+
+    async def open(self) -> None:
+        """Bring back what the database has, for the sites that are known."""
+        self._states = await self._store.states()
+        for made in await self._store.made():
+            self._made.setdefault(made.site, {})[made.alarm] = made
+        for live in self._sites:
+            self.described(live)
+        await self.refresh_troubles()
+
+    # ── what is watched ─────────────────────────────────────────────────────────────────────
+
+    def described(self, live: LiveSite) -> None:
+        """Take a site's description, new or the same; alarms that stay keep their state."""
+        known = self._of.get(live.name)
+        if known is None:
+            known = self._of[live.name] = SiteAlarms(self._clock, self._put, self._tell)
+        before = known.described(
+            live,
+            self._definitions(live.description),
+            lambda name, was: self._begins(live.name, name, was),
+        )
+        for name, gone in before.items():
+            if name not in known.alarms:
+                self._retire(gone)
+        # Of former descriptions, whose alarms are described no more.
+        for site, name in [key for key in self._states if key[0] == live.name]:
+            state = self._states[site, name]
+            if name not in known.alarms and name not in before and _stands(state):
+                self._retire(ghost(live, name, state))
+        for each in known.alarms.values():
+            self._tell(each)
+        self._news.set()
+
+    def of(self, site: str) -> Iterator[LiveAlarm]:
+        """Go through the alarms of a site."""
+        known = self._of.get(site)
+        return iter(list(known.alarms.values()) if known else [])
+
+    def find(self, site: str, alarm: str) -> LiveAlarm | None:
+        """Find one."""
+        known = self._of.get(site)
+        return known.alarms.get(alarm) if known else None
+
+    def _definitions(self, site: Site) -> Iterator[tuple[str, Alarm, bool]]:
+        own = {**site.alarms, **standard_alarms(site)}
+        for name, alarm in own.items():
+            yield name, alarm, False
+        for name, made in self._made.get(site.site, {}).items():
+            if name in own:
+                continue
+            try:
+                yield name, msgspec.json.decode(made.definition, type=Alarm), True
+            except msgspec.MsgspecError:
+                _LOG.exception("the alarm %s of %s cannot be read", name, site.site)
+
+    def _begins(self, site: str, name: str, before: LiveAlarm | None) -> State:
+        """Give how an alarm stands when it is described: as before, or as the database has it."""
+        if before is None:
+            return self._states.get((site, name), State())
+        state = before.state
+        # One whose former self is in the queue yet: the database will have it so.
+        for ask in self._queue:
+            if ask.live is before:
+                with contextlib.suppress(NotNow):
+                    state = step(state, ask.event)[0]
+        return state
+
+    def _retire(self, gone: LiveAlarm) -> None:
+        gone.alarm = None
+        self._put(gone, Retire(self._now_us()))
+        self._tell(gone)
+
+    # ── what is true ────────────────────────────────────────────────────────────────────────
+
+    def take(
+        self, live: LiveSite, columns: Columns, heard_ns: NDArray[np.float64] | None = None
+    ) -> None:
+        """Hold live samples against the conditions that look at them; never waits.
+
+        ``heard_ns`` is when each was heard (monotonic), at most one of a channel; none: just now.
+        """
+        known = self._of.get(live.name)
+        if known is not None:
+            known.take(live, columns, heard_ns)
+
+    def anomaly(self, news: AnomalyNews) -> None:
+        """Take what a detector of anomalies says; see `talaia.hub.ports.AnomalySink`."""
+        seen = Seen(score=news.score, why=news.why)
+        which, over = (news.began_us, news.detector), news.ended_us is not None
+        self._happens(news.site, (news.channel, ""), which, seen, over=over)
+
+    def sighting(self, news: Sighting) -> None:
+        """Take what a detector of objects says; see `talaia.hub.ports.SightingSink`."""
+        seen = Seen(many=news.many, confidence=news.confidence)
+        what = (news.camera, news.label)
+        over = news.ended_us is not None
+        self._happens(news.site, what, (news.began_us, ""), seen, over=over)
+
+    def look(self) -> None:
+        """Hold what is known against every condition: values age, and delays end."""
+        for site, known in self._of.items():
+            live = self._sites.get(site)
+            if live is not None:
+                known.look(live)
+
+    def _happens(
+        self, site: str, what: tuple[str, str], which: tuple[int, str], seen: Seen, *, over: bool
+    ) -> None:
+        known, live = self._of.get(site), self._sites.get(site)
+        if known is not None and live is not None:
+            known.happens(live, what, which, seen, over=over)
+
+    # ── what comes of it ────────────────────────────────────────────────────────────────────
+
+    async def act(self, live: LiveAlarm, event: Event) -> State:
+        """Do what a person asks; it is in the database when this comes back.
+
+        Raises:
+            NotNow: it makes no sense as the alarm stands.
+            StoreDown: it cannot be written; nothing was done.
+
+        """
+        done: asyncio.Future[State] = asyncio.get_running_loop().create_future()
+        self._put(live, event, done)
+        return await done
+
+    async def define(self, live: LiveSite, made: Made) -> None:
+        """Keep an alarm that was made in the page, in place of the one of its name."""
+        await self._store.define(made)
+        self._made.setdefault(made.site, {})[made.alarm] = made
+        self.described(live)
+
+    async def forget(self, live: LiveSite, alarm: str) -> bool:
+        """Remove an alarm that was made in the page; False when there is none."""
+        if not await self._store.forget(live.name, alarm):
+            return False
+        self._made.get(live.name, {}).pop(alarm, None)
+        self.described(live)
+        return True
+
+    async def run(self) -> None:
+        """Look, write down and tell, until `stop`; what is decided by then is written first."""
+        failing = False
+        while not self._stopping or self._queue:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_TICK_S):
+                    await self._news.wait()
+            self._news.clear()
+            try:
+                self._look_again()
+                await self.settle()
+            except StoreDown:
+                if not failing:
+                    _LOG.exception("what happens to alarms cannot be written down; it waits")
+                failing = True
+                if self._stopping:
+                    return
+                await asyncio.sleep(_RETRY_S)
+                self._news.set()
+            except Exception:  # noqa: BLE001 - logged, and tried again
+                # Alarms that end without a word would be the worst of all.
+                _LOG.exception("what happens to alarms cannot be dealt with; it is tried again")
+                if self._stopping:
+                    return
+                await asyncio.sleep(_RETRY_S)
+                self._news.set()
+            else:
+                failing = False
+
+    def _look_again(self) -> None:
+        now = self._clock.monotonic_ns()
+        if now - self._looked_ns >= _TICK_NS:
+            self._looked_ns = now
+            self.look()
+
+    @property
+    def judging(self) -> bool:
+        """Whether conditions are being looked at; a database that is slow may hold that up."""
+        waited = self._clock.monotonic_ns() - self._looked_ns
+        return waited < _LONGEST_LOOK_NS or bool(self._queue)
+
+    def stop(self) -> None:
+        """Let `run` end."""
+        self._stopping = True
+        self._news.set()
+
+    async def settle(self) -> None:
+        """Write down and tell all that was decided.
+
+        Raises:
+            StoreDown: nothing of the rest was done; it waits, but for what people asked for,
+                who are told at once.
+
+        """
+        while self._queue:
+            batch = [self._queue[at] for at in range(min(len(self._queue), _MOST_A_COMMIT))]
+            changes, states, refused = _worked_out(batch)
+            try:
+                if changes:
+                    await self._store.commit([change for _, change in changes], self._now_us())
+            except StoreDown as error:
+                self._put_back(batch, error)
+                raise
+            for ask in batch:
+                self._queue.popleft()
+                if ask.done is not None and not ask.done.done():
+                    if id(ask) in refused:
+                        ask.done.set_exception(refused[id(ask)])
+                    else:
+                        ask.done.set_result(states[ask.live])
+            for live, state in states.items():
+                live.state = state
+                self._states[live.about.site, live.about.alarm] = state
+            self._show(changes)
+
+    def _put_back(self, batch: list[_Ask], error: StoreDown) -> None:
+        for ask in batch:
+            if ask.done is not None:
+                self._queue.remove(ask)
+                if not ask.done.done():
+                    ask.done.set_exception(error)
+
+    def _show(self, changes: list[tuple[LiveAlarm, Change]]) -> None:
+        """Tell of what is in the database now."""
+        for live in dict.fromkeys(live for live, _ in changes):
+            self._tell(live)
+        for live, change in changes:
+            for happened in change.happened:
+                self._browsers.tell(event_news(live, happened))
+                if happened.what is What.RAISED:
+                    live.undelivered = ""
+                    self._record(live, happened)
+        if changes:
+            self._wake_delivery()
+
+    def _record(self, each: LiveAlarm, happened: Happened) -> None:
+        live = self._sites.get(each.about.site)
+        if each.alarm is None or not each.alarm.record or live is None or live.link is None:
+            return
+        why = f"alarm {each.about.name}: {happened.message}"[:500]
+        live.link.send(RecordAsk(on=True, who="alarm", why=why, alarm=True))
+
+    async def refresh_troubles(self) -> None:
+        """Read anew which alarms could not be delivered, and tell."""
+        troubles = await self._notices.troubles()
+        for site, known in self._of.items():
+            for name, each in known.alarms.items():
+                problem = troubles.get((site, name), "")
+                if problem != each.undelivered:
+                    each.undelivered = problem
+                    self._tell(each)
+
+    def greet(self, browser: Browser) -> None:
+        """Tell a page that has just come how all alarms stand that it may see."""
+        for known in self._of.values():
+            for each in known.alarms.values():
+                browser.tell(alarm_news(each))
+
+    def _put(
+        self, live: LiveAlarm, event: Event, done: asyncio.Future[State] | None = None
+    ) -> None:
+        self._queue.append(_Ask(live, event, done))
+        self._news.set()
+
+    def _tell(self, each: LiveAlarm) -> None:
+        self._browsers.tell(alarm_news(each))
+
+    def _now_us(self) -> int:
+        return self._clock.wall_ns() // 1000
+
+
+def _worked_out(
+    batch: list[_Ask],
+) -> tuple[list[tuple[LiveAlarm, Change]], dict[LiveAlarm, State], dict[int, NotNow]]:
+    """Give the changes, the state after them of each alarm, and what is refused and why."""
+    states: dict[LiveAlarm, State] = {}
+    changes: list[tuple[LiveAlarm, Change]] = []
+    refused: dict[int, NotNow] = {}
+    for ask in batch:
+        before = states.get(ask.live, ask.live.state)
+        try:
+            after, happened = step(before, ask.event)
+        except NotNow as error:
+            refused[id(ask)] = error
+            after, happened = before, ()
+        states[ask.live] = after
+        if happened or after != before:
+            changes.append((ask.live, Change(ask.live.about, after, happened)))
+    return changes, states, refused
+
+
+def _stands(state: State) -> bool:
+    return state.phase is not Phase.NORMAL or bool(state.shelved_until_us)

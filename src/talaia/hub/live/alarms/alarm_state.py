@@ -1,0 +1,106 @@
+"""One alarm of a site as the hub has it now, and how pages are told of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from talaia.hub.alarms.machine import Phase, State, What
+from talaia.hub.alarms.reminding import Reminding
+from talaia.hub.alarms.watch import Watch
+from talaia.hub.store.alarms.notification_outbox import About
+from talaia.model.alarms.alarm import Alarm, AlarmKind
+from talaia.model.checks.alarm_checks import signals_of
+from talaia.wire import browser as page
+
+if TYPE_CHECKING:
+    from talaia.hub.alarms.conditions import Condition
+    from talaia.hub.alarms.machine import Happened
+    from talaia.hub.live.sites import LiveSite
+    from talaia.model.checks.alarm_checks import Addresses
+
+__all__ = ["LiveAlarm", "alarm_news", "device_of", "event_news", "ghost"]
+
+
+@dataclass(slots=True, eq=False)
+class LiveAlarm:
+    """One alarm, now.
+
+    Attributes:
+        alarm: what it is; None once it is described no more.
+        made: made in the page, not by the description.
+        state: as the database has it.
+        condition: None when the description does not fit it, and then ``problem`` says why.
+        undelivered: why a message of it did not reach somebody; empty: none failed.
+
+    """
+
+    about: About
+    alarm: Alarm | None
+    made: bool
+    state: State
+    watch: Watch
+    condition: Condition | None = None
+    problem: str = ""
+    undelivered: str = ""
+    shown_unknown: str = ""
+    reminding: Reminding = field(default_factory=lambda: Reminding(0))
+
+
+def device_of(addresses: Addresses, alarm: Alarm) -> str:
+    """Name the one device that an alarm is about; empty when it is about more: the whole site."""
+    devices = {address.partition("/")[0] for address in signals_of(addresses, alarm)}
+    if alarm.stream:
+        devices = {alarm.stream.partition("/")[0]}
+    return next(iter(devices)) if len(devices) == 1 else ""
+
+
+def alarm_news(each: LiveAlarm) -> page.AlarmNews:
+    """Say how an alarm stands."""
+    about, state, alarm = each.about, each.state, each.alarm
+    return page.AlarmNews(
+        site=about.site,
+        alarm=about.alarm,
+        device=about.device,
+        name=about.name,
+        kind=alarm.kind.value if alarm else "",
+        severity=about.severity.value,
+        phase=state.phase.value,
+        why=state.why[:500] if state.phase is not Phase.NORMAL else "",
+        known=each.watch.known,
+        unknown_why="" if each.watch.known else each.watch.why[:500],
+        raised_us=state.raised_us,
+        cleared_us=state.cleared_us,
+        acked_us=state.acked_us,
+        acked_by=state.acked_by,
+        assigned=state.assigned,
+        shelved_until_us=state.shelved_until_us,
+        shelved_by=state.shelved_by,
+        shelved_why=state.shelved_why[:500],
+        undelivered=each.undelivered[:500],
+        advice=about.advice[:500],
+        signals=list(each.condition.channels) if each.condition else [],
+        made=each.made,
+        gone=alarm is None,
+    )
+
+
+def event_news(each: LiveAlarm, happened: Happened) -> page.EventNews:
+    """Say what happened to an alarm."""
+    about = each.about
+    return page.EventNews(
+        site=about.site,
+        kind=f"alarm {happened.what}",
+        device=about.device,
+        message=f"{about.name}: {happened.message}".rstrip(": ")[:500],
+        who=happened.who,
+        time_us=happened.time_us,
+        good=happened.what not in {What.RAISED, What.REMINDED, What.UNSHELVED},
+    )
+
+
+def ghost(live: LiveSite, name: str, state: State) -> LiveAlarm:
+    """Give an alarm of which nothing is known any more but how it stood."""
+    alarm = Alarm(name=name, kind=AlarmKind.LIMIT)
+    about = About(live.name, name, "", alarm.severity, name, live.description.name, "")
+    return LiveAlarm(about, None, made=True, state=state, watch=Watch(alarm, on=state.on))

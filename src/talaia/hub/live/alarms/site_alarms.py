@@ -1,0 +1,235 @@
+"""The alarms of one site: samples and news of detectors in; what begins or ceases to count out.
+
+Nothing here waits. Each sample is held against the conditions that look at it; what comes of it
+is handed on, to be written down and told.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.clock import SECOND
+from talaia.hub.alarms.conditions import Condition, Reading, Seen, Truth, Verdict
+from talaia.hub.alarms.machine import Clear, Raise, State, Unshelve
+from talaia.hub.alarms.reminding import first_told
+from talaia.hub.alarms.watch import Turn, Watch
+from talaia.hub.live.alarms.alarm_state import LiveAlarm, device_of
+from talaia.hub.live.pages.conflate import conflate, pick
+from talaia.hub.store.alarms.notification_outbox import About
+from talaia.model.checks.alarm_checks import Addresses, alarm_findings
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from numpy.typing import NDArray
+
+    from talaia.clock import Clock
+    from talaia.hub.alarms.machine import Event
+    from talaia.hub.live.sites import LiveSite
+    from talaia.model.alarms.alarm import Alarm
+    from talaia.wire.columns import Columns
+
+__all__ = ["SiteAlarms"]
+
+# A batch with more samples of what is watched is made fewer, its extremes kept.
+_MOST_AT_ONCE = 256
+
+
+class SiteAlarms:
+    """What is known of one site for its alarms.
+
+    Attributes:
+        alarms: by their short names.
+
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        put: Callable[[LiveAlarm, Event], None],
+        tell: Callable[[LiveAlarm], None],
+    ) -> None:
+        """Begin without any; ``put`` takes what is to happen, ``tell`` what is no longer known."""
+        self.alarms: dict[str, LiveAlarm] = {}
+        self._clock = clock
+        self._put = put
+        self._tell = tell
+        # For each channel of the wire's list, whether anybody looks at it, and who does.
+        self._watched: NDArray[np.bool_] = np.zeros(0, bool)
+        self._lookers: dict[int, list[LiveAlarm]] = {}
+        self._addresses: tuple[str, ...] = ()
+        # The newest value, its text and when it came (monotonic ns), by address.
+        self._values: dict[str, tuple[float, str, int]] = {}
+        # What goes on now, as detectors say, by whom and of what.
+        self._seen: dict[tuple[str, str], dict[tuple[int, str], Seen]] = {}
+
+    def described(
+        self,
+        live: LiveSite,
+        definitions: Iterable[tuple[str, Alarm, bool]],
+        state_of: Callable[[str, LiveAlarm | None], State],
+    ) -> dict[str, LiveAlarm]:
+        """Take what is described: name, alarm, and whether it was made in the page.
+
+        ``state_of`` says how one begins, by what it was before; gives those before this one.
+        """
+        before, self.alarms = self.alarms, {}
+        addresses = Addresses(live.description)
+        for name, alarm, made in definitions:
+            was = before.get(name)
+            self.alarms[name] = _made_live(
+                live, addresses, name, alarm, was, state_of(name, was), made=made
+            )
+        self._index(live)
+        return before
+
+    def take(
+        self, live: LiveSite, columns: Columns, heard_ns: NDArray[np.float64] | None = None
+    ) -> None:
+        """Hold live samples against the conditions that look at them; see `Alarms.take`."""
+        if not self._lookers or not len(columns) or len(self._watched) != len(live.channels):
+            return
+        keep = self._watched[columns.channel]
+        if not keep.any():
+            return
+        mine = pick(columns, keep)
+        now = self._clock.monotonic_ns()
+        if heard_ns is not None:
+            heard = heard_ns[keep].astype(np.int64).tolist()
+        else:
+            mine = conflate(mine) if len(mine) > _MOST_AT_ONCE else mine
+            heard = [now] * len(mine)
+        values = mine.value.tolist()
+        for place, at in enumerate(mine.channel.tolist()):
+            text = mine.texts.get(place, "")
+            self._values[self._addresses[at]] = (values[place], text, heard[place])
+            for each in self._lookers[at]:
+                self._judge(live, each, now)
+
+    def happens(
+        self,
+        live: LiveSite,
+        what: tuple[str, str],
+        which: tuple[int, str],
+        seen: Seen,
+        *,
+        over: bool,
+    ) -> None:
+        """Take what a detector says of ``what`` (camera or channel, label), ``which`` names it."""
+        going = self._seen.setdefault(what, {})
+        now = self._clock.monotonic_ns()
+        # Told only when it was over, it has been there all the same.
+        going[which] = seen
+        mine = [
+            each
+            for each in self.alarms.values()
+            if each.condition is not None and each.condition.happening == what
+        ]
+        for each in mine:
+            self._judge(live, each, now)
+        if over:
+            del going[which]
+            for each in mine:
+                self._judge(live, each, now)
+
+    def look(self, live: LiveSite) -> None:
+        """Hold what is known against every condition: values age, delays and shelves end."""
+        now, now_us = self._clock.monotonic_ns(), self._now_us()
+        for each in self.alarms.values():
+            self._judge(live, each, now)
+            until = each.state.shelved_until_us
+            if until and until <= now_us:
+                self._put(each, Unshelve(now_us))
+            if each.alarm is not None:
+                again = each.reminding.look(each.alarm, each.state, now, now_us)
+                if again is not None:
+                    self._put(each, again)
+
+    def _index(self, live: LiveSite) -> None:
+        number = {channel.address: at for at, channel in enumerate(live.channels)}
+        self._watched = np.zeros(len(live.channels), bool)
+        self._addresses = tuple(channel.address for channel in live.channels)
+        self._lookers = {}
+        for each in self.alarms.values():
+            for address in each.condition.channels if each.condition else ():
+                at = number[address]
+                self._watched[at] = True
+                self._lookers.setdefault(at, []).append(each)
+        latest = live.latest
+        self._values = {
+            self._addresses[at]: (
+                float(latest.value[at]), latest.texts.get(at, ""), int(latest.arrived_ns[at])
+            )
+            for at in self._lookers
+            if latest.arrived_ns[at] != np.iinfo(np.int64).min
+        }  # fmt: skip
+
+    def _judge(self, live: LiveSite, each: LiveAlarm, now: int) -> None:
+        edge = each.watch.take(self._verdict(live, each, now), now)
+        if edge is not None:
+            event: Event = Clear(self._now_us(), edge.why)
+            if edge.turn is Turn.RAISE:
+                to = first_told(each.alarm) if each.alarm is not None else ()
+                event = Raise(self._now_us(), edge.why, to)
+            self._put(each, event)
+        # Of what is not known, without its age, which grows by itself.
+        unknown = "" if each.watch.known else each.watch.why.partition(" is ")[0]
+        if unknown != each.shown_unknown:
+            each.shown_unknown = unknown
+            self._tell(each)
+
+    def _verdict(self, live: LiveSite, each: LiveAlarm, now: int) -> Verdict:
+        condition = each.condition
+        if condition is None:
+            return Verdict(Truth.UNKNOWN, each.problem)
+        readings = {
+            address: Reading(value, text, (now - arrived) / SECOND)
+            for address in condition.channels
+            if (found := self._values.get(address)) is not None
+            for value, text, arrived in (found,)
+            if not live.unreached or address.partition("/")[0] not in live.unreached
+        }
+        seen: tuple[Seen, ...] = ()
+        if condition.happening is not None:
+            seen = tuple(self._seen.get(condition.happening, {}).values())
+        return condition.judge(
+            readings, seen, held=each.watch.on, online=live.online, enclosures=live.enclosures
+        )
+
+    def _now_us(self) -> int:
+        return self._clock.wall_ns() // 1000
+
+
+def _made_live(
+    live: LiveSite,
+    addresses: Addresses,
+    name: str,
+    alarm: Alarm,
+    before: LiveAlarm | None,
+    state: State,
+    *,
+    made: bool,
+) -> LiveAlarm:
+    """Make an alarm live; one that is what it was before goes on, with its delays."""
+    finding = next(iter(alarm_findings(addresses, "$", alarm)), None)
+    about = About(
+        live.name, name, device_of(addresses, alarm), alarm.severity, alarm.name,
+        live.description.name, alarm.advice,
+    )  # fmt: skip
+    same = before is not None and before.alarm == alarm and before.condition is not None
+    if before is not None and same and finding is None:
+        before.about, before.made = about, made
+        before.condition = Condition(addresses, alarm)
+        return before
+    return LiveAlarm(
+        about,
+        alarm,
+        made,
+        state,
+        Watch(alarm, on=state.on),
+        None if finding else Condition(addresses, alarm),
+        str(finding).removeprefix("$.") if finding else "",
+        before.undelivered if before else "",
+    )

@@ -1,0 +1,1 @@
+"""What is detected: objects on pictures and anomalies of signals."""

@@ -1,0 +1,401 @@
+"""Anomaly detectors at work on what comes in, without holding it up.
+
+The link hands over its samples and goes on: they wait in a bounded queue, and those that find no
+room are skipped and counted. Detectors run on the event loop a millisecond at a time, behind all
+that is ready to run. Scores go to the pages that look, and into the history as channels of their
+own, under a run of the hub's; what was learned goes to the database now and then, and at the end.
+
+Long, because the whole life of a detector at the hub is told here.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import secrets
+import time
+from collections import deque
+from contextlib import suppress
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from sqlalchemy.exc import SQLAlchemyError
+
+from talaia.errors import TalaiaError
+from talaia.hub.anomaly.runner import Began, Ended, Watched, score_address
+from talaia.hub.anomaly.selection import MOST_BY_DEFAULT, wanted
+from talaia.hub.live.detection.thinning import Thinning
+from talaia.hub.ports import AnomalyNews
+from talaia.wire.columns import Columns
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.clock import Clock
+    from talaia.hub.live.pages.fanout import Fanout
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import AnomalySink, DetectorSink, History
+    from talaia.hub.store.sites.detector_state import Learned
+    from talaia.model.alarms.anomaly import Watch
+    from talaia.model.site import Site
+
+__all__ = ["Watching"]
+
+_LOG = logging.getLogger(__name__)
+# Samples that may wait to be looked at; a second of a hub with many fast signals.
+_MOST_WAITING = 20_000
+# So long detectors run before all else has its turn.
+_SLICE_S = 0.001
+_TICK_S = 1.0
+# What was learned is written down: so many detectors a tick, each at most this often.
+_SAVES_A_TICK = 4
+_SAVE_EVERY_S = 900.0
+# Scores that may wait for a database that does not answer.
+_MOST_SCORES = 100_000
+_FAILS = (SQLAlchemyError, TalaiaError, OSError)
+
+
+class _Piece(NamedTuple):
+    """Samples of watched channels of one site, in the order they came."""
+
+    live: LiveSite
+    addresses: list[str]
+    times: list[int]
+    values: list[float]
+
+
+class _SiteWatch:
+    """The detectors of one site, by the address of their signal."""
+
+    def __init__(self, description: Site) -> None:
+        self.description = description
+        self.watched: dict[str, list[Watched]] = {}
+        self.ready = False
+        # Place in the list of channels to whether it is watched; and the addresses.
+        self.chosen = np.zeros(0, bool)
+        self.addresses: list[str] = []
+        self.thinning = Thinning(np.zeros(0, bool))
+        # A score's address to its number among the channels that a page may subscribe to.
+        self.places: dict[str, int] = {}
+        # Scores that pages have not been shown yet: number, time (µs), score.
+        self.fresh: list[tuple[int, int, float]] = []
+
+    def every(self) -> list[Watched]:
+        """List all detectors."""
+        return [each for some in self.watched.values() for each in some]
+
+
+class Watching:
+    """Runs the detectors that site descriptions ask for.
+
+    Attributes:
+        skipped: samples for which there was no room, since the start.
+
+    """
+
+    def __init__(
+        self, sites: Sites, history: History, learned: Learned, fanout: Fanout, clock: Clock
+    ) -> None:
+        """Keep scores in ``history`` and what is learned in ``learned``; show scores live."""
+        self._sites = sites
+        self._fanout = fanout
+        self._history = history
+        self._learned = learned
+        self._clock = clock
+        self._sinks: list[AnomalySink] = []
+        self._shown_to: list[DetectorSink] = []
+        self._of: dict[str, _SiteWatch] = {}
+        self._waiting: deque[_Piece] = deque()
+        self._count = 0
+        self.skipped = 0
+        self._news = asyncio.Event()
+        self._run = f"scores-{secrets.token_hex(8)}"
+        self._scores: dict[str, list[tuple[str, int, float]]] = {}
+        self._first: dict[str, int] = {}
+        self._saved_at: dict[tuple[str, str, str], float] = {}
+        self._failing = False
+
+    @property
+    def waiting(self) -> int:
+        """So many samples wait to be looked at."""
+        return self._count
+
+    def listen(self, sink: AnomalySink) -> None:
+        """Tell ``sink`` of every anomaly from now on."""
+        self._sinks.append(sink)
+
+    def show(self, sink: DetectorSink) -> None:
+        """Tell ``sink`` from now on whenever a detector stands otherwise."""
+        self._shown_to.append(sink)
+
+    def put(self, live: LiveSite, columns: Columns) -> None:
+        """Take what is watched out of a batch; never waits."""
+        watch = self._watch(live)
+        if not watch.addresses or not len(columns):
+            return
+        # A link that is being replaced may still speak of another list of channels.
+        if int(columns.channel.max()) >= len(watch.addresses):
+            return
+        at = np.flatnonzero(watch.chosen[columns.channel])
+        at = watch.thinning.pick(columns, at)
+        if not at.size:
+            return
+        if self._count + at.size > _MOST_WAITING:
+            self.skipped += int(at.size)
+            return
+        addresses = [watch.addresses[each] for each in columns.channel[at].tolist()]
+        times, values = columns.time_us[at].tolist(), columns.value[at].tolist()
+        self._waiting.append(_Piece(live, addresses, times, values))
+        self._count += int(at.size)
+        self._news.set()
+
+    def of(self, site: str) -> list[Watched]:
+        """List the detectors of a site that are at work now."""
+        live = self._sites.get(site)
+        return [] if live is None else self._watch(live).every()
+
+    def forgive(self, site: str, address: str, detector: str) -> bool | None:
+        """Let a detector learn that its latest peak was none; None if there is no such one.
+
+        Returns:
+            False where the detector cannot learn.
+
+        """
+        live = self._sites.get(site)
+        found = [] if live is None else self._watch(live).watched.get(address, [])
+        for each in found:
+            if each.watch.detector == detector:
+                learns = each.forgive()
+                # A person's word is kept with the next tick.
+                self._saved_at[site, address, detector] = -_SAVE_EVERY_S
+                if learns and live is not None:
+                    if (ended := each.end()) is not None:
+                        self._tell(live, each, ended)
+                    else:
+                        self._stands(live, each)
+                return learns
+        return None
+
+    async def run(self) -> None:
+        """Look at samples, write scores, keep what is learned; until cancelled."""
+        ticking = asyncio.create_task(self._tick())
+        try:
+            while True:
+                await self._news.wait()
+                self._news.clear()
+                while self._waiting:
+                    await self._look(self._waiting[0])
+                    self._count -= len(self._waiting.popleft().times)
+        finally:
+            ticking.cancel()
+            await asyncio.gather(ticking, return_exceptions=True)
+
+    async def close(self) -> None:
+        """Write down what is left; `run` has ended."""
+        with suppress(*_FAILS):
+            await self._write_scores()
+        with suppress(*_FAILS):
+            await self._save(self._unsaved(None))
+
+    async def _look(self, piece: _Piece) -> None:
+        watch = self._watch(piece.live)
+        if not watch.ready:
+            await self._wake(piece.live, watch)
+        until = time.perf_counter() + _SLICE_S
+        for address, time_us, value in zip(piece.addresses, piece.times, piece.values, strict=True):
+            for place, each in enumerate(watch.watched.get(address, ())):
+                try:
+                    turn = each.see(time_us, value)
+                except (ArithmeticError, LookupError, ValueError):
+                    # One that fails must not end the others: it begins anew.
+                    _LOG.exception(
+                        "the detector %s of %s begins anew", each.watch.detector, address
+                    )
+                    watch.watched[address][place] = Watched(address, each.unit, each.watch)
+                    continue
+                self._after(piece.live, watch, each, turn, time_us)
+            if time.perf_counter() > until:
+                self._publish(piece.live, watch)
+                await asyncio.sleep(0)
+                until = time.perf_counter() + _SLICE_S
+        self._publish(piece.live, watch)
+
+    def _after(
+        self,
+        live: LiveSite,
+        watch: _SiteWatch,
+        each: Watched,
+        turn: Began | Ended | None,
+        time_us: int,
+    ) -> None:
+        if turn is not None:
+            self._tell(live, each, turn)
+        elif each.take_learned():
+            self._stands(live, each)
+        address = score_address(each.address, each.watch.detector)
+        place = watch.places.get(address)
+        if place is not None:
+            watch.fresh.append((place, time_us, each.score))
+        waiting = self._scores.setdefault(live.name, [])
+        if each.worth_writing(time_us) and len(waiting) < _MOST_SCORES:
+            waiting.append((address, time_us, each.score))
+
+    def _publish(self, live: LiveSite, watch: _SiteWatch) -> None:
+        """Show pages the newest scores."""
+        if not watch.fresh:
+            return
+        fresh, watch.fresh = watch.fresh, []
+        if watch.description is not live.description:
+            # Numbered by another list of channels.
+            return
+        columns = Columns(
+            np.array([place for place, _, _ in fresh], np.uint16),
+            np.array([time_us for _, time_us, _ in fresh], np.int64),
+            np.array([score for _, _, score in fresh], np.float64),
+            {},
+        )
+        live.latest.update(columns, self._clock.monotonic_ns())
+        self._fanout.publish(live, columns)
+
+    def _watch(self, live: LiveSite) -> _SiteWatch:
+        """Give a site's detectors; made anew for another description, as they were if they fit."""
+        watch = self._of.get(live.name)
+        if watch is not None and watch.description is live.description:
+            return watch
+        before = (
+            {} if watch is None else {(each.address, each.watch): each for each in watch.every()}
+        )
+        fresh = self._of[live.name] = _SiteWatch(live.description)
+        thin = set()
+        wishes, left_out = wanted(live.description)
+        if left_out:
+            _LOG.warning(
+                "anomaly detection of %s: the first %d signals are watched, %d more are not",
+                live.name,
+                MOST_BY_DEFAULT,
+                left_out,
+            )
+        for wish in wishes:
+            fresh.watched[wish.address] = [
+                _again(before, wish.address, each) or Watched(wish.address, wish.unit, each)
+                for each in wish.watches
+            ]
+            if wish.thin:
+                thin.add(wish.address)
+        fresh.ready = not fresh.watched or (watch is not None and watch.ready)
+        fresh.addresses = [each.address for each in live.channels] if fresh.watched else []
+        fresh.chosen = np.array([each in fresh.watched for each in fresh.addresses], bool)
+        scores = range(len(live.channels), len(live.every))
+        fresh.places = {live.every[at].address: at for at in scores}
+        fresh.thinning = Thinning(np.array([each in thin for each in fresh.addresses], bool))
+        for each in before.values():
+            if (ended := each.end()) is not None:
+                self._tell(live, each, ended)
+        return fresh
+
+    async def _wake(self, live: LiveSite, watch: _SiteWatch) -> None:
+        """Go on with what was learned before the hub was started."""
+        watch.ready = True
+        try:
+            kept = await self._learned.of(live.name)
+        except _FAILS as error:
+            _LOG.warning("detectors of %s learn anew, the database fails: %s", live.name, error)
+            return
+        for address, some in watch.watched.items():
+            for at, each in enumerate(some):
+                state = kept.get((address, str(each.watch.detector)))
+                if state is not None:
+                    some[at] = Watched(address, each.unit, each.watch, state)
+
+    def _tell(self, live: LiveSite, each: Watched, turn: Began | Ended) -> None:
+        news = AnomalyNews(
+            site=live.name,
+            channel=each.address,
+            detector=str(each.watch.detector),
+            began_us=turn.time_us if isinstance(turn, Began) else turn.began_us,
+            ended_us=None if isinstance(turn, Began) else turn.ended_us,
+            score=turn.score,
+            why=turn.why,
+        )
+        for sink in self._sinks:
+            sink.anomaly(news)
+        self._stands(live, each)
+
+    def _stands(self, live: LiveSite, each: Watched) -> None:
+        for sink in self._shown_to:
+            sink.detector(live.name, each)
+
+    async def _tick(self) -> None:
+        while True:
+            await asyncio.sleep(_TICK_S)
+            self._idle()
+            try:
+                await self._write_scores()
+                await self._save(self._unsaved(_SAVES_A_TICK))
+            except _FAILS as error:
+                if not self._failing:
+                    _LOG.warning("anomaly scores and what is learned wait: %s", error)
+                self._failing = True
+            else:
+                self._failing = False
+
+    def _idle(self) -> None:
+        """Let detectors look at the clock; while a gateway is away, nothing comes anyway."""
+        for live in self._sites:
+            if not live.online:
+                continue
+            now_us = self._clock.wall_ns() // 1000 + round(live.skew_ms * 1000)
+            watch = self._watch(live)
+            for each in watch.every():
+                turn = each.idle(now_us)
+                if turn is not None:
+                    self._after(live, watch, each, turn, now_us)
+            self._publish(live, watch)
+
+    async def _write_scores(self) -> None:
+        for site in [site for site, waiting in self._scores.items() if waiting]:
+            waiting, self._scores[site] = self._scores[site], []
+            addresses = tuple(dict.fromkeys(address for address, _, _ in waiting))
+            place = {address: at for at, address in enumerate(addresses)}
+            columns = Columns(
+                np.array([place[address] for address, _, _ in waiting], np.uint16),
+                np.array([time_us for _, time_us, _ in waiting], np.int64),
+                np.array([score for _, _, score in waiting], np.float64),
+                {},
+            )
+            first = self._first.get(site, 0)
+            try:
+                await self._history.append(site, self._run, first, addresses, columns)
+            except _FAILS:
+                self._scores[site] = (waiting + self._scores[site])[:_MOST_SCORES]
+                raise
+            self._first[site] = first + len(waiting)
+
+    def _unsaved(self, most: int | None) -> list[tuple[str, Watched]]:
+        now, due = self._clock.monotonic_ns() / 1e9, []
+        for site, watch in self._of.items():
+            for each in watch.every():
+                key = (site, each.address, str(each.watch.detector))
+                # What just began to learn waits its turn like all others.
+                since = self._saved_at.setdefault(key, now - _SAVE_EVERY_S / 2)
+                if each.changed and (most is None or now - since >= _SAVE_EVERY_S):
+                    due.append((site, each))
+        return due if most is None else due[:most]
+
+    async def _save(self, due: Sequence[tuple[str, Watched]]) -> None:
+        now = self._clock.monotonic_ns() / 1e9
+        rows = [(site, each.address, str(each.watch.detector), each.keep()) for site, each in due]
+        try:
+            await self._learned.save(rows)
+        except _FAILS:
+            for _, each in due:
+                each.changed = True
+            raise
+        for site, address, detector, _ in rows:
+            self._saved_at[site, address, detector] = now
+
+
+def _again(before: dict[tuple[str, Watch], Watched], address: str, watch: Watch) -> Watched | None:
+    """Take a detector over from the description of before, if it is asked for alike."""
+    key = (address, watch)
+    return before.pop(key) if key in before else None

@@ -1,0 +1,205 @@
+"""One camera that the hub looks at: when, how often, and what of it is news."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import math
+from typing import TYPE_CHECKING, Protocol
+
+from talaia.hub.live.pictures.jpeg_decoder import Unreadable
+from talaia.objects.errors import DetectorError
+from talaia.objects.eyes import Eyes
+from talaia.wire.frames import Form
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from talaia.hub.live.sites import LiveSite
+    from talaia.model.detection import Detect
+    from talaia.model.site import Signal
+    from talaia.objects.eyes import Told
+    from talaia.objects.things import Thing as Found
+    from talaia.wire.frames import Picture
+
+__all__ = ["Around", "Looking"]
+
+_LOG = logging.getLogger(__name__)
+# Without a picture for so long, what is in sight may be gone (s).
+_WAIT_S = 0.5
+_FIRST_WAIT_S, _LONGEST_WAIT_S = 1.0, 30.0
+# So often a count that stays the same is said: who reads it knows that somebody looks.
+_SILENCE_US = 1_000_000
+_LAST_US = 2**53
+
+
+class Around(Protocol):
+    """Where a camera's pictures come from, and where goes what is seen on them."""
+
+    def look(self, live: LiveSite, camera: str, take: Callable[[Picture], None]) -> None:
+        """Have pictures of a camera."""
+        ...
+
+    def look_away(self, live: LiveSite, camera: str) -> None:
+        """Need no pictures for now."""
+        ...
+
+    async def seen(
+        self, live: LiveSite, detect: Detect, newest: Callable[[], Picture | None]
+    ) -> tuple[Picture, NDArray[np.uint8], list[Found]] | None:
+        """See the newest picture when its detector's turn has come.
+
+        Raises:
+            DetectorError: it cannot be read or seen.
+
+        """
+        ...
+
+    def boxes(self, live: LiveSite, camera: str, picture: Picture, found: Sequence[Found]) -> None:
+        """Give what is on a picture to the pages that want to know."""
+        ...
+
+    def tell(self, live: LiveSite, camera: str, news: Sequence[Told]) -> None:
+        """Take news of sightings."""
+        ...
+
+    def put(self, live: LiveSite, time_us: int, counts: Mapping[str, float]) -> None:
+        """Take counts, by the addresses of their signals."""
+        ...
+
+    def tell_trouble(self, live: LiveSite, camera: str, why: str) -> None:
+        """Tell that nothing is seen on a camera, or (without a reason) that it is again."""
+        ...
+
+    def now_us(self) -> int:
+        """Give the wall time (µs)."""
+        ...
+
+
+class Looking:
+    """One camera's task, and what it has seen."""
+
+    def __init__(
+        self,
+        around: Around,
+        live: LiveSite,
+        name: str,
+        detect: Detect,
+        counted: Mapping[str, Signal],
+    ) -> None:
+        """Look at the camera ``name`` of a site as ``detect`` says, and count for signals.
+
+        Args:
+            around: takes what is seen.
+            live: the site.
+            name: the camera's, ``device/stream``.
+            detect: what is looked for.
+            counted: the signals, by their addresses.
+
+        """
+        self._around, self._live, self._name, self._detect = around, live, name, detect
+        self._eyes = Eyes(detect, {})
+        self._counted: Mapping[str, Signal] = {}
+        # What was said of each signal last: when, and the count.
+        self._said: dict[str, tuple[int, float]] = {}
+        self._picture: Picture | None = None
+        self._news = asyncio.Event()
+        self._wait_s = _FIRST_WAIT_S
+        self._unreadable = False
+        # By the camera's clock: the newest picture's, and how far ours was ahead of it then.
+        self._last_us, self._ahead_us = 0, 0
+        self.recount(counted)
+
+    def recount(self, counted: Mapping[str, Signal]) -> None:
+        """Count for these signals from here on."""
+        self._counted = counted
+        self._said = {each: said for each, said in self._said.items() if each in counted}
+        self._eyes.recount({address: each.source for address, each in counted.items()})
+
+    async def run(self) -> None:
+        """Look until cancelled; what is in sight then has ended."""
+        try:
+            while True:
+                self._around.look(self._live, self._name, self._arrived)
+                try:
+                    await self._look()
+                except DetectorError as error:
+                    _LOG.debug("%s of %s: %s", self._name, self._live.name, error)
+                except Exception:  # noqa: BLE001 - logged, and begun anew
+                    _LOG.exception("%s of %s is looked at anew", self._name, self._live.name)
+                finally:
+                    self._around.look_away(self._live, self._name)
+                wait_s, self._wait_s = self._wait_s, min(_LONGEST_WAIT_S, self._wait_s * 2)
+                await asyncio.sleep(wait_s)
+                self._pass_time()
+        finally:
+            self._around.tell(self._live, self._name, self._eyes.end())
+
+    def _arrived(self, picture: Picture) -> None:
+        if picture.format == Form.JPEG and 0 < picture.time_us < _LAST_US:
+            self._picture = picture
+            self._news.set()
+
+    def _newest(self) -> Picture | None:
+        picture, self._picture = self._picture, None
+        self._news.clear()
+        return picture
+
+    async def _look(self) -> None:
+        """Look at one picture after the other.
+
+        Raises:
+            DetectorError: the detector cannot see.
+
+        """
+        loop, period_s = asyncio.get_running_loop(), 1 / self._detect.max_rate
+        due_s = loop.time()
+        while True:
+            await asyncio.sleep(due_s - loop.time())
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_WAIT_S):
+                    await self._news.wait()
+            if self._picture is None:
+                self._pass_time()
+                continue
+            # From the due time, so that the rate is kept in spite of waiting for pictures.
+            now_s = loop.time()
+            due_s = (due_s if now_s - due_s < period_s else now_s) + period_s
+            try:
+                seen = await self._around.seen(self._live, self._detect, self._newest)
+            except Unreadable as error:
+                self._say_unreadable(str(error))
+                raise
+            if seen is not None:
+                self._say_unreadable("")
+                self._wait_s = _FIRST_WAIT_S
+                self._take(*seen)
+
+    def _say_unreadable(self, why: str) -> None:
+        if bool(why) != self._unreadable:
+            self._unreadable = bool(why)
+            self._around.tell_trouble(self._live, self._name, why)
+
+    def _take(self, picture: Picture, rgb: NDArray[np.uint8], found: Sequence[Found]) -> None:
+        self._last_us = picture.time_us
+        self._ahead_us = self._around.now_us() - picture.time_us
+        counts = {}
+        for address, count in self._eyes.count(found).items():
+            value = count * self._counted[address].scale
+            said_us, said = self._said.get(address, (-_SILENCE_US, math.nan))
+            if value != said or not 0 <= picture.time_us - said_us < _SILENCE_US:
+                self._said[address] = (picture.time_us, value)
+                counts[address] = value
+        self._around.put(self._live, picture.time_us, counts)
+        self._around.boxes(self._live, self._name, picture, found)
+        self._around.tell(self._live, self._name, self._eyes.take(found, rgb, picture.time_us))
+
+    def _pass_time(self) -> None:
+        """Let what is in sight end, by the camera's clock, when no picture has come for a while."""
+        if self._last_us:
+            at_us = self._around.now_us() - self._ahead_us
+            self._around.tell(self._live, self._name, self._eyes.pass_time(at_us))

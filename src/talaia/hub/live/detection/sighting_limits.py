@@ -1,0 +1,121 @@
+"""How many sightings of a site are taken, and what is said of them. Pure."""
+
+from __future__ import annotations
+
+import datetime as dt
+from typing import TYPE_CHECKING, NamedTuple
+from zoneinfo import ZoneInfo
+
+from talaia.hub.store.safe_text import visible
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.hub.store.sites.sightings import Sighted
+    from talaia.model.detection import Detect
+    from talaia.model.site import Site, Stream
+
+__all__ = ["Key", "SiteSightings", "Told", "detect_of", "merged", "said_of"]
+
+# Of one site: so many may begin, or show another picture, at once, and then so many a second.
+# A gateway that was away tells a few hundred at once.
+_BURST, _A_SECOND = 1000, 5.0
+# Of one site, in sight and waiting; more is nothing that a person could follow.
+_MOST_OPEN = 500
+_CALM_S = 60.0
+
+Key = tuple[str, str, str, int]
+
+
+class Told(NamedTuple):
+    """A sighting that is kept, and its number."""
+
+    sighted: Sighted
+    id: int
+
+
+class SiteSightings:
+    """What is known of one site.
+
+    Attributes:
+        open: what is in sight.
+        asked_s: when its gateway came; 0 once what it has not spoken of is ended.
+
+    """
+
+    def __init__(self, now_s: float) -> None:
+        """Begin with nothing in sight."""
+        self.open: dict[Key, Told] = {}
+        self.asked_s = 0.0
+        self._credit, self._since_s = float(_BURST), now_s
+        self._left_out, self._left_out_s = 0, 0.0
+
+    def takes_more(self, waiting: int, now_s: float) -> bool:
+        """Tell whether another one may begin beside those that wait to be written."""
+        return len(self.open) + waiting < _MOST_OPEN and self.spends(now_s)
+
+    def spends(self, now_s: float) -> bool:
+        """Take one from what may come, if there is one."""
+        self._credit = min(_BURST, self._credit + (now_s - self._since_s) * _A_SECOND)
+        self._since_s = now_s
+        if self._credit < 1:
+            return False
+        self._credit -= 1
+        return True
+
+    def leaves_out(self, now_s: float) -> bool:
+        """Count what is not kept; tell whether it is the first since all was well."""
+        self._left_out += 1
+        self._left_out_s = now_s
+        return self._left_out == 1
+
+    def calm_again(self, now_s: float) -> int:
+        """Tell, once all is well again, how many were not kept."""
+        were = self._left_out
+        if not were or now_s - self._left_out_s <= _CALM_S:
+            return 0
+        self._left_out = 0
+        return were
+
+
+def detect_of(site: Site, camera: str) -> Detect | None:
+    """Give what is looked for on a camera."""
+    found = _stream(site, camera)
+    return found.detect if found else None
+
+
+def merged(older: Mapping[Key, Sighted], newer: Mapping[Key, Sighted]) -> dict[Key, Sighted]:
+    """Take the newer word on each; a picture stays until there is another."""
+    found = dict(older)
+    for key, each in newer.items():
+        before = found.get(key)
+        keeps = before is not None and not each.picture
+        found[key] = each._replace(picture=before.picture) if before and keeps else each
+    return found
+
+
+def said_of(sighted: Sighted, site: Site | None) -> str:
+    """Say what is over: ``person seen at Front camera 14:02–14:05 (at most 2)``."""
+    found = _stream(site, sighted.camera) if site else None
+    name = found.name if found else sighted.camera
+    when = _when(sighted.began_us, sighted.ended_us, site.zone if site else "UTC")
+    most = f" (at most {sighted.many})" if sighted.many > 1 else ""
+    return visible(f"{sighted.label} seen at {name} {when}{most}", 500)
+
+
+def _stream(site: Site, camera: str) -> Stream | None:
+    device, _, stream = camera.partition("/")
+    described = site.devices.get(device)
+    return described.streams.get(stream) if described else None
+
+
+def _when(began_us: int, ended_us: int, zone: str) -> str:
+    """Say from when to when, in the site's time: ``14:02–14:05``."""
+    began, ended = (
+        dt.datetime.fromtimestamp(each / 1e6, ZoneInfo(zone)) for each in (began_us, ended_us)
+    )
+    if began.date() != ended.date():
+        return f"{began:%Y-%m-%d %H:%M}–{ended:%Y-%m-%d %H:%M}"
+    if (began.hour, began.minute) == (ended.hour, ended.minute):
+        return f"{began:%H:%M}"
+    return f"{began:%H:%M}–{ended:%H:%M}"

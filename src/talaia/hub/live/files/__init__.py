@@ -1,0 +1,1 @@
+"""Files that gateways and people hand over: recordings, FITS files, imports."""

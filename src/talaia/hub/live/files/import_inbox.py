@@ -1,0 +1,146 @@
+"""What `talaia import` has left in the data folder goes into the history.
+
+A parcel (see `talaia.hub.history.import_file`) is taken a few stretches at a time, so that what comes
+from gateways meanwhile shares the commits. Its file goes when all of it is stored; a hub that is
+killed before that takes it again from the beginning, which stores nothing twice.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+import os
+import time
+from itertools import islice
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.import_file import READY, ParcelDamaged, boot_of, read_parcel, sweep
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+    from pathlib import Path
+
+    from talaia.hub.history.import_file import Head, Stretch
+    from talaia.hub.ports import History
+
+__all__ = ["ANSWER", "BAD", "Inbox", "Taken", "answer_of"]
+
+_LOG = logging.getLogger(__name__)
+ANSWER, BAD = ".done", ".bad"
+_LOOK_S = 0.5
+# Stretches of about four thousand samples that share a commit, and the rest after each.
+_AT_ONCE = 8
+_REST_S = 0.005
+_ANSWERS_KEPT_S = 3600.0
+
+
+class Taken(NamedTuple):
+    """How a parcel was taken over.
+
+    Attributes:
+        stored: samples that were not there.
+        there: samples that were there already.
+
+    """
+
+    stored: int
+    there: int
+
+
+class Inbox:
+    """The folder of parcels."""
+
+    def __init__(
+        self, history: History, folder: Path, taken: Callable[[Head, Taken], Awaitable[None]]
+    ) -> None:
+        """Store into ``history``; ``taken`` is told of each parcel that is stored."""
+        self._history = history
+        self._folder = folder
+        self._taken = taken
+        self._waits = False
+
+    async def run(self) -> None:
+        """Take parcels as they come, until cancelled."""
+        await asyncio.to_thread(self._tidy)
+        while True:
+            for path in sorted(self._folder.glob(f"*{READY}")):
+                await self._try(path)
+            await asyncio.sleep(_LOOK_S)
+
+    async def take(self, path: Path) -> Taken:
+        """Store one parcel and remove its file.
+
+        Raises:
+            ParcelDamaged: the file is not a parcel, or not all of it.
+            HistoryError: the database does not take it; the file stays.
+
+        """
+        head, stretches = await asyncio.to_thread(read_parcel, path)
+        stored = there = 0
+        before: dict[str, int] = {}
+        while group := await asyncio.to_thread(lambda: list(islice(stretches, _AT_ONCE))):
+            for each in group:
+                if each.address not in before:
+                    boot = boot_of(head.digest, each.address)
+                    before[each.address] = await self._history.stored_below(head.site, boot)
+            await asyncio.gather(*(self._append(head, each) for each in group))
+            for each in group:
+                count = len(each.columns)
+                known = min(count, max(0, before[each.address] - each.first))
+                there, stored = there + known, stored + count - known
+            await asyncio.sleep(_REST_S)
+        taken = Taken(stored, there)
+        await self._taken(head, taken)
+        await asyncio.to_thread(self._answer, path, taken)
+        _LOG.info(
+            "%s is in the history of %s: %d samples, and %d were there already",
+            head.file, head.site, stored, there,
+        )  # fmt: skip
+        return taken
+
+    async def _append(self, head: Head, stretch: Stretch) -> None:
+        boot = boot_of(head.digest, stretch.address)
+        await self._history.append(
+            head.site, boot, stretch.first, [stretch.address], stretch.columns
+        )
+
+    async def _try(self, path: Path) -> None:
+        try:
+            await self.take(path)
+        except FileNotFoundError:
+            return
+        except ParcelDamaged as error:
+            _LOG.error("an import is set aside: %s", error)
+            await asyncio.to_thread(path.rename, path.with_suffix(BAD))
+        except (HistoryError, OSError) as error:
+            if not self._waits:
+                _LOG.warning("an import waits: %s", error)
+            self._waits = True
+        else:
+            self._waits = False
+
+    def _answer(self, path: Path, taken: Taken) -> None:
+        partial = path.with_suffix(ANSWER + ".tmp")
+        partial.write_text(json.dumps(taken._asdict()))
+        partial.replace(path.with_suffix(ANSWER))
+        path.unlink()
+
+    def _tidy(self) -> None:
+        sweep(self._folder)
+        # An answer that nobody has fetched: its reader was ended.
+        for path in self._folder.glob(f"*{ANSWER}*"):
+            if time.time() - os.stat(path).st_mtime > _ANSWERS_KEPT_S:
+                path.unlink(missing_ok=True)
+
+
+def answer_of(path: Path) -> Taken | None:
+    """Give how a parcel was taken over, once, or none as long as it is not."""
+    answer = path.with_suffix(ANSWER)
+    try:
+        found = Taken(**json.loads(answer.read_text()))
+    except FileNotFoundError:
+        return None
+    answer.unlink(missing_ok=True)
+    return found

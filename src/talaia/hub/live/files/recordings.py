@@ -1,0 +1,395 @@
+"""Recordings that gateways hand over: taken in piece by piece, checked, kept within a size.
+
+A recording is the file ``recordings/<site>/<id>.mcap`` (a camera's film: ``<id>.mp4``) with
+``<id>.json`` beside it, and a row. The files come first: a row that was lost is made anew from
+them at the next start, and nothing is deleted because a list does not name it.
+
+Long, because every way a file may come, stop coming or go must leave file and row in step.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+import logging
+import os
+import re
+import shutil
+from contextlib import suppress
+from typing import TYPE_CHECKING
+from zlib import crc32
+
+from starlette.websockets import WebSocketDisconnect
+
+from talaia.hub.errors import StoreDown
+from talaia.hub.live.first_completed import until_first
+from talaia.hub.store.sites.recordings import Recorded, RecordingState
+from talaia.wire.errors import PeerError
+from talaia.wire.frames import (
+    FILES_FROM_GATEWAY,
+    FILES_FROM_HUB,
+    ArchiveOffer,
+    Bye,
+    FileHave,
+    FileOffer,
+    FilePiece,
+    FilmOffer,
+)  # fmt: skip
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from starlette.websockets import WebSocket
+
+    from talaia.hub.live.files.uploads import Uploads
+    from talaia.hub.live.gateways.open_links import Links
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.sites.recordings import RecordingList
+    from talaia.hub.store.sites.site_registry import GatewayKey
+
+__all__ = ["FOLDER", "FileLinks", "GatewayFiles", "Recordings"]
+
+_LOG = logging.getLogger(__name__)
+FOLDER = "recordings"
+_MESSAGES, _FILM, _PART, _ABOUT = ".mcap", ".mp4", ".part", ".json"
+# Of a film beside which nothing says whose it is.
+_UNKNOWN = "unknown"
+_ID = re.compile(r"[0-9A-Za-z]{1,32}(-[0-9a-z]{1,16})?", re.ASCII)
+_SITE = re.compile(r"[a-z][a-z0-9_]{0,62}", re.ASCII)
+_FAREWELL_S = 0.5
+_GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+# The row says how far it is after so many bytes; the file itself knows it exactly.
+_SPARE_BYTES = 256 * 1024 * 1024
+_TELL_BYTES = 4 * 1024 * 1024
+
+
+class GatewayFiles:
+    """One open connection that brings files."""
+
+    def __init__(self, socket: WebSocket) -> None:
+        """Speak over ``socket``, which is accepted already."""
+        self._socket = socket
+        self._over = asyncio.Event()
+        self._reason = ""
+
+    def dismiss(self, reason: str) -> None:
+        """Say good-bye and close."""
+        self._reason = self._reason or reason
+        self._over.set()
+
+    async def serve(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
+        """Take files until either side ends it."""
+        results = await until_first(self._read(recordings, uploads, site), self._over.wait())
+        reason, code = self._reason, 1000
+        for result in results:
+            if isinstance(result, PeerError):
+                reason, code = result.problem, result.code
+            elif isinstance(result, StoreDown):
+                reason, code = "the hub cannot store anything now; try again later", 1013
+            elif isinstance(result, Exception) and not isinstance(result, _GONE):
+                raise result
+        try:
+            async with asyncio.timeout(_FAREWELL_S):
+                await self._socket.send_bytes(FILES_FROM_HUB.encode(Bye(reason=reason[:2000])))
+                await self._socket.close(code)
+        except _GONE:
+            return
+
+    async def _read(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
+        offered: FileOffer | FilmOffer | ArchiveOffer | None = None
+        while True:
+            event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return
+            data = event.get("bytes")
+            message = FILES_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
+            match message:
+                case FileOffer() | FilmOffer():
+                    offered = message
+                    answer = await recordings.offered(site, message)
+                case ArchiveOffer():
+                    offered = message
+                    answer = await uploads.offered(site, message)
+                case _:
+                    if offered is None or offered.id != message.id:
+                        raise PeerError("a piece of a file that was not offered")
+                    if not isinstance(offered, ArchiveOffer):
+                        answer = await recordings.take(site, offered, message)
+                    else:
+                        answer = await uploads.take(site, offered, message)
+            await self._socket.send_bytes(FILES_FROM_HUB.encode(answer))
+
+
+class FileLinks:
+    """Takes in the files of gateways: recordings, films and pictures for the archive."""
+
+    def __init__(self, *, links: Links, recordings: Recordings, uploads: Uploads) -> None:
+        """Keep in ``recordings`` and ``uploads``; ``links`` closes who has a revoked key."""
+        self._links = links
+        self._recordings = recordings
+        self._uploads = uploads
+
+    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+        """Take a gateway's recordings and pictures until it has handed over all."""
+        files = GatewayFiles(socket)
+        with self._links.opened(key.id, files):
+            await files.serve(self._recordings, self._uploads, key.site)
+
+
+class Recordings:
+    """The folder of recordings and its list."""
+
+    def __init__(self, rows: RecordingList, audit: Audit, data: Path, most_bytes: int) -> None:
+        """Keep files in ``data``; above ``most_bytes`` the oldest go (0: no limit)."""
+        self._rows = rows
+        self._audit = audit
+        self._folder = data / FOLDER
+        self._most_bytes = most_bytes
+        self._told: dict[tuple[str, str], int] = {}
+        # One thing at a time for each recording: two connections may bring the same.
+        self._turn = asyncio.Lock()
+
+    def path(self, recorded: Recorded) -> Path:
+        """Give the file of a complete recording."""
+        return self._file(recorded, _ending(recorded))
+
+    async def of(self, site: str) -> list[Recorded]:
+        """List a site's recordings, the newest first."""
+        return await self._rows.of(site)
+
+    async def between(self, site: str, from_us: int, to_us: int) -> list[Recorded]:
+        """List what a site has of a stretch of time (µs, UTC), the newest first."""
+        return await self._rows.between(site, from_us, to_us)
+
+    async def find(self, site: str, name: str) -> Recorded | None:
+        """Find one."""
+        return await self._rows.find(site, name) if _ID.fullmatch(name) else None
+
+    async def open(self) -> None:
+        """Bring files and rows together: what has a file gets a row, and nothing is deleted.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        rows = {(each.site, each.id): each for each in await self._rows.all()}
+        found = await asyncio.to_thread(self._scan)
+        for key, recorded in found.items():
+            before = rows.get(key)
+            if before is None or before.state is not recorded.state:
+                _LOG.info("the recording %s of %s is in the list again", key[1], key[0])
+                await self._rows.put(recorded)
+        for key, row in rows.items():
+            if key not in found and row.state is not RecordingState.FAILED:
+                note = "its file is not there"
+                failed = row._replace(state=RecordingState.FAILED, note=note, have=0)
+                await self._rows.put(failed)
+                _LOG.warning("the file of the recording %s of %s is not there", key[1], key[0])
+
+    async def offered(self, site: str, offer: FileOffer | FilmOffer) -> FileHave:
+        """Answer an offer: how much of it is here."""
+        async with self._turn:
+            row = await self._rows.find(site, offer.id)
+            if row is not None and row.digest != offer.digest:
+                return FileHave(id=offer.id, refused="another recording has that name already")
+            if row is not None and row.state is RecordingState.COMPLETE:
+                return FileHave(id=offer.id, have=row.size, done=True)
+            if self._most_bytes and offer.size > self._most_bytes:
+                why = f"it is larger than all that may be kept ({self._most_bytes} bytes)"
+                return FileHave(id=offer.id, refused=why)
+            if not _SITE.fullmatch(site) or not offer.size:
+                return FileHave(id=offer.id, refused="it cannot be kept")
+            recorded = _recorded(site, offer)
+            if not await self._make_room(recorded):
+                why = "what comes already fills all the room that recordings may take"
+                return FileHave(id=offer.id, refused=why)
+            try:
+                have = await asyncio.to_thread(self._begin, recorded)
+            except OSError as error:
+                raise StoreDown(f"the recording cannot be written: {error}") from error
+            await self._rows.put(recorded._replace(have=have))
+            if have == offer.size:
+                return await self._finish(recorded)
+            return FileHave(id=offer.id, have=have)
+
+    async def take(self, site: str, offer: FileOffer | FilmOffer, piece: FilePiece) -> FileHave:
+        """Take a piece of an offered file.
+
+        Raises:
+            PeerError: it does not fit.
+
+        """
+        if crc32(piece.data) != piece.check:
+            raise PeerError("a piece that is not what its sum says")
+        if piece.at + len(piece.data) > offer.size or not piece.data:
+            raise PeerError("a piece that does not lie inside its file")
+        async with self._turn:
+            row = await self._rows.find(site, offer.id)
+            if row is None or row.state is RecordingState.FAILED or row.digest != offer.digest:
+                return FileHave(id=offer.id, refused="it was deleted here")
+            if row.state is RecordingState.COMPLETE:
+                return FileHave(id=offer.id, have=row.size, done=True)
+            try:
+                have = await asyncio.to_thread(self._write, row, piece)
+            except OSError as error:
+                raise StoreDown(f"the recording cannot be written: {error}") from error
+            key = (site, offer.id)
+            if have == offer.size:
+                self._told.pop(key, None)
+                return await self._finish(row)
+            if have - self._told.get(key, 0) >= _TELL_BYTES:
+                self._told[key] = have
+                await self._rows.put(row._replace(have=have))
+            return FileHave(id=offer.id, have=have)
+
+    async def remove(self, recorded: Recorded) -> None:
+        """Delete a recording: the file first, so that nothing is left that no row names."""
+        async with self._turn:
+            await self._delete(recorded)
+
+    async def _finish(self, row: Recorded) -> FileHave:
+        good = await asyncio.to_thread(self._close, row)
+        if good:
+            await self._rows.put(row._replace(state=RecordingState.COMPLETE, have=row.size))
+            self._audit.note(
+                "recording stored", site=row.site, message=f"{row.id}: {row.size} bytes; {row.why}"
+            )
+            return FileHave(id=row.id, have=row.size, done=True)
+        note = "what came is not what its gateway has; it is sent again"
+        _LOG.warning("the recording %s of %s: %s", row.id, row.site, note)
+        await self._rows.put(row._replace(have=0, note=note))
+        return FileHave(id=row.id, have=0)
+
+    async def _make_room(self, coming: Recorded) -> bool:
+        """Let the oldest go until there is room; False when what is coming fills all of it."""
+        if not self._most_bytes:
+            return True
+        key = (coming.site, coming.id)
+        rows = [each for each in await self._rows.all() if (each.site, each.id) != key]
+        rows = [each for each in rows if each.state is not RecordingState.FAILED]
+        total = coming.size + sum(each.size for each in rows)
+        for oldest in reversed(rows):
+            if total <= self._most_bytes:
+                break
+            if oldest.state is RecordingState.COMPLETE:
+                await self._delete(oldest)
+                total -= oldest.size
+                self._audit.note(
+                    "recording deleted",
+                    site=oldest.site,
+                    message=f"{oldest.id}: the oldest had to go, for all may take"
+                    f" {self._most_bytes} bytes",
+                )
+        return total <= self._most_bytes
+
+    async def _delete(self, recorded: Recorded) -> None:
+        await asyncio.to_thread(self._unlink, recorded)
+        await self._rows.remove(recorded.site, recorded.id)
+
+    # ── files; in a thread ──
+
+    def _file(self, recorded: Recorded, ending: str) -> Path:
+        return self._folder / recorded.site / (recorded.id + ending)
+
+    def _part(self, recorded: Recorded) -> Path:
+        return self._file(recorded, _ending(recorded) + _PART)
+
+    def _begin(self, recorded: Recorded) -> int:
+        folder = self._folder / recorded.site
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        # The database and the rest of the machine need the last of the disk more.
+        if shutil.disk_usage(folder).free < recorded.size + _SPARE_BYTES:
+            raise OSError("the disk is full")
+        about = self._file(recorded, _ABOUT)
+        partial = about.with_suffix(".json.tmp")
+        partial.write_text(json.dumps({**recorded._asdict(), "state": recorded.state.value}))
+        partial.replace(about)
+        part = self._part(recorded)
+        have = part.stat().st_size if part.exists() else 0
+        if have > recorded.size:
+            part.unlink()
+            have = 0
+        return have
+
+    def _write(self, recorded: Recorded, piece: FilePiece) -> int:
+        number = os.open(self._part(recorded), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        try:
+            have = os.fstat(number).st_size
+            # Only what follows: a piece that came twice is there already.
+            if piece.at == have:
+                done = os.pwrite(number, piece.data, piece.at)
+                if done < len(piece.data):
+                    os.ftruncate(number, have)
+                    raise OSError("the disk is full")
+                have += done
+            return have
+        finally:
+            os.close(number)
+
+    def _close(self, recorded: Recorded) -> bool:
+        part = self._part(recorded)
+        with part.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+            os.fsync(file.fileno())
+        if digest != recorded.digest:
+            part.unlink()
+            return False
+        part.rename(self.path(recorded))
+        return True
+
+    def _unlink(self, recorded: Recorded) -> None:
+        for path in (self.path(recorded), self._part(recorded), self._file(recorded, _ABOUT)):
+            path.unlink(missing_ok=True)
+
+    def _scan(self) -> dict[tuple[str, str], Recorded]:
+        found = {}
+        endings = {kind + state: kind for kind in (_MESSAGES, _FILM) for state in ("", _PART)}
+        for path in sorted(self._folder.glob("*/*.m*")):
+            site, name = path.parent.name, path.name.split(".", 1)[0]
+            ending = path.name[len(name) :]
+            if ending in endings and _ID.fullmatch(name) and _SITE.fullmatch(site):
+                described = self._described(path, site, name, whole=ending == endings[ending])
+                # What stands beside it may say nothing, but the ending tells a film.
+                film = endings[ending] == _FILM
+                stream = (described.stream or _UNKNOWN) if film else ""
+                found[site, name] = described._replace(stream=stream)
+        return found
+
+    def _described(self, path: Path, site: str, name: str, *, whole: bool) -> Recorded:
+        """Say what a file is: by the words beside it, else by what the disk knows."""
+        size = path.stat().st_size
+        state = RecordingState.COMPLETE if whole else RecordingState.UPLOADING
+        with suppress(OSError, ValueError, TypeError, KeyError):
+            about = json.loads((path.parent / (name + _ABOUT)).read_text())
+            told = Recorded(**{**about, "topics": tuple(about["topics"])})
+            return told._replace(
+                site=site, id=name, state=state, have=size, size=size if whole else told.size
+            )
+        end_us = path.stat().st_mtime_ns // 1000
+        return Recorded(
+            site, name, state, "found in the folder", "", "", end_us, end_us, size, size, 0, "", ()
+        )
+
+
+def _ending(recorded: Recorded) -> str:
+    return _FILM if recorded.stream else _MESSAGES
+
+
+def _recorded(site: str, offer: FileOffer | FilmOffer) -> Recorded:
+    return Recorded(
+        site=site,
+        id=offer.id,
+        state=RecordingState.UPLOADING,
+        why=offer.why,
+        who=offer.who,
+        note=offer.note,
+        begin_us=offer.begin_us,
+        end_us=offer.end_us,
+        size=offer.size,
+        have=0,
+        messages=offer.pictures if isinstance(offer, FilmOffer) else offer.messages,
+        digest=offer.digest,
+        topics=() if isinstance(offer, FilmOffer) else tuple(offer.topics),
+        stream=(offer.stream or _UNKNOWN) if isinstance(offer, FilmOffer) else "",
+    )

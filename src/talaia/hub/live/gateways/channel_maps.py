@@ -1,0 +1,120 @@
+"""The lists of channels that a gateway's batches are numbered by, on one link. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.hub.live.gateways.ingest import Batch
+from talaia.wire.columns import renumbered, unpack
+from talaia.wire.errors import PeerError
+from talaia.wire.newest import NewestSamples, newest_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from talaia.wire.columns import Columns
+    from talaia.wire.frames import Newest, Samples
+
+__all__ = ["ChannelLists"]
+
+# A peer that describes itself anew all the time must not fill the memory.
+_MOST = 100
+
+
+class ChannelLists:
+    """Knows every list that was told on the link, and where its channels are shown now."""
+
+    def __init__(
+        self, catalogue: str, addresses: Sequence[str], renamed: Mapping[str, str] | None = None
+    ) -> None:
+        """Begin with the list of the hello; ``renamed`` are former addresses of its channels."""
+        self._lists: dict[str, tuple[str, ...]] = {catalogue: tuple(addresses)}
+        self._renamed = dict(renamed or {})
+        self._shown: tuple[str, ...] = tuple(addresses)
+        self._order: dict[tuple[str, ...], NDArray[np.int64]] = {}
+
+    def told(self, catalogue: str, addresses: Sequence[str], renamed: Mapping[str, str]) -> None:
+        """Take another list, by which batches are numbered from now on.
+
+        What still comes by an earlier one is taken for the channels that those have become.
+        """
+        now = set(addresses)
+        earlier = {old: renamed.get(new, new) for old, new in self._renamed.items()}
+        moved = {**earlier, **renamed}
+        self._renamed = {old: new for old, new in moved.items() if old not in now}
+        lists = {name: self._called_now(each) for name, each in self._lists.items()}
+        lists.pop(catalogue, None)
+        while len(lists) >= _MOST:
+            lists.pop(next(iter(lists)))
+        self._lists = {**lists, catalogue: tuple(addresses)}
+        self._order.clear()
+
+    def shown(self, addresses: tuple[str, ...]) -> None:
+        """Take the channels that pages are shown now."""
+        self._shown = addresses
+        self._order.clear()
+
+    def batch(self, message: Samples) -> Batch:
+        """Read a batch's columns and see that each channel is one of its list.
+
+        Raises:
+            PeerError: it is numbered by a list that the hub was not told, or out of it.
+
+        """
+        columns = unpack(
+            message.base_us, message.channel, message.offset, message.value, message.texts
+        )
+        return Batch(message.boot, message.first, self._addresses(message, columns), columns)
+
+    def newest(self, message: Newest) -> tuple[tuple[str, ...], NewestSamples]:
+        """Read the newest samples that are told, and the addresses that they are numbered by.
+
+        Raises:
+            PeerError: see `batch`.
+
+        """
+        told = newest_of(message)
+        return self._addresses(message, told.columns), told
+
+    def _addresses(self, message: Samples | Newest, columns: Columns) -> tuple[str, ...]:
+        if message.addresses:
+            addresses = self._called_now(tuple(message.addresses))
+        elif message.catalogue in self._lists:
+            addresses = self._lists[message.catalogue]
+        else:
+            raise PeerError(f"samples of the catalogue {message.catalogue!r} without its addresses")
+        if len(columns) and int(np.max(columns.channel)) >= len(addresses):
+            raise PeerError("a sample's channel is not in the catalogue")
+        return addresses
+
+    def live(self, batch: Batch) -> Columns:
+        """Give a batch's samples as pages are shown them, without those they are not shown yet."""
+        if batch.addresses == self._shown:
+            return batch.columns
+        return renumbered(batch.columns, self._order_of(batch.addresses))
+
+    def live_newest(self, addresses: tuple[str, ...], told: NewestSamples) -> NewestSamples:
+        """Give newest samples by the channels that pages are shown, without the others."""
+        if addresses == self._shown:
+            return told
+        order = self._order_of(addresses)
+        shown = order[told.columns.channel] >= 0
+        columns = renumbered(told.columns, order)
+        return NewestSamples(columns, told.sequence[shown], told.age_ms[shown])
+
+    def _order_of(self, addresses: tuple[str, ...]) -> NDArray[np.int64]:
+        order = self._order.get(addresses)
+        if order is None:
+            place = {address: at for at, address in enumerate(self._shown)}
+            order = np.array([place.get(each, -1) for each in addresses], np.int64)
+            self._order[addresses] = order
+        return order
+
+    def _called_now(self, addresses: tuple[str, ...]) -> tuple[str, ...]:
+        if not self._renamed:
+            return addresses
+        return tuple(self._renamed.get(each, each) for each in addresses)

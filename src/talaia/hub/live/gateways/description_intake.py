@@ -1,0 +1,250 @@
+"""What a gateway says of its site while the link stands: taken in without holding up the link."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Protocol
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from talaia.errors import TalaiaError
+from talaia.hub.live.gateways.fingerprint import told_by
+from talaia.model.checks.site_checks import raise_first
+from talaia.model.errors import DescriptionError
+from talaia.model.renames import renames
+from talaia.model.yaml_text.load import load_site
+from talaia.wire import frames
+from talaia.wire.errors import PeerError
+from talaia.wire.sealing import inflated
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.hub.live.gateways.change_requests import Changes
+    from talaia.hub.live.gateways.channel_maps import ChannelLists
+    from talaia.hub.live.gateways.ingest import Ingest
+    from talaia.hub.live.gateways.robot_events import Reporting
+    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import History
+    from talaia.hub.store.sites.descriptions import Descriptions
+    from talaia.hub.store.sites.site_registry import SiteRegistry
+    from talaia.model.site import Site
+
+__all__ = ["Describing", "DescriptionFollower", "Redescription", "source_of"]
+
+_LOG = logging.getLogger(__name__)
+_RETRY_S = 1.0
+_STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
+
+
+def source_of(message: frames.Hello | frames.Described) -> str:
+    """Give a description's text as a person wrote it; empty if the gateway says none.
+
+    Raises:
+        PeerError: it cannot be unpacked.
+
+    """
+    return inflated(message.source) if message.source else ""
+
+
+class DescriptionFollower(Protocol):
+    """A part that works by a site's description."""
+
+    def described(self, live: LiveSite) -> None:
+        """Go by the site's description of now."""
+        ...
+
+
+class Describing:
+    """Puts another description in a site's place: history, tables, pages, versions."""
+
+    def __init__(
+        self,
+        *,
+        sites: Sites,
+        followers: Sequence[DescriptionFollower],
+        reporting: Reporting,
+        media: Media,
+        history: History,
+        registry: SiteRegistry,
+        versions: Descriptions,
+        changes: Changes,
+    ) -> None:
+        """Show a description to ``followers`` in their order, and keep it in ``versions``."""
+        self._sites = sites
+        self._followers = followers
+        self._reporting = reporting
+        self._media = media
+        self._history = history
+        self._registry = registry
+        self._versions = versions
+        self._changes = changes
+
+    async def greeted(
+        self, hello: frames.Hello, description: Site, source: str, gateway: int
+    ) -> None:
+        """Take in what a gateway says of its site when it comes.
+
+        Raises:
+            SQLAlchemyError, TalaiaError, OSError: not all of it is stored.
+
+        """
+        site = description.site
+        live = self._sites.get(site)
+        told = told_by(hello.description, hello.catalogue)
+        if live is None or live.told != told:
+            if live is not None:
+                await self._history.rename(site, renames(live.description, description))
+            await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
+            await self._history.describe(description)
+        if live is None or live.told != told or live.source != source:
+            note = "first seen" if live is None else "changed at the gateway"
+            await self._versions.add(site, source or hello.description, gateway, "", note)
+
+    def notify_followers(self, live: LiveSite) -> None:
+        """Let every part that follows a description take the site's new one."""
+        for follower in self._followers:
+            follower.described(live)
+
+    def told(self, live: LiveSite, state: frames.ChangeState) -> None:
+        """Pass on what a gateway says of a change."""
+        self._changes.told(live, state)
+
+    def link_lost(self, live: LiveSite) -> None:
+        """Nobody answers for the changes that were asked for."""
+        self._changes.link_lost(live)
+
+    def later(self, live: LiveSite, states: list[frames.DeviceState]) -> None:
+        """Tell what was said of devices that were not known yet."""
+        for state in states:
+            self._reporting.tell(live, state)
+
+    def note_of(self, told: frames.Described) -> str:
+        """Say in a few words how a description came about; asked when it comes."""
+        kept = "sent through the hub" if told.id else "changed at the gateway"
+        return self._changes.note_of(told.id) or kept
+
+    async def store(
+        self, description: Site, told: frames.Described, said: str, source: str, note: str
+    ) -> int:
+        """Make room in the history for what is described, and keep it; the version's number.
+
+        Raises:
+            SQLAlchemyError, TalaiaError, OSError: not all of it is stored; it may be done again.
+
+        """
+        site = description.site
+        live = self._sites.get(site)
+        await self._history.describe(description)
+        await self._registry.said_hello(site, said, told.catalogue)
+        gateway = 0 if live is None else live.gateway
+        return await self._versions.add(site, source or said, gateway, told.who, note)
+
+    def show(
+        self, live: LiveSite, description: Site, told: frames.Described, said: str, source: str,
+        number: int,
+    ) -> None:  # fmt: skip
+        """Let pages follow: at one blow they are shown the new channels and devices."""
+        for name in [each for each in live.enclosures if each not in description.enclosures]:
+            del live.enclosures[name]
+        for name in [each for each in live.interlocks if each not in description.interlocks]:
+            # Pages that show it as locked are told while it is known by name.
+            self._reporting.tell(live, frames.InterlockState(interlock=name, locked=False))
+            del live.interlocks[name]
+        self._sites.describe(description, told.catalogue, told.renamed)
+        live.told = told_by(said, told.catalogue)
+        live.source = source
+        live.problem = None
+        for known in (live.leases, live.stops, live.drives, live.unreached):
+            for device in [each for each in known if each not in description.devices]:
+                del known[device]
+        self.notify_followers(live)
+        self._media.watch(live.name)
+        self._reporting.publish_description(live)
+        self._reporting.event(
+            live, "description changed", who=told.who, message=f"version {number}"
+        )
+
+
+class Redescription:
+    """The descriptions that come over one link, one after the other."""
+
+    def __init__(
+        self, describing: Describing, live: LiveSite, lists: ChannelLists, ingest: Ingest
+    ) -> None:
+        """Follow for ``live``; batches are read by ``lists`` and stored by ``ingest``."""
+        self._describing = describing
+        self._live = live
+        self._lists = lists
+        self._ingest = ingest
+        self._waiting: asyncio.Queue[tuple[frames.Described, str, asyncio.Event]] = asyncio.Queue()
+        self._later: list[frames.DeviceState] = []
+        self.pending = 0
+
+    def put(self, told: frames.Described) -> None:
+        """Take a description; from here on batches may be numbered by its list."""
+        self._lists.told(told.catalogue, told.addresses, told.renamed)
+        renamed = {old: told.renamed.get(new, new) for old, new in self._live.renamed.items()}
+        self._live.renamed = {**renamed, **told.renamed}
+        self.pending += 1
+        note = self._describing.note_of(told)
+        self._waiting.put_nowait((told, note, self._ingest.rename(told.renamed)))
+
+    def later(self, state: frames.DeviceState) -> None:
+        """Tell it once the device may be known."""
+        self._later.append(state)
+
+    async def run(self) -> None:
+        """Put each in its place until cancelled.
+
+        Raises:
+            PeerError: what came is no description that can be used.
+
+        """
+        while True:
+            told, note, renamed = await self._waiting.get()
+            # Before channels of the new names are made.
+            await renamed.wait()
+            await self._put(told, note)
+            self.pending -= 1
+            later, self._later = self._later, []
+            self._describing.later(self._live, later)
+
+    async def _put(self, told: frames.Described, note: str) -> None:
+        live = self._live
+        source = source_of(told)
+        said, description = await asyncio.to_thread(_read, told.description)
+        if description.site != live.name:
+            raise PeerError(f"the description is of {description.site!r}, not {live.name!r}")
+        if [each.address for each in description.channels()] != list(told.addresses):
+            raise PeerError("the description has other channels than its list")
+        number = await self._stored(description, told, said, source, note)
+        self._describing.show(live, description, told, said, source, number)
+        self._lists.shown(tuple(channel.address for channel in live.channels))
+        _LOG.info("%s is described anew: version %d", live.name, number)
+
+    async def _stored(
+        self, description: Site, told: frames.Described, said: str, source: str, note: str
+    ) -> int:
+        """Store it, however long the database is away; give the version's number."""
+        failing = False
+        while True:
+            try:
+                return await self._describing.store(description, told, said, source, note)
+            except _STORE_FAILS:
+                if not failing:
+                    _LOG.exception(
+                        "a description of %s cannot be stored; it waits", self._live.name
+                    )
+                failing = True
+                await asyncio.sleep(_RETRY_S)
+
+
+def _read(data: bytes) -> tuple[str, Site]:
+    said = inflated(data)
+    try:
+        return said, raise_first(load_site(said))
+    except DescriptionError as error:
+        raise PeerError(f"a description that cannot be used: {error}") from error

@@ -1,0 +1,212 @@
+"""Samples of one gateway on their way to the history: bounded, then it presses back.
+
+To press back by not reading the link would hold up STOP, driving and beats as well. So what finds
+no room is put down as owed, and the gateway, which keeps it until it is stored, is asked for it
+again once there is room.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from talaia.errors import TalaiaError
+from talaia.hub.live.gateways.acknowledged_sequence import StoredRun
+from talaia.hub.live.pages.conflate import join
+from talaia.wire.frames import Ack, Again, Gap
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.hub.ports import History
+    from talaia.wire.columns import Columns
+
+__all__ = ["Batch", "Ingest", "Renaming"]
+
+_LOG = logging.getLogger(__name__)
+# Samples that may wait, and that one commit holds at the most.
+_MOST_WAITING = 500_000
+_MOST_A_COMMIT = 100_000
+# Pieces of it that do not follow each other.
+_MOST_PIECES = 1000
+# When so few wait, what is owed is asked for.
+_ROOM = _MOST_WAITING // 4
+_RETRY_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Samples as they came: sample i has the sequence number ``first + i``."""
+
+    boot: str
+    first: int
+    addresses: tuple[str, ...]
+    columns: Columns
+
+    @property
+    def end(self) -> int:
+        """One past the last sequence number."""
+        return self.first + len(self.columns)
+
+
+@dataclass(frozen=True, slots=True)
+class Renaming:
+    """Channels that have other addresses from here on, by the former ones; ``done`` is set then."""
+
+    moves: Mapping[str, str]
+    done: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+class Ingest:
+    """Stores batches and gaps in the order they came and acknowledges once for each commit."""
+
+    def __init__(
+        self, history: History, site: str, tell: Callable[[Ack | Again], None], gather_s: float
+    ) -> None:
+        """Tell the gateway when samples are safe; gather for ``gather_s`` before a commit."""
+        self._history = history
+        self._site = site
+        self._tell = tell
+        self._gather_s = gather_s
+        self._waiting: deque[Batch | Gap | Renaming] = deque()
+        self._samples = 0
+        self._news = asyncio.Event()
+        self._owed: dict[str, tuple[int, int]] = {}
+        self._runs: dict[str, StoredRun] = {}
+        self._ending = False
+
+    async def start(self, boot: str) -> int:
+        """Give the first sequence number of ``boot`` that is not stored."""
+        return (await self._run(boot)).below
+
+    def below(self, boot: str) -> int:
+        """Give the first sequence number of ``boot`` that is not known to be stored."""
+        run = self._runs.get(boot)
+        return 0 if run is None else run.below
+
+    def put(self, item: Batch | Gap) -> None:
+        """Take a batch or a gap; what finds no room will be asked for again."""
+        if self._samples >= _MOST_WAITING:
+            last = item.last if isinstance(item, Gap) else item.first + len(item.columns) - 1
+            first, end = self._owed.get(item.boot, (item.first, last + 1))
+            self._owed[item.boot] = (min(first, item.first), max(end, last + 1))
+            return
+        self._waiting.append(item)
+        self._samples += len(item.columns) if isinstance(item, Batch) else 1
+        self._news.set()
+
+    def rename(self, moves: Mapping[str, str]) -> asyncio.Event:
+        """Rename channels once what came before is stored, and before what comes after."""
+        renaming = Renaming(moves)
+        self._waiting.append(renaming)
+        self._news.set()
+        return renaming.done
+
+    def finish(self) -> None:
+        """Let `run` end once what waits is stored."""
+        self._ending = True
+        self._news.set()
+
+    async def run(self) -> None:
+        """Store until `finish`. When the database fails, try again."""
+        failing = False
+        while self._waiting or not self._ending:
+            await self._news.wait()
+            self._news.clear()
+            # Gathered, so that the disk is not made to sync for each batch of a few samples.
+            if self._gather_s and not self._ending:
+                await asyncio.sleep(self._gather_s)
+            while self._waiting:
+                try:
+                    await self._store_some()
+                except (SQLAlchemyError, TalaiaError, OSError):
+                    if not failing:
+                        _LOG.exception("samples of %s cannot be stored; they wait", self._site)
+                    failing = True
+                    if self._ending:
+                        return
+                    await asyncio.sleep(_RETRY_S)
+                else:
+                    if failing:
+                        _LOG.warning("samples of %s are stored again", self._site)
+                    failing = False
+
+    async def _store_some(self) -> None:
+        first = self._waiting[0]
+        if isinstance(first, Renaming):
+            await self._history.rename(self._site, first.moves)
+            self._waiting.popleft()
+            first.done.set()
+            return
+        if isinstance(first, Gap):
+            taken: list[Batch | Gap] = [first]
+            spans = [(first.boot, first.first, first.last + 1)]
+            await self._history.record_gap(
+                self._site, first.boot, first.first, first.last, first.from_us, first.to_us,
+                first.reason,
+            )  # fmt: skip
+        else:
+            pieces = self._pieces()
+            batches = [batch for piece in pieces for batch in piece]
+            taken = [*batches]
+            spans = [(each.boot, each.first, each.end) for each in batches]
+            # Side by side: pieces that do not follow each other share a commit all the same.
+            stored = await asyncio.gather(
+                *(self._append(piece) for piece in pieces), return_exceptions=True
+            )
+            for failure in stored:
+                if isinstance(failure, BaseException):
+                    raise failure
+        runs = {boot: await self._run(boot) for boot in dict.fromkeys(boot for boot, _, _ in spans)}
+        for item in taken:
+            self._waiting.popleft()
+            self._samples -= len(item.columns) if isinstance(item, Batch) else 1
+        if self._owed and self._samples < _ROOM:
+            for boot, (owed, below) in self._owed.items():
+                self._tell(Again(boot=boot, first=owed, below=below))
+            self._owed.clear()
+        for boot, begin, end in spans:
+            runs[boot].add(begin, end)
+        for boot, run in runs.items():
+            self._tell(Ack(boot=boot, below=run.below))
+
+    async def _append(self, piece: list[Batch]) -> None:
+        first = piece[0]
+        columns = join([each.columns for each in piece])
+        await self._history.append(self._site, first.boot, first.first, first.addresses, columns)
+
+    def _pieces(self) -> list[list[Batch]]:
+        """Take from the front the batches of one commit, those together that follow each other."""
+        pieces: list[list[Batch]] = []
+        expected, count = -1, 0
+        for item in self._waiting:
+            if not isinstance(item, Batch) or (
+                pieces and count + len(item.columns) > _MOST_A_COMMIT
+            ):
+                break
+            last = pieces[-1][-1] if pieces else None
+            if (
+                last is not None
+                and (item.boot, item.first) == (last.boot, expected)
+                and item.addresses == last.addresses
+            ):
+                pieces[-1].append(item)
+            elif len(pieces) >= _MOST_PIECES:
+                break
+            else:
+                pieces.append([item])
+            count += len(item.columns)
+            expected = item.end
+        return pieces
+
+    async def _run(self, boot: str) -> StoredRun:
+        run = self._runs.get(boot)
+        if run is None:
+            below = await self._history.stored_below(self._site, boot)
+            run = self._runs[boot] = StoredRun(below)
+        return run

@@ -1,0 +1,87 @@
+"""The link of one gateway: frames in, frames out, the most urgent first."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from starlette.websockets import WebSocketDisconnect
+
+from talaia.hub.live.gateways.clock_offset import ClockOffset
+from talaia.hub.live.gateways.send_lanes import Lanes
+from talaia.wire.errors import UnknownKind
+from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
+
+if TYPE_CHECKING:
+    from starlette.websockets import WebSocket
+
+    from talaia.wire.frames import FromGateway, FromHub
+
+__all__ = ["GONE", "GatewayLink"]
+
+_LOG = logging.getLogger(__name__)
+_FAREWELL_S = 0.5
+# What a socket raises when the other side has gone or does not take anything.
+GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+
+
+class GatewayLink:
+    """One open link. `send` never waits; a task of its own writes, the most urgent first."""
+
+    def __init__(self, socket: WebSocket) -> None:
+        """Speak over ``socket``, which is accepted already."""
+        self.offset = ClockOffset()
+        self._socket = socket
+        self._lanes = Lanes()
+        self._wake = asyncio.Event()
+        self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+
+    def send(self, message: FromHub) -> None:
+        """Queue a message."""
+        if not self._lanes.put(message):
+            self.dismiss("it does not listen")
+        self._wake.set()
+
+    def dismiss(self, reason: str) -> None:
+        """Say good-bye and close."""
+        if not self._over.done():
+            self._over.set_result(reason)
+
+    async def receive(self) -> FromGateway | None:
+        """Read one message; None when the gateway has hung up. Unknown kinds are skipped."""
+        while True:
+            event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return None
+            data = event.get("bytes")
+            try:
+                return LINK_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
+            except UnknownKind as error:
+                _LOG.debug("a gateway sent %s", error)
+
+    async def write(self) -> None:
+        """Send what is queued, for ever."""
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            while self._lanes:
+                await self._socket.send_bytes(LINK_FROM_HUB.encode(self._lanes.take()))
+
+    async def dismissed(self) -> str:
+        """Wait until somebody dismisses this link; give the reason."""
+        return await asyncio.shield(self._over)
+
+    async def farewell(self, reason: str, code: int, after_s: float = 0.0) -> None:
+        """Say one last thing and close, to a gateway that may not be listening.
+
+        ``after_s`` is when it is to come back; 0 leaves that to it.
+        """
+        try:
+            async with asyncio.timeout(_FAREWELL_S):
+                await self._socket.send_bytes(
+                    LINK_FROM_HUB.encode(Bye(reason=reason[:2000], after_s=after_s))
+                )
+                await self._socket.close(code)
+        except GONE:
+            return

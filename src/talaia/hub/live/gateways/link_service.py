@@ -1,0 +1,359 @@
+"""The coming and going of gateways, and what each says to the parts of the hub.
+
+Long, because a link's whole life is told here in its order, from the hello to the farewell.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from talaia import __version__
+from talaia.errors import TalaiaError
+from talaia.hub.errors import HubBusy
+from talaia.hub.live.first_completed import until_first
+from talaia.hub.live.gateways.channel_maps import ChannelLists
+from talaia.hub.live.gateways.description_intake import Redescription, source_of
+from talaia.hub.live.gateways.duplicate_gateways import KEPT_OUT, Rivals
+from talaia.hub.live.gateways.fingerprint import told_by
+from talaia.hub.live.gateways.ingest import Batch, Ingest
+from talaia.hub.live.gateways.link import GONE, GatewayLink
+from talaia.model.checks.site_checks import raise_first
+from talaia.model.errors import DescriptionError
+from talaia.model.renames import formers, renames
+from talaia.model.yaml_text.load import load_site
+from talaia.wire import frames
+from talaia.wire.errors import PeerError
+from talaia.wire.newest import chosen_newest, runs_of
+from talaia.wire.shape import speaks
+
+if TYPE_CHECKING:
+    from starlette.websockets import WebSocket
+
+    from talaia.clock import Clock
+    from talaia.hub.live.detection.sightings import Sightings
+    from talaia.hub.live.gateways.description_intake import Describing
+    from talaia.hub.live.gateways.join_queue import Admission
+    from talaia.hub.live.gateways.live_samples import LiveSamples
+    from talaia.hub.live.gateways.open_links import Links
+    from talaia.hub.live.gateways.robot_events import Reporting
+    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import History
+    from talaia.hub.settings import Settings
+    from talaia.hub.store.sites.gateway_presence import Attendance
+    from talaia.hub.store.sites.site_registry import GatewayKey
+    from talaia.model.site import Site
+
+__all__ = ["Gateways", "told_by"]
+
+_LOG = logging.getLogger(__name__)
+_MISSED_BEATS = 3
+_NEWS_EVERY = 5
+_FINISH_S = 1.0
+_STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
+REFUSED = 4400
+REPLACED = 4409
+TRY_LATER = 1013
+# When a gateway is to come back whose hub has no database just now.
+STORE_AFTER_S = 2.0
+
+
+class Gateways:
+    """Takes links in, reads them, and lets them go."""
+
+    def __init__(
+        self,
+        *,
+        sites: Sites,
+        describing: Describing,
+        reporting: Reporting,
+        samples: LiveSamples,
+        sightings: Sightings,
+        media: Media,
+        history: History,
+        attendance: Attendance,
+        links: Links,
+        admission: Admission,
+        settings: Settings,
+        clock: Clock,
+    ) -> None:
+        """Lead what gateways say to the parts that it is for.
+
+        Args:
+            sites: the sites as they are now.
+            describing: takes a site's description.
+            reporting: takes events and states for pages and the log.
+            samples: takes live samples.
+            sightings: takes what cameras have seen.
+            media: is told when a link can be asked for pictures.
+            history: keeps samples.
+            attendance: keeps when a gateway was there.
+            links: closes a link whose key is revoked.
+            admission: lets so many in at a time.
+            settings: times of the link.
+            clock: dates what comes.
+
+        """
+        self._sites = sites
+        self._describing = describing
+        self._reporting = reporting
+        self._samples = samples
+        self._sightings = sightings
+        self._media = media
+        self._history = history
+        self._attendance = attendance
+        self._links = links
+        self._admission = admission
+        self._settings = settings
+        self._clock = clock
+        self._rivals = Rivals(reporting)
+        self._parting = asyncio.Lock()
+
+    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+        """Serve the link of a gateway until it ends."""
+        link = GatewayLink(socket)
+        with self._links.opened(key.id, link):
+            await self._serve(link, key, socket.client.host if socket.client else "")
+
+    async def _serve(self, link: GatewayLink, key: GatewayKey, address: str) -> None:
+        site = key.site
+        try:
+            hello, description = await self._hello(link, site)
+            source = "" if hello is None else source_of(hello)
+        except (PeerError, DescriptionError, TimeoutError) as error:
+            reason = str(error) or "no hello in time"
+            _LOG.warning("the gateway of %s is refused: %s", site, reason)
+            await link.farewell(reason, REFUSED)
+            return
+        except GONE:
+            return
+        if hello is None or description is None:
+            return
+        told = told_by(hello.description, hello.catalogue)
+        if self._rivals.keeps_out(self._sites.get(site), hello.boot):
+            await link.farewell(KEPT_OUT, REPLACED)
+            return
+        ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
+        try:
+            async with self._admission.turn():
+                await self._describing.greeted(hello, description, source, key.id)
+                acked = await ingest.start(hello.boot)
+        except HubBusy as error:
+            await link.farewell(str(error), TRY_LATER, self._admission.after_s)
+            return
+        except _STORE_FAILS as error:
+            _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
+            said = "the hub cannot store anything now; try again later"
+            await link.farewell(said, TRY_LATER, STORE_AFTER_S)
+            return
+        if self._rivals.keeps_out(self._sites.get(site), hello.boot):
+            await link.farewell(KEPT_OUT, REPLACED)
+            return
+        link.send(
+            frames.Welcome(
+                version=__version__,
+                acked=acked,
+                time_us=self._clock.wall_ns() // 1000,
+                takes=["seen", "newest", "enclosure"],
+            )
+        )
+        live = self._attach(link, hello, description)
+        live.told, live.source, live.accepts = told, source, hello.accepts
+        live.gateway, live.problem = key.id, None
+        self._attendance.linked(key.id, site, hello.version, address)
+        storing = asyncio.create_task(ingest.run())
+        try:
+            await self._run(link, live, ingest)
+        finally:
+            self._detach(link, live)
+            ingest.finish()
+            await asyncio.wait({storing}, timeout=_FINISH_S)
+            storing.cancel()
+            await asyncio.gather(storing, return_exceptions=True)
+            self._attendance.left(key.id, site)
+
+    async def _hello(self, link: GatewayLink, site: str) -> tuple[frames.Hello | None, Site | None]:
+        async with asyncio.timeout(self._settings.hello_s):
+            hello = await link.receive()
+        if hello is None:
+            return None, None
+        if not isinstance(hello, frames.Hello):
+            raise PeerError("expected hello as the first message", REFUSED)
+        if not speaks(hello.protocol):
+            raise PeerError(f"protocol {hello.protocol} is not spoken here; update", REFUSED)
+        if hello.site != site:
+            raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
+        live = self._sites.get(site)
+        if live is not None and live.told == told_by(hello.description, hello.catalogue):
+            # Word for word what it said before: there is nothing to read.
+            return hello, live.description
+        # A large description takes a while to read: not in the way of the others.
+        description = await asyncio.to_thread(_read, hello.description)
+        if description.site != site:
+            raise PeerError(f"the description is of {description.site!r}, not {site!r}", REFUSED)
+        return hello, description
+
+    def _attach(self, link: GatewayLink, hello: frames.Hello, description: Site) -> LiveSite:
+        site = description.site
+        before = self._sites.get(site)
+        if before is not None and before.link is not None:
+            before.link.dismiss("another gateway of this site has connected")
+            self._reporting.link_lost(before)
+            self._rivals.replaced(before, hello.boot)
+        changed = before is None or before.description != description
+        renamed = {} if before is None else renames(before.description, description)
+        known = {} if before is None else before.renamed
+        live = self._sites.describe(description, hello.catalogue, renamed)
+        live.renamed = {
+            **formers(description),
+            **{old: renamed.get(new, new) for old, new in known.items()},
+            **renamed,
+        }
+        live.link = link
+        if live.boot != hello.boot:
+            live.boot = hello.boot
+            live.rivals.discard(hello.boot)
+        self._sightings.attached(live)
+        live.since_us = self._clock.wall_ns() // 1000
+        live.why = ""
+        live.stops.clear()
+        live.recorder = None
+        # Not known before it is told at the start of this link.
+        live.enclosures.clear()
+        if hello.time_us:
+            live.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
+        if changed:
+            self._describing.notify_followers(live)
+        self._reporting.publish_site(live)
+        self._reporting.event(live, "gateway connected", message=f"version {hello.version}")
+        if changed and before is not None:
+            self._reporting.event(
+                live, "description changed", message=f"catalogue {hello.catalogue}"
+            )
+        self._media.watch(site)
+        _LOG.info("the gateway of %s is connected", site)
+        return live
+
+    def _detach(self, link: GatewayLink, live: LiveSite) -> None:
+        if live.link is not link:
+            return
+        live.link = None
+        live.rival_us = 0
+        live.since_us = live.last_seen_us = self._clock.wall_ns() // 1000
+        live.why = "the connection to its gateway was lost"
+        self._describing.link_lost(live)
+        self._reporting.link_lost(live)
+        self._reporting.publish_site(live)
+        self._reporting.event(live, "gateway lost", good=False)
+        _LOG.warning("the gateway of %s is gone", live.name)
+
+    async def _run(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
+        addresses = [channel.address for channel in live.channels]
+        lists = ChannelLists(live.catalogue, addresses, live.renamed)
+        redescription = Redescription(self._describing, live, lists, ingest)
+        results = await until_first(
+            self._read_all(link, live, ingest, lists, redescription),
+            redescription.run(),
+            self._beat(link, live),
+            link.write(),
+            link.dismissed(),
+        )
+        said = results[-1] if isinstance(results[-1], str) else ""
+        code = REPLACED if said else 1000
+        for result in results:
+            if isinstance(result, PeerError):
+                said, code = str(result), result.code
+                _LOG.warning("the gateway of %s is sent away: %s", live.name, result)
+            elif isinstance(result, Exception) and not isinstance(result, GONE):
+                await link.farewell("the hub failed; see its log", 1011)
+                raise result
+        await link.farewell(said, code)
+
+    async def _read_all(
+        self,
+        link: GatewayLink,
+        live: LiveSite,
+        ingest: Ingest,
+        lists: ChannelLists,
+        redescription: Redescription,
+    ) -> None:
+        while (message := await link.receive()) is not None:
+            match message:
+                case frames.Samples():
+                    batch = lists.batch(message)
+                    if not message.addresses:
+                        shown = lists.live(batch)
+                        if message.live:
+                            end = batch.first + len(batch.columns)
+                            self._samples.publish_batch(live, shown, boot=batch.boot, end=end)
+                        else:
+                            self._samples.publish_late_batch(live, shown)
+                    ingest.put(batch)
+                case frames.Newest():
+                    self._tell_newest(live, message, lists, ingest)
+                case frames.Described():
+                    redescription.put(message)
+                case frames.ChangeState():
+                    self._describing.told(live, message)
+                case frames.DeviceState() if redescription.pending:
+                    redescription.later(message)
+                case frames.Gap():
+                    ingest.put(message)
+                case frames.Seen():
+                    self._sightings.seen(live, message)
+                case frames.Beat():
+                    link.send(
+                        frames.BeatReply(
+                            n=message.n, mono_us=message.mono_us, peer_us=self._now_us()
+                        )
+                    )
+                case frames.BeatReply():
+                    link.offset.beat(message.mono_us, self._now_us(), message.peer_us)
+                    live.loop_ms = round(link.offset.loop_us / 1000, 2)
+                case frames.Bye():
+                    return
+                case frames.Hello():
+                    raise PeerError("hello is said once, at the beginning")
+                case _:
+                    self._reporting.tell(live, message)
+        # When a switch dies, hundreds go at one blow: one by one, and the loop's turn in between.
+        async with self._parting:
+            await asyncio.sleep(0)
+
+    def _tell_newest(
+        self, live: LiveSite, message: frames.Newest, lists: ChannelLists, ingest: Ingest
+    ) -> None:
+        """Take what was said while nobody heard it for what counts now, and keep it first."""
+        addresses, told = lists.newest(message)
+        shown, now_ns = lists.live_newest(addresses, told), self._clock.monotonic_ns()
+        current = message.boot == live.boot
+        newer = live.latest.newer(shown, message.boot, now_ns, current=current)
+        if newer.any():
+            fresh = chosen_newest(shown, newer)
+            self._samples.publish_newest(live, fresh, message.boot, now_ns)
+        for first, columns in runs_of(told, ingest.below(message.boot)):
+            ingest.put(Batch(message.boot, first, addresses, columns))
+
+    async def _beat(self, link: GatewayLink, live: LiveSite) -> None:
+        sent = 0
+        while True:
+            heard = link.offset.heard
+            link.send(frames.Beat(n=sent, mono_us=self._now_us()))
+            sent += 1
+            if sent - heard > _MISSED_BEATS:
+                link.dismiss("it has not answered for three beats")
+            if sent % _NEWS_EVERY == 0:
+                self._reporting.forget_rival(live)
+                self._reporting.publish_site(live)
+            await asyncio.sleep(self._settings.beat_s)
+
+    def _now_us(self) -> int:
+        return self._clock.monotonic_ns() // 1000
+
+
+def _read(text: str) -> Site:
+    return raise_first(load_site(text))

@@ -1,0 +1,96 @@
+"""The connections of gateways that are open now, and their end when a key is revoked."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Protocol
+
+from talaia.hub.errors import StoreDown
+from talaia.wire.frames import Reconnect
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.store.sites.site_registry import SiteRegistry
+
+__all__ = ["Links", "Open"]
+
+_LOG = logging.getLogger(__name__)
+
+
+class Open(Protocol):
+    """A connection of a gateway: its link, or the one for pictures."""
+
+    def dismiss(self, reason: str) -> None:
+        """Say good-bye and close."""
+        ...
+
+
+class Links:
+    """Who of the gateways is connected."""
+
+    def __init__(self, sites: Sites, registry: SiteRegistry) -> None:
+        """Ask ``registry`` whose key is still good."""
+        self._sites = sites
+        self._registry = registry
+        self._open: dict[Open, int] = {}
+
+    @contextmanager
+    def opened(self, gateway: int, connection: Open) -> Iterator[None]:
+        """Count a connection as open."""
+        self._open[connection] = gateway
+        try:
+            yield
+        finally:
+            del self._open[connection]
+
+    def online(self) -> dict[int, LiveSite]:
+        """Give the gateways that have a link now, each with the site it speaks for."""
+        linked = {live.link: live for live in self._sites if live.link is not None}
+        return {
+            gateway: linked[connection]
+            for connection, gateway in self._open.items()
+            if connection in linked
+        }
+
+    def hang_up(self, gateway: int, reason: str) -> None:
+        """Close every connection of a gateway, at once."""
+        for connection, of in list(self._open.items()):
+            if of == gateway:
+                connection.dismiss(reason)
+
+    def reconnect(self, gateway: int, device: str, who: str) -> bool:
+        """Let a gateway connect anew to a device; False when it is away or has none such."""
+        live = self.online().get(gateway)
+        if live is None or live.link is None or device not in live.description.devices:
+            return False
+        live.link.send(Reconnect(device=device, who=who))
+        return True
+
+    async def watch(self, every_s: float) -> None:
+        """Hold the open connections against the keys until cancelled.
+
+        This finds what other processes did (the command line, another hub).
+        """
+        failing = False
+        while True:
+            await asyncio.sleep(every_s)
+            try:
+                await self.check()
+            except StoreDown:
+                if not failing:
+                    _LOG.exception("gateways' keys cannot be checked: the database does not answer")
+                failing = True
+            else:
+                failing = False
+
+    async def check(self) -> None:
+        """Close the connections of gateways whose key is void."""
+        if not self._open:
+            return
+        known = set(self._open.values())
+        for gateway in known - await self._registry.good(known):
+            self.hang_up(gateway, "its key was revoked")

@@ -1,0 +1,400 @@
+"""What a robot's gateway says, told to every page that may know, and written down.
+
+Long, because each message of a gateway has its telling and its writing here, in one place.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.clock import MS, SECOND
+from talaia.hub.auth.permissions import sees_signal
+from talaia.hub.live.pages.interlock_news import interlock_news
+from talaia.wire import browser as page, frames
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from talaia.clock import Clock
+    from talaia.hub.anomaly.runner import Watched
+    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.live.pages.outbox import Frame
+    from talaia.hub.live.pages.page_connections import Browser, Browsers
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import AnomalyNews
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["Reporting", "site_news"]
+
+# One that is kept out dials again at least this often (µs), and then some.
+RIVAL_US = 120_000_000
+_FINAL = frozenset(
+    {
+        CommandPhase.SUCCEEDED,
+        CommandPhase.FAILED,
+        CommandPhase.REFUSED,
+        CommandPhase.CANCELLED,
+        CommandPhase.UNKNOWN,
+    }
+)
+
+Told = (
+    frames.LeaseState
+    | frames.Tick
+    | frames.DriveState
+    | frames.StopState
+    | frames.ResetToken
+    | frames.CommandState
+    | frames.InterlockState
+    | frames.EnclosureState
+    | frames.RecordState
+    | frames.DeviceState
+    | frames.Event
+)
+
+
+class Reporting:
+    """Tells pages what is so, now and whenever it changes."""
+
+    def __init__(
+        self, sites: Sites, browsers: Browsers, alarms: Alarms, audit: Audit, clock: Clock
+    ) -> None:
+        """Write down in ``audit`` what happened and how it ended."""
+        self._alarms = alarms
+        self._sites = sites
+        self._browsers = browsers
+        self._audit = audit
+        self._clock = clock
+
+    def greet(self, browser: Browser) -> None:
+        """Tell a page that has just come what is true now, of all it may see."""
+        for live in self._sites:
+            browser.tell(site_news(live))
+            for device in live.leases:
+                browser.tell(self._lease_news(live, device, browser))
+            for stop in live.stops.values():
+                browser.tell(_stop_news(live, stop))
+            for drive in live.drives.values():
+                browser.tell(_drive_news(live, drive))
+            self.greet_interlocks(live, browser)
+            for device in live.unreached:
+                browser.tell(self._device_news(live, device))
+            now_ns = self._clock.monotonic_ns()
+            for state, heard_ns in live.acting.values():
+                later_s = (now_ns - heard_ns) / SECOND
+                browser.tell(_command_news(live, state, state.who, later_s))
+        self._alarms.greet(browser)
+
+    def publish_site(self, live: LiveSite) -> None:
+        """Tell every page how a site stands."""
+        self._browsers.tell(site_news(live))
+
+    def publish_description(self, live: LiveSite) -> None:
+        """Tell every page how a site stands that is described anew, and its interlocks."""
+        self.publish_site(live)
+        for browser in self._browsers:
+            self.greet_interlocks(live, browser)
+
+    def greet_interlocks(self, live: LiveSite, browser: Browser) -> None:
+        """Tell a page how all interlocks of a site stand."""
+        for name in live.interlocks:
+            self._tell_interlock(live, name, browser)
+
+    def tell(self, live: LiveSite, told: Told) -> None:
+        """Pass on what a gateway says, to each page that may know."""
+        match told:
+            case frames.LeaseState():
+                self._lease(live, told)
+            case frames.Tick():
+                news = page.TickNews(site=live.name, tick=told.tick)
+                for session in {state.session for state, _ in live.leases.values()}:
+                    browser = self._browsers.get(session)
+                    if browser is not None:
+                        browser.tell(news)
+            case frames.DriveState():
+                live.drives[told.device] = told
+                self._browsers.tell(_drive_news(live, told))
+            case frames.StopState():
+                self._stop(live, told)
+            case frames.ResetToken():
+                browser = self._browsers.get(told.session)
+                if browser is not None:
+                    browser.tell(
+                        page.ResetKey(
+                            site=live.name,
+                            device=told.device,
+                            token=told.token,
+                            refused=told.refused,
+                        )
+                    )
+            case frames.CommandState():
+                self._command_state(live, told)
+            case frames.InterlockState():
+                live.interlocks[told.interlock] = (told, self._clock.monotonic_ns())
+                for browser in self._browsers:
+                    self._tell_interlock(live, told.interlock, browser)
+            case frames.EnclosureState():
+                live.enclosures[told.enclosure] = told.why
+            case frames.RecordState():
+                live.recorder = told
+            case frames.DeviceState():
+                self._device_state(live, told)
+            case frames.Event():
+                self.event(
+                    live, told.kind, told.device, told.message, told.who, good=told.good,
+                    time_us=told.time_us,
+                )  # fmt: skip
+
+    def event(
+        self,
+        live: LiveSite,
+        kind: str,
+        device: str = "",
+        message: str = "",
+        who: str = "",
+        *,
+        good: bool = True,
+        time_us: int = 0,
+    ) -> None:
+        """Write an event down and tell it to all who may know."""
+        entry = self._audit.note(
+            kind, who=who, site=live.name, device=device, message=message, good=good
+        )
+        self._browsers.tell(
+            page.EventNews(
+                site=live.name,
+                kind=kind,
+                device=device,
+                message=message,
+                who=who,
+                time_us=time_us or entry.time_us,
+                good=good,
+            )
+        )
+
+    def anomaly(self, news: AnomalyNews) -> None:
+        """Tell of an anomaly that began or ended; see `AnomalySink`."""
+        live = self._sites.get(news.site)
+        if live is None:
+            return
+        device, _, signal = news.channel.partition("/")
+        described = live.description.devices.get(device)
+        known = described.signals.get(signal) if described is not None else None
+        name = known.name if known is not None else signal
+        kind, time_us = "anomaly began", news.began_us
+        if news.ended_us is not None:
+            kind, time_us = "anomaly ended", news.ended_us
+        good = news.ended_us is not None
+        self.event(live, kind, device, f"{name}: {news.why}", good=good, time_us=time_us)
+
+    def detector(self, site: str, watched: Watched) -> None:
+        """Tell everyone who may see the signal how a detector stands; see `DetectorSink`."""
+        live = self._sites.get(site)
+        if live is None:
+            return
+        device, _, signal = watched.address.partition("/")
+        news = page.AnomalyNews(
+            site=site,
+            device=device,
+            address=watched.address,
+            detector=str(watched.watch.detector),
+            on=watched.episodes.began_us >= 0,
+            from_us=watched.from_us,
+            to_us=watched.to_us,
+            score=watched.score,
+            why=watched.why,
+            forgiven=watched.forgiven,
+            learning=watched.learning,
+        )
+        encoded: dict[bool, Frame] = {}
+        for browser in self._browsers:
+            if sees_signal(browser.who.grants, live.description, device, signal):
+                browser.tell(news, encoded)
+
+    def rival_seen(self, live: LiveSite) -> None:
+        """Show people that another gateway has this one's key, for as long as it goes on."""
+        live.rival_us = self._clock.wall_ns() // 1000
+        self._browsers.tell(site_news(live))
+
+    def forget_rival(self, live: LiveSite) -> None:
+        """Show it no more once the other gateway has not been there for a while."""
+        if live.rival_us and self._clock.wall_ns() // 1000 - live.rival_us > RIVAL_US:
+            live.rival_us = 0
+
+    def link_lost(self, live: LiveSite) -> None:
+        """Show all leases as free and every command under way as unknown."""
+        for device in list(live.leases):
+            self._lease(live, frames.LeaseState(device=device))
+        live.leases.clear()
+        live.drives.clear()
+        live.interlocks.clear()
+        live.acting.clear()
+        # A page takes all of a site that is away as not known anyway.
+        live.unreached.clear()
+        for pending in list(live.pending.values()):
+            self._command_state(
+                live,
+                frames.CommandState(
+                    id=pending.id,
+                    device=pending.device,
+                    command=pending.command,
+                    phase=CommandPhase.UNKNOWN,
+                    message="the connection was lost; look at the device to see what it did",
+                    who=pending.who,
+                ),
+            )
+
+    def _device_state(self, live: LiveSite, state: frames.DeviceState) -> None:
+        if state.device not in live.description.devices:
+            return
+        if state.reached:
+            live.unreached.pop(state.device, None)
+        else:
+            since_us = self._clock.wall_ns() // 1000 - state.for_ms * 1000
+            live.unreached[state.device] = (state.why, since_us)
+        self._browsers.tell(self._device_news(live, state.device))
+
+    def _device_news(self, live: LiveSite, device: str) -> page.DeviceNews:
+        why, since_us = live.unreached.get(device, ("", 0))
+        reached = device not in live.unreached
+        return page.DeviceNews(
+            site=live.name, device=device, reached=reached, why=why, since_us=since_us
+        )
+
+    def _tell_interlock(self, live: LiveSite, name: str, browser: Browser) -> None:
+        now = (self._clock.monotonic_ns(), self._clock.wall_ns())
+        news = interlock_news(live, name, browser.who.grants, *now)
+        if news is not None:
+            browser.tell(news)
+
+    def _lease(self, live: LiveSite, state: frames.LeaseState) -> None:
+        before = live.leases.get(state.device)
+        live.leases[state.device] = (state, self._clock.monotonic_ns())
+        if state.refused:
+            browser = self._browsers.get(state.asked)
+            if browser is not None:
+                browser.tell(self._lease_news(live, state.device, browser, answer=True))
+        else:
+            for browser in self._browsers:
+                browser.tell(self._lease_news(live, state.device, browser))
+        held = (before[0].session, before[0].epoch) if before else ("", 0)
+        if held[0] != state.session or (state.session and held[1] != state.epoch):
+            kind = "lease taken" if state.session else "lease freed"
+            who = state.who or (before[0].who if before else "")
+            self._note(live, kind, who, state.device, f"epoch {state.epoch or held[1]}")
+
+    def _lease_news(
+        self, live: LiveSite, device: str, browser: Browser, *, answer: bool = False
+    ) -> page.LeaseNews:
+        state, heard_ns = live.leases[device]
+        yours = state.session == browser.key
+        passed_ms = (self._clock.monotonic_ns() - heard_ns) // MS
+        answer_ms = max(0, state.rival_ms - passed_ms) if state.rival else 0
+        return page.LeaseNews(
+            site=live.name,
+            device=device,
+            holder=state.who if state.session else "",
+            yours=yours,
+            epoch=state.epoch if yours else 0,
+            remains_ms=max(0, state.remains_ms - passed_ms) if state.session else 0,
+            rival=state.rival_who if answer_ms else "",
+            asking=bool(answer_ms) and state.rival == browser.key,
+            answer_ms=answer_ms,
+            refused=state.refused if answer else "",
+            forceable=answer and state.forceable,
+        )
+
+    def _stop(self, live: LiveSite, state: frames.StopState) -> None:
+        before = live.stops.get(state.device)
+        live.stops[state.device] = state
+        self._browsers.tell(_stop_news(live, state))
+        said = (state.latched, state.confirmed)
+        if said != ((before.latched, before.confirmed) if before else (False, False)):
+            what = "stop released"
+            if state.latched:
+                what = "stop confirmed by the robot" if state.confirmed else "stop latched"
+            self._note(live, what, state.who, state.device)
+
+    def _command_state(self, live: LiveSite, state: frames.CommandState) -> None:
+        pending = live.pending.get(state.id)
+        who = state.who or (pending.who if pending else "")
+        if state.acting and state.phase not in _FINAL:
+            live.acting[state.id] = state, self._clock.monotonic_ns()
+        else:
+            live.acting.pop(state.id, None)
+        self._browsers.tell(_command_news(live, state, who))
+        if state.over:
+            message = f"{state.command} {state.id} interrupts {state.over}"
+            self._note(live, "command interrupts", who, state.device, message)
+        if state.phase in _FINAL:
+            live.pending.pop(state.id, None)
+            self._audit.note(
+                f"command {state.phase}",
+                who=who,
+                site=live.name,
+                device=state.device,
+                message=f"{state.command} {state.id} {state.message}".rstrip(),
+                good=state.phase is CommandPhase.SUCCEEDED,
+            )
+
+    def _note(self, live: LiveSite, kind: str, who: str, device: str, message: str = "") -> None:
+        self._audit.note(kind, who=who, site=live.name, device=device, message=message)
+
+
+def site_news(live: LiveSite) -> page.SiteNews:
+    """Say whether a site is there."""
+    return page.SiteNews(
+        site=live.name,
+        online=live.online,
+        since_us=live.since_us,
+        catalogue=live.edition,
+        loop_ms=live.loop_ms,
+        skew_ms=live.skew_ms,
+        why=live.why,
+        rival_us=live.rival_us,
+    )
+
+
+def _command_news(
+    live: LiveSite, state: frames.CommandState, who: str, later_s: float = 0.0
+) -> page.CommandNews:
+    """Give what pages are told; ``later_s`` after it was heard."""
+    return page.CommandNews(
+        site=live.name,
+        device=state.device,
+        command=state.command,
+        id=state.id,
+        phase=state.phase,
+        message=state.message,
+        progress=state.progress,
+        who=who,
+        blocked_by=state.blocked_by,
+        acting=state.acting,
+        acting_s=state.acting_s + later_s if state.acting else 0.0,
+    )
+
+
+def _stop_news(live: LiveSite, state: frames.StopState) -> page.StopNews:
+    return page.StopNews(
+        site=live.name,
+        device=state.device,
+        latched=state.latched,
+        confirmed=state.confirmed,
+        who=state.who,
+        time_us=state.time_us,
+        id=state.id,
+    )
+
+
+def _drive_news(live: LiveSite, state: frames.DriveState) -> page.DriveNews:
+    return page.DriveNews(
+        site=live.name,
+        device=state.device,
+        linear=state.linear,
+        angular=state.angular,
+        cap=state.cap,
+        loop_ms=state.loop_ms,
+        accepted=state.accepted,
+        refused=state.refused,
+        why=state.why,
+        sent=state.sent,
+    )

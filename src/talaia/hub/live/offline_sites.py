@@ -1,0 +1,99 @@
+"""Sites that the hub knows while no gateway speaks for them: of before, and of imports."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+from talaia.hub.live.gateways.fingerprint import told_by
+from talaia.model.errors import DescriptionError
+from talaia.model.yaml_text.load import load_site
+
+if TYPE_CHECKING:
+    from talaia.clock import Clock
+    from talaia.hub.history.import_file import Head
+    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.live.files.import_inbox import Taken
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import History
+    from talaia.hub.store.audit import Audit
+    from talaia.hub.store.sites.site_registry import SiteRegistry
+
+__all__ = ["ImportedSites", "KnownSites"]
+
+_LOG = logging.getLogger(__name__)
+
+
+class KnownSites:
+    """Has `Sites` know them by what the registry and the history have of them."""
+
+    def __init__(
+        self,
+        *,
+        sites: Sites,
+        registry: SiteRegistry,
+        history: History,
+        clock: Clock,
+    ) -> None:
+        """Know none yet."""
+        self._sites = sites
+        self._registry = registry
+        self._history = history
+        self._clock = clock
+
+    async def remember(self) -> None:
+        """Know the sites of before, with their last values, though none is connected yet."""
+        for known in await self._registry.all():
+            try:
+                description = load_site(known.description)
+            except DescriptionError as error:
+                _LOG.warning("the kept description of %s is set aside: %s", known.site, error)
+                continue
+            await self._history.describe(description)
+            live = self._sites.describe(description, known.catalogue)
+            live.told = told_by(known.description, known.catalogue)
+            live.since_us = live.last_seen_us = known.last_seen_us
+            live.why = "its gateway has not connected since the hub was started"
+            await self._remember_values(known.site, live)
+
+    async def _remember_values(self, site: str, live: LiveSite) -> None:
+        addresses = [channel.address for channel in live.every]
+        wall, monotonic = self._clock.wall_ns(), self._clock.monotonic_ns()
+        last = await self._history.last(site, addresses)
+        for at, address in enumerate(addresses):
+            if address in last:
+                time_us, value, text = last[address]
+                age_ns = max(0, wall - time_us * 1000)
+                live.latest.remember(at, time_us, value, text, monotonic - age_ns)
+
+
+class ImportedSites:
+    """Writes imports down, and has `Sites` know sites of which only recordings came."""
+
+    def __init__(
+        self,
+        *,
+        sites: Sites,
+        registry: SiteRegistry,
+        history: History,
+        alarms: Alarms,
+        audit: Audit,
+    ) -> None:
+        """Describe a site that nobody knows to all of them."""
+        self._sites = sites
+        self._registry = registry
+        self._history = history
+        self._alarms = alarms
+        self._audit = audit
+
+    async def imported(self, head: Head, how: Taken) -> None:
+        """Write an import down, and know a site of which only recordings came."""
+        if self._sites.get(head.site) is None:
+            description = load_site(head.description)
+            await self._history.describe(description)
+            await self._registry.said_hello(head.site, head.description, "", "")
+            live = self._sites.describe(description, "")
+            live.why = "only recordings of it were imported"
+            self._alarms.described(live)
+        message = f"{head.file}: {how.stored} samples, {how.there} were there already"
+        self._audit.note("history imported", who="command line", message=message, site=head.site)

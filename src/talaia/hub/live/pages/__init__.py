@@ -1,0 +1,1 @@
+"""Pages that are connected now: their sockets, rights, subscriptions and commands."""

@@ -1,0 +1,198 @@
+"""Live samples to every browser that asked; the work is shared by those who asked the same."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from talaia.clock import MS
+from talaia.hub.live.pages.conflate import conflate, join
+from talaia.hub.live.pages.outbox import values_of
+from talaia.hub.live.pages.subscriptions import select_channels
+from talaia.wire.browser import Subscribed
+from talaia.wire.columns import Columns
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from talaia.clock import Clock
+    from talaia.hub.live.pages.outbox import Frame
+    from talaia.hub.live.pages.page_connections import Browser
+    from talaia.hub.live.pages.subscriptions import Selection
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.wire.browser import Subscribe, Values
+
+__all__ = ["Fanout"]
+
+# What gathers between two sendings is thinned when it is more than this.
+_MOST_GATHERED = 20_000
+
+
+@dataclass(eq=False, slots=True)
+class _Group:
+    """Those who asked for the same channels of a site at the same pace."""
+
+    site: str
+    selection: Selection
+    every_ms: int
+    members: dict[tuple[Browser, int], Subscribe] = field(default_factory=dict)
+    pieces: list[Columns] = field(default_factory=list)
+    gathered: int = 0
+    due_ns: int = 0
+    timer: asyncio.TimerHandle | None = None
+
+
+class Fanout:
+    """Subscriptions of all browsers, and the way of a batch to them."""
+
+    def __init__(self, sites: Sites, clock: Clock) -> None:
+        """Find sites in ``sites``; ``clock`` paces the sending."""
+        self._sites = sites
+        self._clock = clock
+        self._groups: dict[str, dict[tuple[int, tuple[str, ...]], _Group]] = {}
+        self._of: dict[tuple[Browser, int], _Group] = {}
+
+    def subscribe(self, browser: Browser, asked: Subscribe) -> None:
+        """Start a subscription, or replace the one with its number, and send what is known."""
+        live = self._sites.get(asked.site)
+        if live is None:
+            return
+        self.unsubscribe(browser, asked.sub)
+        selection = select_channels(
+            asked.channels, live.description, live.every, browser.who.grants
+        )
+        group = self._group(live, selection, asked.every_ms)
+        group.members[browser, asked.sub] = asked
+        self._of[browser, asked.sub] = group
+        browser.tell(Subscribed(sub=asked.sub, refused=list(selection.refused)))
+        browser.known = self.known
+        browser.owe(asked.sub, (selection.channels >= 0).nonzero()[0].tolist(), first=True)
+
+    def unsubscribe(self, browser: Browser, sub: int) -> None:
+        """End a subscription; one that is not there is no matter."""
+        group = self._of.pop((browser, sub), None)
+        browser.forget(sub)
+        if group is None:
+            return
+        del group.members[browser, sub]
+        if not group.members:
+            if group.timer is not None:
+                group.timer.cancel()
+            of_site = self._groups[group.site]
+            del of_site[group.every_ms, group.selection.key]
+
+    def leave(self, browser: Browser) -> None:
+        """End every subscription of a browser."""
+        for member in [each for each in self._of if each[0] is browser]:
+            self.unsubscribe(*member)
+
+    def held(self, browser: Browser) -> tuple[int, int]:
+        """Count a browser's subscriptions, and the channels in all of them."""
+        sizes = [
+            len(group.members[member].channels)
+            for member, group in self._of.items()
+            if member[0] is browser
+        ]
+        return len(sizes), sum(sizes)
+
+    def described(self, live: LiveSite) -> None:
+        """Start every subscription of a site anew, after its channels changed."""
+        members = [
+            (member[0], asked)
+            for group in list(self._groups.get(live.name, {}).values())
+            for member, asked in group.members.items()
+        ]
+        for browser, asked in members:
+            self.subscribe(browser, asked)
+
+    def publish(self, live: LiveSite, columns: Columns) -> None:
+        """Hand a live batch to everyone who asked for any of it."""
+        for group in self._groups.get(live.name, {}).values():
+            picked = group.selection.of(columns)
+            if not len(picked):
+                continue
+            if group.every_ms == 0:
+                _send(group, picked)
+            else:
+                self._gather(group, picked)
+
+    def _gather(self, group: _Group, picked: Columns) -> None:
+        group.pieces.append(picked)
+        group.gathered += len(picked)
+        if group.gathered > _MOST_GATHERED:
+            group.pieces = [conflate(join(group.pieces))]
+            group.gathered = len(group.pieces[0])
+        if group.timer is not None:
+            return
+        wait_ns = group.due_ns - self._clock.monotonic_ns()
+        if wait_ns <= 0:
+            self._flush(group)
+        else:
+            group.timer = asyncio.get_running_loop().call_later(wait_ns / 1e9, self._flush, group)
+
+    def _flush(self, group: _Group) -> None:
+        group.timer = None
+        group.due_ns = self._clock.monotonic_ns() + group.every_ms * MS
+        pieces, group.pieces, group.gathered = group.pieces, [], 0
+        _send(group, conflate(join(pieces)))
+
+    def _group(self, live: LiveSite, selection: Selection, every_ms: int) -> _Group:
+        of_site = self._groups.setdefault(live.name, {})
+        key = (every_ms, selection.key)
+        group = of_site.get(key)
+        if group is None:
+            group = of_site[key] = _Group(live.name, selection, every_ms)
+        return group
+
+    def known(self, browser: Browser, sub: int, places: list[int]) -> list[Values]:
+        """Give the newest values of channels of a subscription (places in its list), and ages."""
+        group = self._of.get((browser, sub))
+        live = None if group is None else self._sites.get(group.site)
+        if group is None or live is None:
+            return []
+        at = np.array(places, np.int64)
+        numbers = group.selection.channels[at]
+        at, numbers = at[numbers >= 0], numbers[numbers >= 0]
+        columns, ages = live.latest.of(numbers, self._clock.monotonic_ns())
+        columns = Columns(
+            at[columns.channel].astype("<u2"), columns.time_us, columns.value, columns.texts
+        )
+        told, begin = [], 0
+        for message in values_of(sub, columns):
+            end = begin + len(message.channel) // 2
+            told.append(msgspec.structs.replace(message, age_ms=ages[begin:end]))
+            begin = end
+        return told
+
+    def publish_known(self, live: LiveSite, channels: NDArray[np.uint16]) -> None:
+        """Tell everyone who asked for any of these channels its newest value, and its age."""
+        for group in self._groups.get(live.name, {}).values():
+            places = group.selection.place[channels]
+            owed = places[places >= 0].tolist()
+            if not owed:
+                continue
+            if group.pieces:
+                # What gathered is older, and goes before it.
+                if group.timer is not None:
+                    group.timer.cancel()
+                self._flush(group)
+            for browser, sub in group.members:
+                browser.owe(sub, owed)
+
+
+def _send(group: _Group, columns: Columns) -> None:
+    """Encode once for all who use the same number, and put it in each outbox."""
+    if not len(columns):
+        return
+    encoded: dict[tuple[int, bool], Frame | None] = {}
+    for browser, sub in group.members:
+        key = (sub, browser.text)
+        if key not in encoded:
+            messages = values_of(sub, columns)
+            # More than one message is rare and huge: the outbox cuts it by itself.
+            encoded[key] = browser.encode(messages[0]) if len(messages) == 1 else None
+        browser.values(sub, columns, encoded[key])

@@ -1,0 +1,225 @@
+"""Leases, driving, STOP and one-shot commands: from a page down to the gateway.
+
+The hub decides who may (the gate has done so before a message comes here) and the gateway
+decides whether it is allowed now. Nothing is queued for a gateway that is away.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from talaia.hub.live.sites import Pending
+from talaia.model.arguments import fields_of, unit_problem
+from talaia.model.interlocks.override_rules import longest_override
+from talaia.wire import browser as page, frames
+from talaia.wire.frames import CommandPhase, LeaseOp
+
+if TYPE_CHECKING:
+    from talaia.hub.live.pages.page_connections import Browser
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.store.audit import Audit
+    from talaia.model.interlocks.interlock import Interlock
+
+__all__ = ["Commanding"]
+
+_MOST_PENDING = 1000
+
+Asked = (
+    page.Lease
+    | page.LeaseForce
+    | page.Drive
+    | page.Stop
+    | page.Reset
+    | page.Command
+    | page.Cancel
+    | page.Override
+)
+
+
+class Commanding:
+    """Passes on what people ask of a robot."""
+
+    def __init__(self, sites: Sites, audit: Audit) -> None:
+        """Write down in ``audit`` who asked what."""
+        self._sites = sites
+        self._audit = audit
+        # What each page (by its key) has asked the lease of: site and device.
+        self._asked: dict[str, set[tuple[str, str]]] = {}
+
+    def ask(self, browser: Browser, asked: Asked) -> None:
+        """Pass on what a page asks; answer at once when the gateway is away."""
+        live = self._sites.get(asked.site)
+        if live is None or live.link is None:
+            self._refuse(browser, asked, "offline", f"{asked.site} is not connected")
+            return
+        match asked:
+            case page.Lease():
+                if asked.op is not LeaseOp.FREE:
+                    self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
+                live.link.send(_lease_ask(browser, asked.device, asked.op))
+            case page.LeaseForce():
+                self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
+                live.link.send(
+                    frames.LeaseForce(
+                        device=asked.device, session=browser.key, who=browser.who.name
+                    )
+                )
+                self._note(live, "lease force asked", browser.who.name, asked.device)
+            case page.Drive():
+                self._drive(browser, live, asked)
+            case page.Stop():
+                live.link.send(
+                    frames.StopAsk(device=asked.device, id=asked.id, who=browser.who.name)
+                )
+                self._note(live, "stop pressed", browser.who.name, asked.device)
+            case page.Reset():
+                live.link.send(
+                    frames.ResetAsk(
+                        device=asked.device,
+                        session=browser.key,
+                        epoch=asked.epoch,
+                        who=browser.who.name,
+                        token=asked.token,
+                    )
+                )
+                if asked.token:
+                    self._note(live, "stop reset asked", browser.who.name, asked.device)
+            case page.Command():
+                self._command(browser, live, asked)
+            case page.Cancel():
+                live.link.send(
+                    frames.CommandCancel(id=asked.id, device=asked.device, who=browser.who.name)
+                )
+                self._note(live, "cancel asked", browser.who.name, asked.device, asked.id)
+            case page.Override():
+                self._override(browser, live, asked)
+
+    def leave(self, browser: Browser) -> None:
+        """Free, at once, what a page that has gone was holding or was about to get."""
+        for site, device in self._asked.pop(browser.key, set()):
+            live = self._sites.get(site)
+            if live is not None and live.link is not None:
+                live.link.send(_lease_ask(browser, device, LeaseOp.FREE))
+
+    def _drive(self, browser: Browser, live: LiveSite, asked: page.Drive) -> None:
+        # The gateway checks all of this again; what cannot be right is not even sent.
+        if live.link is None or not math.isfinite(asked.linear + asked.angular + asked.held_ms):
+            self._refuse(browser, asked, "invalid", "a driving frame holds plain numbers")
+            return
+        live.link.send(
+            frames.Drive(
+                device=asked.device,
+                session=browser.key,
+                epoch=asked.epoch,
+                seq=asked.seq,
+                tick=asked.tick,
+                held_ms=asked.held_ms,
+                linear=asked.linear,
+                angular=asked.angular,
+                picture_ms=asked.picture_ms,
+            )
+        )
+
+    def _override(self, browser: Browser, live: LiveSite, asked: page.Override) -> None:
+        rule = live.description.interlocks.get(asked.interlock)
+        if rule is None or live.link is None:
+            self._refuse(browser, asked, "unknown", f"there is no interlock {asked.interlock!r}")
+            return
+        if problem := _no_override(live, rule, asked):
+            self._refuse(browser, asked, "invalid", problem)
+            return
+        who = browser.who.name
+        live.link.send(
+            frames.OverrideAsk(
+                interlock=asked.interlock,
+                who=who,
+                reason=asked.reason,
+                seconds=asked.seconds,
+                condition=asked.condition,
+            )
+        )
+        named = f" ({asked.condition})" if asked.condition else ""
+        said = f"{asked.interlock}{named} for {asked.seconds:g} s: {asked.reason}"
+        self._note(live, "override asked", who, "", said)
+
+    def _command(self, browser: Browser, live: LiveSite, asked: page.Command) -> None:
+        command = live.description.devices[asked.device].commands.get(asked.command)
+        if command is None or live.link is None:
+            self._refuse(browser, asked, "unknown", f"there is no command {asked.command!r}")
+            return
+        # The gateway checks it again, by its own copy of the description.
+        fields = fields_of(command, asked.args)
+        problem = fields if isinstance(fields, str) else unit_problem(command, asked.units)
+        if problem:
+            self._refuse(browser, asked, "invalid", problem)
+            return
+        if asked.id in live.pending or len(live.pending) >= _MOST_PENDING:
+            self._refuse(browser, asked, "busy", "this command is under way already")
+            return
+        who = browser.who.name
+        live.pending[asked.id] = Pending(asked.id, asked.device, asked.command, who)
+        live.link.send(
+            frames.CommandAsk(
+                id=asked.id,
+                device=asked.device,
+                command=asked.command,
+                args=asked.args,
+                units=asked.units,
+                over=asked.over,
+                ttl_ms=command.ttl * 1000,
+                who=who,
+            )
+        )
+        said = ", ".join(f"{key}={value!r}" for key, value in asked.args.items())
+        over = f" over {asked.over}" if asked.over else ""
+        message = f"{asked.command}({said}) {asked.id}{over}"
+        self._note(live, "command asked", who, asked.device, message)
+
+    def _refuse(self, browser: Browser, asked: Asked, code: str, message: str) -> None:
+        about = str(type(asked).__struct_config__.tag)
+        browser.tell(page.Problem(code=code, message=message, about=about))
+        if isinstance(asked, page.Command):
+            browser.tell(
+                page.CommandNews(
+                    site=asked.site,
+                    device=asked.device,
+                    command=asked.command,
+                    id=asked.id,
+                    phase=CommandPhase.REFUSED,
+                    message=message,
+                    who=browser.who.name,
+                )
+            )
+        if not isinstance(asked, page.Drive):
+            self._audit.note(
+                f"{about} refused",
+                who=browser.who.name,
+                site=asked.site,
+                device=getattr(asked, "device", ""),
+                message=message,
+                good=False,
+            )
+
+    def _note(self, live: LiveSite, kind: str, who: str, device: str, message: str = "") -> None:
+        self._audit.note(kind, who=who, site=live.name, device=device, message=message)
+
+
+def _lease_ask(browser: Browser, device: str, op: LeaseOp) -> frames.LeaseAsk:
+    return frames.LeaseAsk(device=device, session=browser.key, who=browser.who.name, op=op)
+
+
+def _no_override(live: LiveSite, rule: Interlock, asked: page.Override) -> str:
+    """Say why an override is not even asked of the gateway, which judges it again."""
+    longest = longest_override(rule)
+    if asked.seconds > longest:
+        most = f"at most {longest:g} s" if longest else "never"
+        return f"{rule.name} may be overridden {most}"
+    if not asked.seconds:
+        return ""
+    if not asked.reason.strip():
+        return "say why it is overridden"
+    known = live.interlocks.get(asked.interlock)
+    if known is not None and not known[0].locked:
+        return f"{rule.name} locks nothing now, so there is nothing to override"
+    return "" if known is None else known[0].no_override

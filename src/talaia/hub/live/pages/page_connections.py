@@ -1,0 +1,317 @@
+"""The connection of one browser, and all of them together.
+
+Long, because all that one socket may wait for, and all that it is told, stands in one place.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from starlette.websockets import WebSocketDisconnect
+
+from talaia.hub.auth.tokens import new_token
+from talaia.hub.live.first_completed import until_first
+from talaia.hub.live.pages.message_authorizer import STORE
+from talaia.hub.live.pages.outbox import Outbox
+from talaia.wire.browser import (
+    FROM_BROWSER,
+    TO_BROWSER,
+    AlarmNews,
+    AnomalyNews,
+    Command,
+    CommandNews,
+    DeviceNews,
+    Drive,
+    DriveNews,
+    Ended,
+    InterlockNews,
+    Lease,
+    LeaseNews,
+    Ping,
+    Pong,
+    Problem,
+    Reset,
+    SessionNews,
+    SightingNews,
+    SiteNews,
+    Stop,
+    StopNews,
+    Subscribe,
+    TickNews,
+    Unsubscribe,
+)
+from talaia.wire.errors import PeerError, UnknownKind
+from talaia.wire.frames import LeaseOp
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable, Iterable, Iterator
+
+    from starlette.websockets import WebSocket
+
+    from talaia.hub.auth.permissions import Who
+    from talaia.hub.live.pages.message_authorizer import Gate
+    from talaia.hub.live.pages.outbox import Frame
+    from talaia.wire.browser import FromBrowser, ToBrowser, Values
+    from talaia.wire.columns import Columns
+
+__all__ = ["SESSION_OVER", "Browser", "Browsers"]
+
+# Close code for "your session is over": the page goes to the sign-in instead of trying again.
+SESSION_OVER = 4401
+# A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
+_SILENT_S = 150.0
+_FAREWELL_S = 0.3
+# While the hub cannot tell who may do what, this many subscriptions are kept for later, and it is
+# looked so often whether it can again (s).
+_MOST_WISHES = 256
+_WISH_S = 0.5
+
+
+class Browser:
+    """One socket of one person. A slow one hurts nobody but itself.
+
+    Attributes:
+        key: names this socket to the gateway; leases belong to it.
+
+    """
+
+    def __init__(self, socket: WebSocket, who: Who, gate: Gate, *, text: bool) -> None:
+        """Speak JSON with ``text``, else MessagePack."""
+        self.who = who
+        self.key = new_token()
+        self.text = text
+        self._socket = socket
+        self._gate = gate
+        # Asked for the newest values of a subscription's channels, by their places in its list.
+        self.known: Callable[[Browser, int, list[int]], list[Values]] = lambda *_: []
+        self._outbox = Outbox(self.encode, known=lambda sub, at: self.known(self, sub, at))
+        self._wake = asyncio.Event()
+        self._over = asyncio.Event()
+        self._reason = ""
+        self._used = False
+        # Subscriptions that could not be judged, by their number, in the order they were asked.
+        self._wishes: dict[int, Subscribe] = {}
+        self._wished = asyncio.Event()
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that wait to be sent."""
+        return self._outbox.weight
+
+    def encode(self, message: ToBrowser) -> Frame:
+        """Write a message in the form this browser reads."""
+        return TO_BROWSER.encode_text(message) if self.text else TO_BROWSER.encode(message)
+
+    def tell(self, message: ToBrowser, encoded: dict[bool, Frame] | None = None) -> None:
+        """Send a message if this person may get it; never waits.
+
+        ``encoded`` keeps its bytes, by form, for others who get the same.
+        """
+        if self._over.is_set() or not self._gate.may_get(self.who.grants, message):
+            return
+        encoded = {} if encoded is None else encoded
+        frame = encoded.get(self.text)
+        if frame is None:
+            frame = encoded[self.text] = self.encode(message)
+        key = _state_key(message)
+        if key is None:
+            self._outbox.note(frame)
+        else:
+            self._outbox.state(key, frame)
+        self._wake.set()
+
+    def values(self, sub: int, columns: Columns, frame: Frame | None) -> None:
+        """Send samples of a subscription; never waits."""
+        if not self._over.is_set():
+            self._outbox.values(sub, columns, frame)
+            self._wake.set()
+
+    def owe(self, sub: int, places: Iterable[int], *, first: bool = False) -> None:
+        """Have the newest values of channels of a subscription told; see `Outbox.owe`."""
+        if not self._over.is_set():
+            self._outbox.owe(sub, places, first=first)
+            self._wake.set()
+
+    def forget(self, sub: int) -> None:
+        """Drop what waits of a subscription."""
+        self._outbox.forget(sub)
+
+    def end(self, reason: str) -> None:
+        """Tell the person that the session is over and close; nothing else is sent or heard."""
+        self._reason = self._reason or reason
+        self._over.set()
+
+    def tell_end(self, ends_us: int, *, idle: bool) -> None:
+        """Tell the person when the session ends (UTC, µs); 0: it goes on after all."""
+        self.tell(SessionNews(ends_us=ends_us, idle=idle))
+
+    def take_use(self) -> bool:
+        """Tell whether the person has done something since this was last asked."""
+        used, self._used = self._used, False
+        return used
+
+    async def serve(
+        self, handle: Callable[[Browser, FromBrowser], None], left: Callable[[], None]
+    ) -> None:
+        """Read and write until either side ends it; ``left`` is called before any farewell."""
+        results = await until_first(
+            self._read(handle), self._write(), self._grant(handle), self._over.wait()
+        )
+        left()
+        if self._over.is_set():
+            await self._farewell(SESSION_OVER, Ended(reason=self._reason))
+        for result in results:
+            if isinstance(result, PeerError):
+                await self._farewell(
+                    result.code, Problem(code="invalid", message=result.problem[:500])
+                )
+            elif isinstance(result, Exception) and not isinstance(result, _GONE):
+                raise result
+
+    async def _read(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
+        while True:
+            async with asyncio.timeout(_SILENT_S):
+                event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return
+            data = event.get("bytes")
+            try:
+                message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
+            except UnknownKind as error:
+                self.tell(Problem(code="unknown", message=str(error), about=error.kind[:200]))
+                continue
+            if self._over.is_set():
+                return
+            self._used = self._used or _by_hand(message)
+            self._judge(message, handle)
+
+    def _judge(self, message: FromBrowser, handle: Callable[[Browser, FromBrowser], None]) -> None:
+        """Do what may be done, and say why not; a subscription that must wait is kept."""
+        if isinstance(message, Subscribe | Unsubscribe):
+            self._wishes.pop(message.sub, None)
+        problem = self._gate.refusal(self.who.grants, message)
+        if problem is None:
+            handle(self, message)
+            return
+        self.tell(problem)
+        if (
+            isinstance(message, Subscribe)
+            and problem.code == STORE
+            and len(self._wishes) < _MOST_WISHES
+        ):
+            self._wishes[message.sub] = message
+            self._wished.set()
+
+    async def _grant(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
+        """Grant what was wished while nobody could tell whether it may be."""
+        while True:
+            await self._wished.wait()
+            await asyncio.sleep(_WISH_S)
+            for sub, message in list(self._wishes.items()):
+                problem = self._gate.refusal(self.who.grants, message)
+                if problem is not None and problem.code == STORE:
+                    break
+                del self._wishes[sub]
+                if problem is None:
+                    handle(self, message)
+                else:
+                    self.tell(problem)
+            if not self._wishes:
+                self._wished.clear()
+
+    async def _write(self) -> None:
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            while self._outbox:
+                for frame in self._outbox.take():
+                    await self._send(frame)
+
+    async def _send(self, frame: Frame) -> None:
+        if isinstance(frame, str):
+            await self._socket.send_text(frame)
+        else:
+            await self._socket.send_bytes(frame)
+
+    async def _farewell(self, code: int, last: ToBrowser) -> None:
+        """Say one last thing and close, to a browser that may not be listening."""
+        try:
+            async with asyncio.timeout(_FAREWELL_S):
+                await self._send(self.encode(last))
+                await self._socket.close(code)
+        except _GONE:
+            return
+
+
+# What a socket raises when the other side has gone or does not take anything.
+_GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+
+
+class Browsers:
+    """All sockets that are open now."""
+
+    def __init__(self) -> None:
+        """Start with none."""
+        self._browsers: dict[str, Browser] = {}
+
+    def __iter__(self) -> Iterator[Browser]:
+        """Go through them; the list may change meanwhile."""
+        return iter(list(self._browsers.values()))
+
+    def add(self, browser: Browser) -> None:
+        """Take a browser in."""
+        self._browsers[browser.key] = browser
+
+    def remove(self, browser: Browser) -> None:
+        """Let a browser go."""
+        self._browsers.pop(browser.key, None)
+
+    def get(self, key: str) -> Browser | None:
+        """Find the socket with a key."""
+        return self._browsers.get(key)
+
+    def tell(self, message: ToBrowser) -> None:
+        """Send a message to everyone who may get it."""
+        encoded: dict[bool, Frame] = {}
+        for browser in self:
+            browser.tell(message, encoded)
+
+
+def _by_hand(message: FromBrowser) -> bool:
+    """Tell whether a person did something, and not the page by itself."""
+    match message:
+        case Ping():
+            return message.active
+        case Lease():
+            return message.op is not LeaseOp.RENEW
+        case Drive() | Stop() | Reset() | Command():
+            return True
+        case _:
+            return False
+
+
+def _state_key(message: ToBrowser) -> Hashable | None:
+    """Give the key of a message of which only the newest counts; None when each does."""
+    match message:
+        case SiteNews() | TickNews():
+            return type(message), message.site
+        case DeviceNews() | DriveNews() | LeaseNews(refused=""):
+            return type(message), message.site, message.device
+        case AlarmNews():
+            return AlarmNews, message.site, message.alarm
+        case SightingNews():
+            return SightingNews, message.site, message.id
+        case AnomalyNews():
+            return AnomalyNews, message.site, message.address, message.detector
+        case InterlockNews():
+            return InterlockNews, message.site, message.interlock
+        case StopNews():
+            # A repeated STOP waits for the answer with its own id.
+            return StopNews, message.site, message.device, message.id
+        case CommandNews():
+            return CommandNews, message.site, message.id
+        case Pong() | SessionNews():
+            return type(message)
+        case _:
+            return None

@@ -1,0 +1,1 @@
+"""Pictures of cameras: from gateways to pages."""

@@ -1,0 +1,189 @@
+"""One page that looks at one camera: a socket, and in `Flow` what goes over it when."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from typing import TYPE_CHECKING
+
+from starlette.websockets import WebSocketDisconnect
+
+from talaia.hub.live.first_completed import until_first
+from talaia.hub.live.pages.page_connections import SESSION_OVER
+from talaia.hub.live.pictures.picture_pacing import Flow
+from talaia.wire.browser import (
+    MEDIA_FROM_BROWSER,
+    MEDIA_TO_BROWSER,
+    BoxesAsk,
+    Ended,
+    Glance,
+    Problem,
+    Shown,
+)
+from talaia.wire.errors import PeerError, UnknownKind
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from starlette.websockets import WebSocket
+
+    from talaia.hub.auth.permissions import Who
+    from talaia.hub.live.pages.outbox import Frame
+    from talaia.hub.live.pictures.picture_pacing import Ready
+
+__all__ = ["Viewer"]
+
+_FAREWELL_S = 0.3
+_MOST_NOTES = 8
+_GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+
+
+class Viewer:
+    """One page that looks at one stream. Holds at most a tenth of a second that waits."""
+
+    def __init__(
+        self,
+        socket: WebSocket,
+        who: Who,
+        site: str,
+        stream: str,
+        now_us: Callable[[], int],
+        able: Collection[str] = (),
+        *,
+        text: bool,
+    ) -> None:
+        """Look at ``stream`` (``device/stream``) of ``site``; JSON with ``text``.
+
+        Args:
+            socket: accepted already.
+            who: looks.
+            site: see above.
+            stream: see above.
+            now_us: monotonic.
+            able: what the page can show; none from one that knows JPEG only, and no problems.
+            text: see above.
+
+        """
+        self.who = who
+        self.site = site
+        self.stream = stream
+        self.text = text
+        self.flow = Flow(able)
+        self.hears_problems = bool(able)
+        # What is seen on the pictures is wanted, too.
+        self.wants_boxes = False
+        # Told that what it wants, or its need of a picture to begin with, may have changed.
+        self.on_flow: Callable[[Viewer], None] = lambda _viewer: None
+        self._told = self.flow.form
+        self._now_us = now_us
+        self._socket = socket
+        self._notes: deque[Frame] = deque(maxlen=_MOST_NOTES)
+        self._boxes: Frame | None = None
+        self._wake = asyncio.Event()
+        self._over = asyncio.Event()
+        self._reason = ""
+
+    def offer(self, ready: Ready) -> None:
+        """Hand over a picture; what waits and is of no use any more gives way."""
+        self.flow.offer(ready, self._now_us())
+        self._wake.set()
+        self._tell()
+
+    def boxes(self, frame: Frame) -> None:
+        """Hand over what is seen on a picture, in place of what has not gone out yet."""
+        self._boxes = frame
+        self._wake.set()
+
+    def _tell(self) -> None:
+        if self.flow.broken or self.flow.form is not self._told:
+            self._told = self.flow.form
+            self.on_flow(self)
+
+    def trouble(self, why: str) -> None:
+        """Say why there is no picture, to a page that knows what to do with it."""
+        if self.hears_problems:
+            self._notes.append(self._written(Problem(code="picture", message=why)))
+            self._wake.set()
+
+    def end(self, reason: str) -> None:
+        """Close, since the session is over."""
+        self._reason = reason
+        self._over.set()
+
+    def tell_end(self, ends_us: int, *, idle: bool) -> None:
+        """Say nothing: the page's other socket tells the person."""
+
+    def take_use(self) -> bool:
+        """Looking at pictures is not doing anything."""
+        return False
+
+    async def serve(self) -> None:
+        """Send pictures until either side ends it."""
+        results = await until_first(self._read(), self._write(), self._over.wait())
+        code = SESSION_OVER if self._over.is_set() else 1000
+        for result in results:
+            if isinstance(result, PeerError):
+                code = result.code
+            elif isinstance(result, Exception) and not isinstance(result, _GONE):
+                raise result
+        await self._farewell(code)
+
+    async def _read(self) -> None:
+        while True:
+            event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return
+            data = event.get("bytes")
+            try:
+                message = MEDIA_FROM_BROWSER.decode(event.get("text", "") if data is None else data)
+            except UnknownKind:
+                # A page that is newer than we are.
+                continue
+            match message:
+                case Shown():
+                    self.flow.shown(message.seq, self._now_us())
+                case Glance():
+                    self.flow.glance(still=message.still)
+                case BoxesAsk():
+                    self._ask_boxes(on=message.on)
+            self._wake.set()
+            self._tell()
+
+    async def _write(self) -> None:
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            while self._notes:
+                await self._send(self._notes.popleft())
+            while (frame := self.flow.take(self._now_us())) is not None:
+                await self._send(frame)
+            # While a picture waits for the connection, boxes must not take it up.
+            if self._boxes is not None and not self.flow.waits:
+                boxes, self._boxes = self._boxes, None
+                await self._send(boxes)
+
+    def _ask_boxes(self, *, on: bool) -> None:
+        if on != self.wants_boxes:
+            self.wants_boxes = on
+            self._boxes = None
+            self.on_flow(self)
+
+    async def _send(self, frame: Frame) -> None:
+        if isinstance(frame, str):
+            await self._socket.send_text(frame)
+        else:
+            await self._socket.send_bytes(frame)
+
+    def _written(self, message: Problem | Ended) -> Frame:
+        if self.text:
+            return MEDIA_TO_BROWSER.encode_text(message)
+        return MEDIA_TO_BROWSER.encode(message)
+
+    async def _farewell(self, code: int) -> None:
+        try:
+            async with asyncio.timeout(_FAREWELL_S):
+                if code == SESSION_OVER:
+                    await self._send(self._written(Ended(reason=self._reason)))
+                await self._socket.close(code)
+        except _GONE:
+            return

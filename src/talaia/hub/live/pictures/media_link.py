@@ -1,0 +1,143 @@
+"""The second connection of a gateway: pictures only, so that none stands before a command."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from starlette.websockets import WebSocketDisconnect
+
+from talaia.hub.live.first_completed import until_first
+from talaia.hub.live.gateways.link import GatewayLink
+from talaia.wire.errors import PeerError
+from talaia.wire.frames import (
+    MEDIA_FROM_GATEWAY,
+    MEDIA_FROM_HUB,
+    Beat,
+    BeatReply,
+    Boxes,
+    Bye,
+    Picture,
+    Trouble,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from starlette.websockets import WebSocket
+
+    from talaia.clock import Clock
+    from talaia.hub.live.gateways.open_links import Links
+    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.sites import Sites
+    from talaia.hub.store.sites.site_registry import GatewayKey
+
+__all__ = ["GatewayCamera", "MediaLinks"]
+
+_FAREWELL_S = 0.5
+_GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+
+
+class GatewayCamera:
+    """One open media connection."""
+
+    def __init__(self, socket: WebSocket) -> None:
+        """Speak over ``socket``, which is accepted already."""
+        self._socket = socket
+        self._over = asyncio.Event()
+        self._reason = ""
+
+    def dismiss(self, reason: str) -> None:
+        """Say good-bye and close."""
+        self._reason = self._reason or reason
+        self._over.set()
+
+    async def serve(
+        self,
+        take: Callable[[Picture], None],
+        trouble: Callable[[Trouble], None],
+        boxes: Callable[[Boxes], None],
+        now_us: Callable[[], int],
+    ) -> None:
+        """Hand each picture to ``take`` until either side ends it; answer beats.
+
+        ``trouble`` is told what cannot be shown, ``boxes`` what is seen.
+        """
+        results = await until_first(self._read(take, trouble, boxes, now_us), self._over.wait())
+        reason, code = self._reason, 1000
+        for result in results:
+            if isinstance(result, PeerError):
+                reason, code = result.problem, result.code
+            elif isinstance(result, Exception) and not isinstance(result, _GONE):
+                raise result
+        try:
+            async with asyncio.timeout(_FAREWELL_S):
+                await self._socket.send_bytes(MEDIA_FROM_HUB.encode(Bye(reason=reason)))
+                await self._socket.close(code)
+        except _GONE:
+            return
+
+    async def _read(
+        self,
+        take: Callable[[Picture], None],
+        trouble: Callable[[Trouble], None],
+        boxes: Callable[[Boxes], None],
+        now_us: Callable[[], int],
+    ) -> None:
+        while True:
+            event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return
+            data = event.get("bytes")
+            message = MEDIA_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
+            match message:
+                case Picture():
+                    take(message)
+                case Beat():
+                    reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now_us())
+                    await self._socket.send_bytes(MEDIA_FROM_HUB.encode(reply))
+                case Trouble():
+                    trouble(message)
+                case Boxes():
+                    boxes(message)
+                case BeatReply():
+                    pass
+
+
+class MediaLinks:
+    """Takes in the pictures of gateways; of each site the newest connection counts."""
+
+    def __init__(self, *, sites: Sites, media: Media, links: Links, clock: Clock) -> None:
+        """Hand pictures to ``media``; ``links`` closes a connection whose key is revoked."""
+        self._sites = sites
+        self._media = media
+        self._links = links
+        self._clock = clock
+        self._open: dict[str, GatewayCamera] = {}
+
+    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+        """Take pictures of a site until its gateway hangs up or a newer one comes."""
+        camera, site = GatewayCamera(socket), key.site
+        before = self._open.get(site)
+        if before is not None:
+            before.dismiss("a newer connection was opened")
+        self._open[site] = camera
+        try:
+            with self._links.opened(key.id, camera):
+                await camera.serve(
+                    lambda picture: self._publish(site, picture),
+                    lambda said: self._media.trouble(site, said),
+                    lambda boxes: self._media.boxes(site, boxes),
+                    self._now_us,
+                )
+        finally:
+            if self._open.get(site) is camera:
+                del self._open[site]
+
+    def _publish(self, site: str, picture: Picture) -> None:
+        live = self._sites.get(site)
+        if live is not None and isinstance(live.link, GatewayLink):
+            self._media.shot(live, picture, live.link.offset)
+
+    def _now_us(self) -> int:
+        return self._clock.monotonic_ns() // 1000

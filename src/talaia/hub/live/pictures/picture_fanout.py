@@ -1,0 +1,201 @@
+"""Pictures from a gateway to everyone who looks: the newest wins, nobody waits for anybody.
+
+A gateway encodes a camera once in each form that any page wants just now (`flow` says which each
+page wants), and rests it when nobody looks.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from talaia.hub.live.pictures.picture_pacing import Ready
+from talaia.wire.browser import MEDIA_TO_BROWSER, Shot, ShotBoxes
+from talaia.wire.frames import Form, KeyAsk, Watch
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.clock import Clock
+    from talaia.hub.live.gateways.clock_offset import ClockOffset
+    from talaia.hub.live.pages.outbox import Frame
+    from talaia.hub.live.pictures.camera_viewer import Viewer
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.wire.frames import Boxes, Picture, Trouble
+
+__all__ = ["Media"]
+
+_SMALL = {Form.H264_SMALL.value, Form.JPEG_SMALL.value}
+
+
+class Media:
+    """All viewers, and what the gateways are asked to send for them."""
+
+    def __init__(self, sites: Sites, clock: Clock, linger_s: float) -> None:
+        """A stream rests ``linger_s`` after its last viewer has gone."""
+        self._sites = sites
+        self._clock = clock
+        self._linger_s = linger_s
+        self._viewers: dict[tuple[str, str], set[Viewer]] = {}
+        self._timers: dict[tuple[str, str], asyncio.TimerHandle] = {}
+        self._forms: dict[tuple[str, str], frozenset[Form]] = {}
+        self._boxed: set[tuple[str, str]] = set()
+        # Who looks for the hub itself: in which form, and who is handed each picture.
+        self._eyes: dict[tuple[str, str], tuple[Form, Callable[[Picture], None]]] = {}
+        self._troubles: dict[tuple[str, str], str] = {}
+
+    def join(self, viewer: Viewer) -> None:
+        """Take a viewer in; the first one wakes the stream."""
+        key = (viewer.site, viewer.stream)
+        timer = self._timers.pop(key, None)
+        if timer is not None:
+            timer.cancel()
+        self._viewers.setdefault(key, set()).add(viewer)
+        viewer.on_flow = self._flow
+        self._flow(viewer)
+        why = self._troubles.get(key)
+        if why is not None:
+            viewer.trouble(why)
+
+    def leave(self, viewer: Viewer) -> None:
+        """Let a viewer go; a little after the last one the stream rests."""
+        key = (viewer.site, viewer.stream)
+        viewers = self._viewers.get(key, set())
+        viewers.discard(viewer)
+        if viewers:
+            self._look(key)
+        elif key in self._viewers and key not in self._timers:
+            loop = asyncio.get_running_loop()
+            self._timers[key] = loop.call_later(self._linger_s, self._rest, key)
+
+    def watch(self, site: str) -> None:
+        """Tell a site's gateway which streams are looked at now, and as what."""
+        live = self._sites.get(site)
+        if live is not None and live.link is not None:
+            forms = {
+                stream: [each.value for each in sorted(wanted)]
+                for (where, stream), wanted in sorted(self._forms.items())
+                if where == site
+            }
+            boxed = sorted(stream for where, stream in self._boxed if where == site)
+            live.link.send(Watch(streams=list(forms), forms=forms, boxes=boxed))
+
+    def look(self, site: str, stream: str, form: Form, take: Callable[[Picture], None]) -> None:
+        """Let the hub itself look at a stream: ``take`` gets each picture, at once."""
+        self._eyes[site, stream] = (form, take)
+        self._look((site, stream))
+
+    def look_away(self, site: str, stream: str) -> None:
+        """Look no more."""
+        if self._eyes.pop((site, stream), None) is not None:
+            self._look((site, stream))
+
+    def looked_at(self, site: str, stream: str) -> bool:
+        """Tell whether a page wants to know what is seen on a stream."""
+        return (site, stream) in self._boxed
+
+    def boxes(self, site: str, boxes: Boxes) -> None:
+        """Hand what is seen on a picture to those who asked; written once for all of them."""
+        key = (site, boxes.stream)
+        if key not in self._boxed:
+            return
+        said = ShotBoxes(seq=boxes.seq, time_us=boxes.time_us, things=boxes.things)
+        written: dict[bool, Frame] = {}
+        for viewer in self._viewers.get(key, ()):
+            if viewer.wants_boxes:
+                frame = written.get(viewer.text)
+                if frame is None:
+                    encode = (
+                        MEDIA_TO_BROWSER.encode_text if viewer.text else MEDIA_TO_BROWSER.encode
+                    )
+                    frame = written[viewer.text] = encode(said)
+                viewer.boxes(frame)
+
+    def close(self) -> None:
+        """Stop the timers."""
+        for timer in self._timers.values():
+            timer.cancel()
+        self._timers.clear()
+
+    def shot(self, live: LiveSite, picture: Picture, offset: ClockOffset) -> None:
+        """Hand a picture to its viewers; written once for all who read the same form."""
+        key = (live.name, picture.stream)
+        self._troubles.pop(key, None)
+        eye = self._eyes.get(key)
+        if eye is not None and (not picture.forms or eye[0] in picture.forms):
+            eye[1](picture)
+        wanting = [each for each in self._viewers.get(key, ()) if each.flow.wants(picture.forms)]
+        if not wanting:
+            return
+        shot = self._shot(picture, offset)
+        written: dict[bool, Ready] = {}
+        for viewer in wanting:
+            ready = written.get(viewer.text)
+            if ready is None:
+                frame = (
+                    MEDIA_TO_BROWSER.encode_text(shot)
+                    if viewer.text
+                    else MEDIA_TO_BROWSER.encode(shot)
+                )
+                film = picture.format == Form.H264
+                ready = Ready(picture.seq, picture.key, film, len(frame), frame)
+                written[viewer.text] = ready
+            viewer.offer(ready)
+
+    def trouble(self, site: str, said: Trouble) -> None:
+        """Hand on why a camera cannot be shown, to those who look and those who come."""
+        key = (site, said.stream)
+        if key not in self._viewers or self._troubles.get(key) == said.why:
+            return
+        self._troubles[key] = said.why
+        for viewer in self._viewers[key]:
+            viewer.trouble(said.why)
+
+    def _shot(self, picture: Picture, offset: ClockOffset) -> Shot:
+        captured = offset.ours(picture.mono_us)
+        now_us = self._clock.monotonic_ns() // 1000
+        return Shot(
+            seq=picture.seq,
+            time_us=picture.time_us,
+            # Without an estimate yet: as if it had been taken now. Never from the future.
+            hub_us=now_us if captured is None else min(captured, now_us),
+            width=picture.width,
+            height=picture.height,
+            format=picture.format,
+            key=picture.key,
+            codec=picture.codec,
+            small=bool(picture.forms) and _SMALL.issuperset(picture.forms),
+            data=picture.data,
+        )
+
+    def _flow(self, viewer: Viewer) -> None:
+        """Ask the gateway for what a viewer wants now, where that is new."""
+        self._look((viewer.site, viewer.stream))
+        if viewer.flow.wants_key(self._clock.monotonic_ns() // 1000):
+            live = self._sites.get(viewer.site)
+            if live is not None and live.link is not None:
+                live.link.send(KeyAsk(stream=viewer.stream, form=viewer.flow.form))
+
+    def _look(self, key: tuple[str, str]) -> None:
+        viewers = self._viewers.get(key, ())
+        wanted = frozenset(each.flow.form for each in viewers)
+        if not wanted and key in self._viewers:
+            # The last one has just gone, and may be back in a moment.
+            return
+        if key in self._eyes:
+            wanted |= {self._eyes[key][0]}
+        boxed = any(each.wants_boxes for each in viewers)
+        if self._forms.get(key, frozenset()) == wanted and (key in self._boxed) == boxed:
+            return
+        self._forms[key] = wanted
+        if not wanted:
+            del self._forms[key]
+            self._troubles.pop(key, None)
+        (self._boxed.add if boxed else self._boxed.discard)(key)
+        self.watch(key[0])
+
+    def _rest(self, key: tuple[str, str]) -> None:
+        del self._timers[key]
+        if not self._viewers.get(key):
+            self._viewers.pop(key, None)
+            self._look(key)

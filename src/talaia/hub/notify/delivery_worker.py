@@ -1,0 +1,179 @@
+"""The outbox's run: takes what is due, sends it, and writes down what became of it."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Protocol
+
+from talaia.hub.errors import StoreDown
+from talaia.hub.notify.message import compose
+from talaia.hub.notify.senders import Outcome, Went
+from talaia.hub.store.alarms.notification_channels import WayKind
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Mapping, Sequence
+
+    from talaia.clock import Clock
+    from talaia.hub.notify.message import Message
+    from talaia.hub.store.alarms.notification_channels import NotifyStore, PushBrowser, Way
+    from talaia.hub.store.alarms.notification_outbox import Notices, Parcel
+
+__all__ = ["Delivering", "Sends"]
+
+_LOG = logging.getLogger(__name__)
+_SECOND_US = 1_000_000
+# After the first try that did not do, after the second, …; then it has failed (s).
+_AGAIN_S = (10, 60, 300, 900, 3600)
+_AT_ONCE = 4
+_LONGEST_NAP_S = 30.0
+_RETRY_S = 1.0
+
+
+class Sends(Protocol):
+    """Whoever can send a message."""
+
+    async def send(
+        self,
+        way: Way,
+        secrets: Mapping[str, str],
+        target: str,
+        message: Message,
+        browsers: Sequence[PushBrowser] = (),
+    ) -> Went:
+        """Send it; what goes wrong is in the answer."""
+        ...
+
+
+class Delivering:
+    """Delivers what waits in the outbox, some at once, each by itself."""
+
+    def __init__(
+        self,
+        notices: Notices,
+        store: NotifyStore,
+        sender: Sends,
+        clock: Clock,
+        told: Callable[[], Awaitable[None]],
+    ) -> None:
+        """Call ``told`` whenever it has changed which alarms could not be delivered."""
+        self._notices = notices
+        self._store = store
+        self._sender = sender
+        self._clock = clock
+        self._told = told
+        self._news = asyncio.Event()
+        self._turns = asyncio.Semaphore(_AT_ONCE)
+
+    def wake(self) -> None:
+        """Look again: something was put into the outbox."""
+        self._news.set()
+
+    async def recover(self) -> None:
+        """See to what was under way when the hub ended last."""
+        again = [way.id for way in await self._store.ways() if _repeatable(way.kind)]
+        unsure = await self._notices.recover(again, self._now_us())
+        if unsure:
+            _LOG.warning("%s messages about alarms may or may not have been delivered", unsure)
+
+    async def run(self) -> None:
+        """Deliver until cancelled."""
+        async with asyncio.TaskGroup() as group:
+            while True:
+                try:
+                    nap = await self._take_all(group)
+                except StoreDown:
+                    nap = _RETRY_S
+                try:
+                    async with asyncio.timeout(nap):
+                        await self._news.wait()
+                except TimeoutError:
+                    pass
+                self._news.clear()
+
+    async def deliver_due(self) -> None:
+        """Deliver all that is due now, and come back when that is done."""
+        async with asyncio.TaskGroup() as group:
+            await self._take_all(group)
+
+    async def _take_all(self, group: asyncio.TaskGroup) -> float:
+        """Begin with all that is due; give how long to sleep then (s)."""
+        while True:
+            await self._turns.acquire()
+            try:
+                parcel = await self._notices.take(self._now_us())
+            except BaseException:
+                self._turns.release()
+                raise
+            if parcel is None:
+                self._turns.release()
+                break
+            group.create_task(self._deliver(parcel))
+        due = await self._notices.next_due_us()
+        if due is None:
+            return _LONGEST_NAP_S
+        return min(_LONGEST_NAP_S, max(0.05, (due - self._now_us()) / _SECOND_US))
+
+    async def _deliver(self, parcel: Parcel) -> None:
+        try:
+            if parcel.notices:
+                found = await self._store.way(parcel.way)
+                # Asked before: while it is under way its rule may change and the way be removed.
+                same = found is not None and _repeatable(found[0].kind)
+                went = await self._send(parcel, found)
+                await self._settled(parcel, went, same=same)
+                await self._told()
+        except StoreDown:
+            # It stays as being sent: the next start finds it so, and says so.
+            _LOG.exception("what became of a message about an alarm cannot be written down")
+        except Exception:  # noqa: BLE001 - logged; see below
+            # One message must not end the others; it too is found as being sent.
+            _LOG.exception("a message about an alarm could not be dealt with")
+        finally:
+            self._turns.release()
+            self._news.set()
+
+    async def _send(self, parcel: Parcel, found: tuple[Way, dict[str, str]] | None) -> Went:
+        if found is None:
+            return Went(Outcome.FAILED, "the way it was to go is there no more")
+        way, secrets = found
+        push = way.kind is WayKind.PUSH
+        browsers = await self._store.browsers(parcel.user) if push else []
+        message = compose(parcel.key, parcel.notices, parcel.zone)
+        went = await self._sender.send(way, secrets, parcel.target, message, browsers)
+        for number in went.gone:
+            await self._store.remove_browser(parcel.user, number)
+        if went.outcome is Outcome.UNSURE and _repeatable(way.kind):
+            return Went(Outcome.AGAIN, went.problem)
+        return went
+
+    async def _settled(self, parcel: Parcel, went: Went, *, same: bool) -> None:
+        now = self._now_us()
+        match went.outcome:
+            case Outcome.SENT:
+                await self._notices.sent(parcel, now)
+                if parcel.tries > 1:
+                    _LOG.info("a message about an alarm was delivered at try %s", parcel.tries)
+                return
+            case Outcome.FAILED:
+                await self._notices.failed(parcel, now, went.problem)
+            case Outcome.UNSURE:
+                problem = f"it may have been delivered: {went.problem}"
+                await self._notices.unsure(parcel, now, problem)
+            case Outcome.AGAIN if parcel.tries > len(_AGAIN_S):
+                await self._notices.failed(parcel, now, went.problem)
+            case Outcome.AGAIN:
+                due = now + _AGAIN_S[parcel.tries - 1] * _SECOND_US
+                await self._notices.again(parcel, due, went.problem, same=same)
+                if parcel.tries > 1:
+                    # It was said at the first try, and is said once more when it has failed.
+                    return
+        _LOG.warning("a message about an alarm was not delivered: %s", went.problem)
+
+    def _now_us(self) -> int:
+        return self._clock.wall_ns() // 1000
+
+
+def _repeatable(kind: WayKind) -> bool:
+    """Tell whether the other side can see that a message is the same one once more."""
+    return kind is WayKind.WEBHOOK

@@ -1,0 +1,116 @@
+"""One message by one way, in a process of its own; see `child`."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+from enum import StrEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.hub.store.alarms.notification_channels import WayKind
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from talaia.hub.notify.address_policy import Network
+    from talaia.hub.notify.message import Message
+    from talaia.hub.store.alarms.notification_channels import PushBrowser, Way
+
+__all__ = ["Outcome", "Sender", "Went"]
+
+_LONGEST_S = 60.0
+# Where to is said by a person's browser there, not by an admin: public addresses only.
+_NETWORKS_OF_PUSH: tuple[str, ...] = ()
+# What a child needs of our surroundings; secrets of the hub's are not among it.
+_SURROUNDINGS = (
+    "PATH",
+    "PYTHONPATH",
+    "LANG",
+    "SSL_CERT_FILE",
+    "SSL_CERT_DIR",
+    "REQUESTS_CA_BUNDLE",
+    "SYSTEMROOT",
+)
+
+
+class Outcome(StrEnum):
+    """How it went."""
+
+    SENT = "sent"
+    # It has certainly not arrived; another try may do.
+    AGAIN = "again"
+    # It has not arrived, and another try will not do.
+    FAILED = "failed"
+    # It may have arrived.
+    UNSURE = "unsure"
+
+
+class Went(NamedTuple):
+    """How it went, why not, and which browsers take no messages any more."""
+
+    outcome: Outcome
+    problem: str = ""
+    gone: tuple[int, ...] = ()
+
+
+class Sender:
+    """Sends messages."""
+
+    def __init__(self, networks: Sequence[Network]) -> None:
+        """Reach public addresses, and those in ``networks``."""
+        self._networks = [str(network) for network in networks]
+
+    async def send(
+        self,
+        way: Way,
+        secrets: Mapping[str, str],
+        target: str,
+        message: Message,
+        browsers: Sequence[PushBrowser] = (),
+    ) -> Went:
+        """Send a message; everything that goes wrong is in the answer."""
+        push = way.kind is WayKind.PUSH
+        job = {
+            **way.settings,
+            **secrets,
+            **message._asdict(),
+            "kind": way.kind.value,
+            "target": target,
+            "networks": list(_NETWORKS_OF_PUSH) if push else self._networks,
+            "browsers": [(each.id, dict(each.subscription)) for each in browsers],
+        }
+        return await _run(json.dumps(job).encode())
+
+
+async def _run(job: bytes) -> Went:
+    kept = {name: os.environ[name] for name in _SURROUNDINGS if name in os.environ}
+    try:
+        child = await asyncio.create_subprocess_exec(
+            sys.executable,
+            "-m",
+            "talaia.hub.notify.child",
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+            env=kept,
+        )
+    except OSError as error:
+        return Went(Outcome.AGAIN, f"no process could be begun: {error}")
+    try:
+        async with asyncio.timeout(_LONGEST_S):
+            said, wrong = await child.communicate(job)
+    except TimeoutError:
+        return Went(Outcome.UNSURE, f"no end after {_LONGEST_S:g} s: it may have been delivered")
+    finally:
+        if child.returncode is None:
+            child.kill()
+            await child.wait()
+    try:
+        told = json.loads(said)
+        gone = tuple(int(each) for each in told.get("gone", "").split(",") if each)
+        return Went(Outcome(told["outcome"]), told["problem"], gone)
+    except (ValueError, KeyError):
+        last = wrong.decode("utf-8", "replace").strip().splitlines()[-1:]
+        return Went(Outcome.UNSURE, f"it ended badly: {''.join(last)[:500]}")

@@ -1,0 +1,30 @@
+"""Who is signed in, people and scripts alike."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from talaia.hub.store.accounts.sessions import Alive, Sessions
+    from talaia.hub.store.accounts.tokens import ApiTokens
+
+__all__ = ["Register"]
+
+
+class Register:
+    """Sessions and tokens by the names that a `Who` carries."""
+
+    def __init__(self, sessions: Sessions, tokens: ApiTokens) -> None:
+        """Ask both."""
+        self._sessions = sessions
+        self._tokens = tokens
+
+    async def living(self, keys: Collection[str]) -> dict[str, Alive]:
+        """Give those that are alive, with their rights of now."""
+        return {**await self._sessions.living(keys), **await self._tokens.living(keys)}
+
+    async def touch(self, used: Collection[Alive]) -> int:
+        """Write down that sessions are used; give when they end if nobody does any more (µs)."""
+        return await self._sessions.touch(used)

@@ -1,0 +1,137 @@
+"""Second factors in the database: a sealed secret, the last code used, and recovery codes."""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+from typing import TYPE_CHECKING
+
+from sqlalchemy import delete, insert, select, update
+
+from talaia.hub.auth.totp import hash_recovery, new_factor, new_recovery, step_of
+from talaia.hub.errors import UnknownPerson
+from talaia.hub.store.tables import recovery_codes, users
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from sqlalchemy.ext.asyncio import AsyncConnection
+
+    from talaia.clock import Clock
+    from talaia.hub.auth.secret_box import Seal
+    from talaia.hub.store.database import Database
+
+__all__ = ["Factors", "Verdict"]
+
+
+class Verdict(Enum):
+    """What became of a code."""
+
+    RIGHT = auto()
+    # It was right, instead of a code of time, and is used up now.
+    RECOVERY = auto()
+    WRONG = auto()
+    # It was used already; the next one is taken.
+    REPLAYED = auto()
+
+
+class Factors:
+    """Sets up, asks for and removes second factors."""
+
+    def __init__(self, database: Database, clock: Clock, seal: Callable[[], Seal]) -> None:
+        """Keep secrets under the seal that ``seal`` gives, when there is one to keep."""
+        self._database = database
+        self._clock = clock
+        self._seal = seal
+
+    async def offer(self, user: int) -> str | None:
+        """Make a secret that waits for its first code; None when there is a factor already."""
+        secret = new_factor()
+        async with self._database.write() as connection:
+            if await _column(connection, user, "factor_secret"):
+                return None
+            await connection.execute(
+                update(users)
+                .where(users.c.id == user)
+                .values(factor_pending=self._seal().close(secret, _about(user)))
+            )
+        return secret
+
+    async def confirm(self, user: int, code: str) -> list[str] | None:
+        """Switch the offered factor on by its first code; give the recovery codes.
+
+        Returns:
+            None when the code is wrong, or nothing was offered.
+
+        """
+        async with self._database.write() as connection:
+            pending = await _column(connection, user, "factor_pending")
+            secret = self._seal().open(pending, _about(user)) if pending else None
+            step = step_of(secret, code, self._now_s()) if secret else None
+            if step is None:
+                return None
+            await connection.execute(
+                update(users)
+                .where(users.c.id == user)
+                .values(factor_secret=pending, factor_pending="", factor_step=step)
+            )
+            codes = new_recovery()
+            await connection.execute(delete(recovery_codes).where(recovery_codes.c.user_id == user))
+            await connection.execute(
+                insert(recovery_codes),
+                [{"code_hash": hash_recovery(one), "user_id": user} for one in codes],
+            )
+        return codes
+
+    async def use(self, user: int, code: str) -> Verdict:
+        """Take a code of time, or a recovery code, each at most once."""
+        async with self._database.write() as connection:
+            gone = await connection.execute(
+                delete(recovery_codes).where(
+                    recovery_codes.c.user_id == user,
+                    recovery_codes.c.code_hash == hash_recovery(code),
+                )
+            )
+            if gone.rowcount:
+                return Verdict.RECOVERY
+            sealed = await _column(connection, user, "factor_secret")
+            secret = self._seal().open(sealed, _about(user)) if sealed else None
+            step = step_of(secret, code, self._now_s()) if secret else None
+            if step is None:
+                return Verdict.WRONG
+            taken = await connection.execute(
+                update(users)
+                .where(users.c.id == user, users.c.factor_step < step)
+                .values(factor_step=step)
+            )
+        return Verdict.RIGHT if taken.rowcount else Verdict.REPLAYED
+
+    async def remove(self, user: int) -> bool:
+        """Take a person's factor and recovery codes away; False when there was none.
+
+        Raises:
+            UnknownPerson: there is nobody of that number.
+
+        """
+        async with self._database.write() as connection:
+            had = await _column(connection, user, "factor_secret")
+            await connection.execute(
+                update(users)
+                .where(users.c.id == user)
+                .values(factor_secret="", factor_pending="", factor_step=0)
+            )
+            await connection.execute(delete(recovery_codes).where(recovery_codes.c.user_id == user))
+        return bool(had)
+
+    def _now_s(self) -> float:
+        return self._clock.wall_ns() / 1e9
+
+
+def _about(user: int) -> str:
+    return f"second factor of person {user}"
+
+
+async def _column(connection: AsyncConnection, user: int, name: str) -> str:
+    found = (await connection.execute(select(users.c[name]).where(users.c.id == user))).scalar()
+    if found is None:
+        raise UnknownPerson("there is no such person")
+    return str(found)

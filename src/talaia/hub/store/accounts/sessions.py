@@ -1,0 +1,199 @@
+"""Sessions: from a sign-in to its end, by log-out, by time or because rights changed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from sqlalchemy import and_, delete, insert, select, update
+
+from talaia.hub.auth.permissions import Who
+from talaia.hub.auth.tokens import hash_token, new_token
+from talaia.hub.store.accounts.permission_grants import OF_ROLES, grants_of
+from talaia.hub.store.tables import roles, sessions, users
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from sqlalchemy import ColumnElement
+    from sqlalchemy.ext.asyncio import AsyncConnection
+
+    from talaia.clock import Clock
+    from talaia.hub.settings import Settings
+    from talaia.hub.store.database import Database
+
+__all__ = ["Alive", "Open", "Sessions"]
+
+# A use is written down at most this often, so that reading costs no writing.
+_TOUCH_US = 60_000_000
+
+
+class Alive(NamedTuple):
+    """Someone who is signed in, and when that ends: unused, and however much it is used."""
+
+    who: Who
+    idle_ends_us: int
+    ends_us: int
+    used_us: int
+
+
+class Open(NamedTuple):
+    """A session as its person sees it in the list."""
+
+    id: str
+    created_us: int
+    used_us: int
+    address: str
+    agent: str
+
+
+class Sessions:
+    """Sessions in the database; a token is kept as its hash only."""
+
+    def __init__(self, database: Database, clock: Clock, settings: Settings) -> None:
+        """Take the time-outs from ``settings``."""
+        self._database = database
+        self._clock = clock
+        self._idle_us = round(settings.idle_s * 1e6)
+        self._life_us = round(settings.life_s * 1e6)
+
+    async def begin(self, user: int, address: str, agent: str = "") -> tuple[str, Alive]:
+        """Start a session; give the token for the cookie and whom it stands for."""
+        token = new_token()
+        hashed = hash_token(token)
+        now = self._now_us()
+        async with self._database.write() as connection:
+            await connection.execute(delete(sessions).where(~self.alive_now()))
+            await connection.execute(
+                insert(sessions).values(
+                    token_hash=hashed,
+                    user_id=user,
+                    created_us=now,
+                    used_us=now,
+                    address=address[:200],
+                    agent=agent[:200],
+                )
+            )
+            await connection.execute(update(users).where(users.c.id == user).values(used_us=now))
+            found = await self._read(connection, [hashed])
+        return token, found[hashed]
+
+    async def who(self, token: str, *, used: bool = True) -> Alive | None:
+        """Tell who holds ``token``; None when it stands for no living session.
+
+        Args:
+            token: what the cookie holds.
+            used: whether a person has done something, so that the idle time begins anew.
+
+        """
+        hashed = hash_token(token)
+        found = (await self.living([hashed])).get(hashed)
+        if found is None or not used:
+            return found
+        return found._replace(idle_ends_us=await self.touch([found]))
+
+    async def living(self, hashes: Collection[str]) -> dict[str, Alive]:
+        """Give those of the sessions that are alive, with their people's rights of now."""
+        if not hashes:
+            return {}
+        async with self._database.read() as connection:
+            return await self._read(connection, hashes)
+
+    async def touch(self, used: Collection[Alive]) -> int:
+        """Write down that sessions are used; give when they end if nobody does any more (µs)."""
+        now = self._now_us()
+        old = [each.who for each in used if each.used_us < now - _TOUCH_US]
+        if old:
+            async with self._database.write() as connection:
+                await connection.execute(
+                    update(sessions)
+                    .where(sessions.c.token_hash.in_([who.session for who in old]))
+                    .values(used_us=now)
+                )
+                await connection.execute(
+                    update(users)
+                    .where(users.c.id.in_([who.user for who in old]))
+                    .values(used_us=now)
+                )
+        return now + self._idle_us
+
+    async def of(self, user: int) -> list[Open]:
+        """List the living sessions of a person, the last used first."""
+        async with self._database.read() as connection:
+            rows = await connection.execute(
+                select(
+                    sessions.c.token_hash,
+                    sessions.c.created_us,
+                    sessions.c.used_us,
+                    sessions.c.address,
+                    sessions.c.agent,
+                )
+                .where(sessions.c.user_id == user, self.alive_now())
+                .order_by(sessions.c.used_us.desc(), sessions.c.token_hash)
+            )
+            return [Open(*row) for row in rows]
+
+    async def end_of(self, user: int, hashed: str) -> bool:
+        """End one session of a person; False when they have none of that name."""
+        async with self._database.write() as connection:
+            gone = await connection.execute(
+                delete(sessions).where(sessions.c.token_hash == hashed, sessions.c.user_id == user)
+            )
+        return bool(gone.rowcount)
+
+    async def end(self, hashed: str) -> None:
+        """End one session."""
+        async with self._database.write() as connection:
+            await connection.execute(delete(sessions).where(sessions.c.token_hash == hashed))
+
+    async def end_all(self, user: int, keep: str = "") -> None:
+        """End every session of a person but ``keep``."""
+        async with self._database.write() as connection:
+            await connection.execute(
+                delete(sessions).where(sessions.c.user_id == user, sessions.c.token_hash != keep)
+            )
+
+    async def _read(self, connection: AsyncConnection, hashes: Collection[str]) -> dict[str, Alive]:
+        rows = await connection.execute(
+            select(
+                sessions.c.token_hash,
+                sessions.c.created_us,
+                sessions.c.used_us,
+                users.c.id,
+                users.c.name,
+                users.c.factor_secret,
+                users.c.role_id,
+                roles.c.name.label("role"),
+            )
+            .join(users, users.c.id == sessions.c.user_id)
+            .join(roles, roles.c.id == users.c.role_id)
+            .where(sessions.c.token_hash.in_(hashes), ~users.c.disabled, self.alive_now())
+        )
+        people = rows.all()
+        held = await grants_of(connection, OF_ROLES, {row.role_id for row in people})
+        return {
+            row.token_hash: Alive(
+                Who(
+                    row.token_hash,
+                    row.id,
+                    row.name,
+                    row.role,
+                    held[row.role_id],
+                    factor=bool(row.factor_secret),
+                ),
+                row.used_us + self._idle_us,
+                row.created_us + self._life_us,
+                row.used_us,
+            )
+            for row in people
+        }
+
+    def alive_now(self) -> ColumnElement[bool]:
+        """Give the condition by which a session counts."""
+        now_us = self._now_us()
+        return and_(
+            sessions.c.used_us > now_us - self._idle_us,
+            sessions.c.created_us > now_us - self._life_us,
+        )
+
+    def _now_us(self) -> int:
+        return self._clock.wall_ns() // 1000

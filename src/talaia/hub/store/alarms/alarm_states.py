@@ -1,0 +1,163 @@
+"""Alarms in the database: how each stands, what has happened to it, and those made in the page.
+
+What happens to an alarm, its new state, the notices of it and its line in the logbook are one
+transaction: a hub that is killed has either done all of it or none, and then does it again.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, NamedTuple
+
+from sqlalchemy import delete, insert, select, update
+
+from talaia.hub.alarms.machine import Happened, Phase, State, What
+from talaia.hub.store.alarm_tables import alarm_definitions, alarm_history, alarm_states
+from talaia.hub.store.alarms.notification_outbox import add_notices
+from talaia.hub.store.audit import Entry, append
+from talaia.hub.store.safe_text import visible
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.hub.store.alarms.notification_outbox import About
+    from talaia.hub.store.database import Database
+
+__all__ = ["AlarmStore", "Change", "Made", "Past"]
+
+_SENTENCE = 2000
+
+
+class Change(NamedTuple):
+    """An alarm's new state, and what happened to bring it about."""
+
+    about: About
+    state: State
+    happened: tuple[Happened, ...]
+
+
+class Made(NamedTuple):
+    """An alarm that was made in the page; the definition is JSON."""
+
+    site: str
+    alarm: str
+    definition: str
+    who: str
+    changed_us: int
+
+
+class Past(NamedTuple):
+    """One thing that happened to an alarm."""
+
+    id: int
+    happened: Happened
+
+
+class AlarmStore:
+    """Rows of alarms."""
+
+    def __init__(self, database: Database) -> None:
+        """Work on ``database``."""
+        self._database = database
+
+    async def states(self) -> dict[tuple[str, str], State]:
+        """Give how every alarm stands, by site and alarm."""
+        async with self._database.read() as connection:
+            rows = await connection.execute(select(alarm_states))
+            found = [dict(row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's own name
+        return {
+            (row.pop("site"), row.pop("alarm")): State(**{**row, "phase": Phase(row["phase"])})
+            for row in found
+        }
+
+    async def commit(self, changes: Sequence[Change], now_us: int) -> None:
+        """Write states, what happened, and the notices of it, all or nothing."""
+        async with self._database.write() as connection:
+            entries: list[Entry] = []
+            for change in changes:
+                about = change.about
+                key = {"site": about.site, "alarm": about.alarm}
+                same = (
+                    alarm_states.c.site == about.site,
+                    alarm_states.c.alarm == about.alarm,
+                )
+                row = {**dataclasses.asdict(change.state), "phase": change.state.phase.value}
+                row["why"] = visible(change.state.why, _SENTENCE)
+                row["shelved_why"] = visible(change.state.shelved_why, _SENTENCE)
+                there = await connection.execute(select(alarm_states.c.site).where(*same))
+                if there.first() is None:
+                    await connection.execute(insert(alarm_states).values(**key, **row))
+                else:
+                    await connection.execute(update(alarm_states).where(*same).values(**row))
+                for happened in change.happened:
+                    entries.append(_entry(about, happened))
+                    added = await connection.execute(
+                        insert(alarm_history).values(
+                            **key,
+                            episode=happened.episode,
+                            what=happened.what.value,
+                            time_us=happened.time_us,
+                            who=visible(happened.who, 200),
+                            message=visible(happened.message, _SENTENCE),
+                        )
+                    )
+                    number = added.inserted_primary_key
+                    if happened.tell and number is not None:
+                        await add_notices(connection, about, int(number[0]), happened, now_us)
+            if entries:
+                await append(connection, entries)
+
+    async def past(self, site: str, alarm: str, limit: int, before: int = 2**62) -> list[Past]:
+        """List what has happened to an alarm, newest first."""
+        table = alarm_history
+        async with self._database.read() as connection:
+            rows = await connection.execute(
+                select(table)
+                .where(table.c.site == site, table.c.alarm == alarm, table.c.id < before)
+                .order_by(table.c.id.desc())
+                .limit(limit)
+            )
+            return [
+                Past(
+                    row.id,
+                    Happened(What(row.what), row.episode, row.time_us, row.who, row.message),
+                )
+                for row in rows
+            ]
+
+    async def made(self) -> list[Made]:
+        """List the alarms that were made in the page."""
+        async with self._database.read() as connection:
+            rows = await connection.execute(select(alarm_definitions))
+            return [Made(*row) for row in rows]
+
+    async def define(self, made: Made) -> None:
+        """Keep an alarm that was made in the page, in place of the one of its name."""
+        table = alarm_definitions
+        same = (table.c.site == made.site, table.c.alarm == made.alarm)
+        async with self._database.write() as connection:
+            await connection.execute(delete(table).where(*same))
+            await connection.execute(insert(table).values(**made._asdict()))
+
+    async def forget(self, site: str, alarm: str) -> bool:
+        """Remove an alarm that was made in the page; False when there is none."""
+        table = alarm_definitions
+        async with self._database.write() as connection:
+            done = await connection.execute(
+                delete(table).where(table.c.site == site, table.c.alarm == alarm)
+            )
+        return done.rowcount == 1
+
+
+def _entry(about: About, happened: Happened) -> Entry:
+    """Give the line of the logbook."""
+    return Entry(
+        happened.time_us,
+        f"alarm {happened.what}",
+        visible(happened.who, 200),
+        "",
+        about.site,
+        about.device,
+        visible(f"{about.name}: {happened.message}".rstrip(": "), _SENTENCE),
+        happened.what not in {What.RAISED, What.REMINDED, What.UNSHELVED},
+    )

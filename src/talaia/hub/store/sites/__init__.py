@@ -1,0 +1,1 @@
+"""Sites in the database: gateways, descriptions, recordings, sightings."""
