@@ -29,14 +29,16 @@ class Point(NamedTuple):
     call: int = 1
 
 
+_INDEX = "talaia.hub.history.writing.block_index"
+_REGISTRY = "talaia.hub.store.sites.site_registry"
 POINTS = {
-    "hub-before-commit": Point("talaia.hub.history.writing.block_index", "Ledger._write", call=10),
-    "hub-in-commit": Point("talaia.hub.history.writing.block_index", "Ledger._write", after=True, call=10),
-    "hub-after-commit": Point("talaia.hub.history.writing.block_index", "Ledger.store", after=True, call=10),
+    "hub-before-commit": Point(_INDEX, "Ledger._write", call=10),
+    "hub-in-commit": Point(_INDEX, "Ledger._write", after=True, call=10),
+    "hub-after-commit": Point(_INDEX, "Ledger.store", after=True, call=10),
     "hub-mid-migration": Point(
         "alembic.runtime.migration", "HeadMaintainer.update_to_step", call=2
     ),
-    "hub-before-description": Point("talaia.hub.store.sites.site_registry", "SiteRegistry.said_hello"),
+    "hub-before-description": Point(_REGISTRY, "SiteRegistry.said_hello"),
     "hub-after-description": Point("talaia.hub.live.gateways.ingest", "Ingest.start"),
     "spool-before-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", call=2),
     "spool-mid-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", after=True, call=2),

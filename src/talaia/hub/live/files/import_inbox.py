@@ -1,8 +1,8 @@
 """What `talaia import` has left in the data folder goes into the history.
 
-A parcel (see `talaia.hub.history.import_file`) is taken a few stretches at a time, so that what comes
-from gateways meanwhile shares the commits. Its file goes when all of it is stored; a hub that is
-killed before that takes it again from the beginning, which stores nothing twice.
+A parcel (see `talaia.hub.history.import_file`) is taken a few stretches at a time, so that what
+comes from gateways meanwhile shares the commits. Its file goes when all of it is stored; a hub
+that is killed before that takes it again from the beginning, which stores nothing twice.
 """
 
 from __future__ import annotations
